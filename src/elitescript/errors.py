@@ -1,0 +1,206 @@
+"""The exception tree and the table of error codes.
+
+Three families, by whose mistake it is: the script author's (`ScriptError`, `ProgramError`),
+the network peer's (`PeerError`), the caller's of this library (`UsageError`). Anything else
+that escapes is our bug and is never caught to be forgotten.
+
+`CODES` is the one place in which a code, its severity and its title stand. Codes E0xx and E1xx
+stop a program from starting, E3xx are findings against the command catalogue, W2xx are
+warnings, R are alarms at run time.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final, NamedTuple
+
+
+class Code(NamedTuple):
+    """One row of the error table."""
+
+    code: str
+    severity: str
+    """`error` or `warning`; an alarm at run time is an error."""
+    title: str
+
+
+_ROWS: Final = (
+    # What keeps a program from starting.
+    Code("E001", "error", "Python syntax"),
+    Code("E002", "error", "the text is not UTF-8"),
+    Code("E101", "error", "`end` that closes nothing"),
+    Code("E102", "error", "program unit without its closing `end`"),
+    Code("E103", "error", "clause after the `end` of its statement"),
+    Code("E104", "error", "empty block"),
+    Code("E105", "error", "`sec` inside a block"),
+    Code("E106", "error", "print statement of Python 2"),
+    Code("E107", "error", "program parameter without a default"),
+    Code("E108", "error", "`global` with an assignment"),
+    Code("E109", "error", "`global` after the name was used"),
+    Code("E110", "error", "long-integer suffix of Python 2"),
+    Code("E111", "error", "`<>` or backquotes of Python 2"),
+    Code("E112", "error", "statement form of Python 2"),
+    Code("E113", "error", "operator of C"),
+    Code("E114", "error", "statement of URScript"),
+    Code("E115", "error", "name or attribute that scripts may not use"),
+    # What suspects a mistake.
+    Code("W201", "warning", "unknown name"),
+    Code("W202", "warning", "assignment that hides a global; `global` missing?"),
+    Code("W203", "warning", "name of a robot command used for something else"),
+    Code("W204", "warning", "loop that never waits"),
+    Code("W205", "warning", "call that a secondary program may not make"),
+    Code("W206", "warning", "`global` that is never assigned"),
+    Code("W207", "warning", "code that is never reached"),
+    Code("W208", "warning", "use of the program's own name"),
+    Code("W209", "warning", "name of Python 2"),
+    Code("W210", "warning", "escape sequence that Python does not have"),
+    Code("W211", "warning", "pose literal of URScript"),
+    Code("W212", "warning", "syntax newer than the robot's Python"),
+    Code("W213", "warning", "module that is not available"),
+    # What contradicts the command catalogue: `check` fails, `run` warns.
+    Code("E301", "error", "unknown command"),
+    Code("E302", "error", "command of a newer firmware"),
+    Code("E303", "error", "wrong number or names of arguments"),
+    Code("E304", "error", "argument of the wrong type"),
+    Code("E305", "error", "argument outside its range"),
+    # Alarms while a program runs.
+    Code("R100", "error", "uncaught Python exception"),
+    Code("R101", "error", "argument of the wrong type"),
+    Code("R102", "error", "argument outside its range"),
+    Code("R103", "error", "wrong number or names of arguments"),
+    Code("R104", "error", "invalid value"),
+    Code("R105", "error", "command of a newer firmware"),
+    Code("R106", "error", "command that is not simulated"),
+    Code("R110", "error", "target outside the joint limits"),
+    Code("R111", "error", "target out of reach"),
+    Code("R112", "error", "path through a singularity"),
+    Code("R113", "error", "arc without a plane"),
+    Code("R114", "error", "two motions at once"),
+    Code("R115", "error", "the arm is not ready to move"),
+    Code("R120", "error", "call that a secondary program may not make"),
+    Code("R121", "error", "too many threads"),
+    Code("R122", "error", "I/O point in the wrong mode"),
+    Code("R123", "error", "access that scripts do not have"),
+    Code("R130", "error", "nothing can ever happen again"),
+    Code("R131", "error", "the thread cannot be stopped"),
+)
+
+CODES: Final[dict[str, Code]] = {row.code: row for row in _ROWS}
+
+
+class ElitescriptError(Exception):
+    """Root of the errors that this library raises to its Python callers."""
+
+
+class UsageError(ElitescriptError):
+    """The caller of this library or of the command line passed something that makes no sense."""
+
+
+class InternalError(ElitescriptError):
+    """A broken invariant of our own; please report it."""
+
+
+class PeerError(ElitescriptError):
+    """A network peer sent something that its protocol does not allow."""
+
+
+class ProgramError(ElitescriptError):
+    """The text is not a program; `problems` holds one diagnostic for each reason."""
+
+    def __init__(self, problems: tuple[Any, ...]) -> None:
+        self.problems = problems
+        super().__init__("\n".join(str(problem) for problem in problems))
+
+
+class ScriptError(Exception):
+    """A robot command refused to do what the script asked; scripts may catch it.
+
+    Raised on the script's own line. The subclasses are also the built-in exceptions that
+    a Python programmer expects (`TypeError`, `ValueError`, `RuntimeError`).
+
+    Args:
+        text: what was wrong, in plain words, with the value and the unit.
+        code: row of `CODES`.
+        command: the command that refused.
+        argument: the parameter that was wrong, if it was one.
+        value: what was passed.
+        limit: what is allowed, as text (`"> 0"`, `"[0, 15]"`).
+        unit: unit of value and limit.
+        hint: what to do about it.
+    """
+
+    default_code = "R104"
+
+    def __init__(
+        self,
+        text: str,
+        *,
+        code: str | None = None,
+        command: str | None = None,
+        argument: str | None = None,
+        value: Any = None,
+        limit: str | None = None,
+        unit: str | None = None,
+        hint: str | None = None,
+    ) -> None:
+        super().__init__(text)
+        self.code = code or self.default_code
+        self.command = command
+        self.argument = argument
+        self.value = value
+        self.limit = limit
+        self.unit = unit
+        self.hint = hint
+
+
+class ArgumentTypeError(ScriptError, TypeError):
+    """An argument has the wrong type or shape."""
+
+    default_code = "R101"
+
+
+class ArgumentRangeError(ScriptError, ValueError):
+    """An argument is outside its range."""
+
+    default_code = "R102"
+
+
+class ArgumentCountError(ScriptError, TypeError):
+    """A command was called with the wrong number or names of arguments."""
+
+    default_code = "R103"
+
+
+class InvalidValueError(ScriptError, ValueError):
+    """The value cannot be used, though its type and range are right."""
+
+    default_code = "R104"
+
+
+class FirmwareError(ScriptError, NameError):
+    """The command exists only in a newer firmware than the chosen one."""
+
+    default_code = "R105"
+
+
+class NotSimulatedError(ScriptError, NotImplementedError):
+    """The command is known but not simulated; it never pretends."""
+
+    default_code = "R106"
+
+
+class MotionError(ScriptError, RuntimeError):
+    """The arm cannot do this move."""
+
+    default_code = "R111"
+
+
+class ScriptStateError(ScriptError, RuntimeError):
+    """The command makes no sense in the present state of program or machine."""
+
+    default_code = "R115"
+
+
+class ScriptPermissionError(ScriptError, PermissionError):
+    """The script asked for something that scripts may not have."""
+
+    default_code = "R123"
