@@ -1,0 +1,37 @@
+"""EliteScript without the robot: the language, the arm and the controller of the Elite Robots CS series.
+
+The public names are loaded on first use, so that a tool that needs one of them does not pay
+for the others.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from elitescript.errors import ElitescriptError as ElitescriptError
+    from elitescript.errors import ProgramError as ProgramError
+    from elitescript.errors import UsageError as UsageError
+    from elitescript.robot import Run as Run
+    from elitescript.robot import VirtualRobot as VirtualRobot
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "VirtualRobot": "elitescript.robot",
+    "Run": "elitescript.robot",
+    "AlarmError": "elitescript.errors",
+    "ElitescriptError": "elitescript.errors",
+    "ProgramError": "elitescript.errors",
+    "UsageError": "elitescript.errors",
+}
+
+__all__ = [*_HOMES, "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'elitescript' has no attribute {name!r}")
+    import importlib
+
+    return getattr(importlib.import_module(_HOMES[name]), name)

@@ -1,0 +1,163 @@
+"""All that a command's body may use.
+
+`Machine` is the controller as it stands in this tick; `Robot` is the machine together with the
+running program, as one script thread sees them. The controller implements the first and the
+runtime the second; a test needs neither.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from elitescript.kinematics.arm import Arm
+from elitescript.messages.events import Event
+from elitescript.messages.machine import MachineRequest
+from elitescript.messages.motion import MotionRequest, MoveRequest, Six
+from elitescript.messages.profile import Profile
+from elitescript.messages.signals import Value
+from elitescript.messages.state import JointState, Payload, RobotState
+
+
+class Machine(Protocol):
+    """The controller between two ticks. Reading costs little; changes are requests."""
+
+    @property
+    def tick(self) -> int: ...
+
+    @property
+    def arm(self) -> Arm: ...
+
+    @property
+    def joint_ranges(self) -> tuple[tuple[float, float], ...]:
+        """Six pairs of lowest and highest joint position, rad."""
+
+    @property
+    def payload_max_kg(self) -> float: ...
+
+    @property
+    def default_motion(self) -> tuple[float, float, float, float]:
+        """Joint acceleration, joint speed, tool acceleration, tool speed when a program gives none (or 0)."""
+
+    @property
+    def tcp_offset(self) -> Six: ...
+
+    @property
+    def payload(self) -> Payload: ...
+
+    @property
+    def target_waypoint(self) -> Six:
+        """Pose of the waypoint that the arm moves to, or moved to last."""
+
+    @property
+    def joint_temperatures(self) -> Six:
+        """degC."""
+
+    @property
+    def controller_temperature(self) -> float:
+        """degC."""
+
+    def joints(self) -> JointState:
+        """Target and actual joints of this tick."""
+
+    def state(self) -> RobotState:
+        """The whole machine at this tick."""
+
+    def read(self, name: str, index: int = 0) -> Value:
+        """One point of the signal image; see `messages.signals`."""
+
+    def tool_pin(self, index: int) -> bool:
+        """Level of a tool pin as its configuration makes it: the driven or the applied one."""
+
+    def timestamp_s(self) -> float:
+        """The controller's clock, seconds since 1970."""
+
+    def request_motion(self, request: MotionRequest, line: int, thread: str) -> int:
+        """Begin to move (or to brake) at this tick; return the number of the move.
+
+        Raises:
+            ScriptError: the arm cannot or may not do it; nothing has changed.
+        """
+
+    def is_move_done(self, move: int) -> bool: ...
+
+    def cancel_move(self, move: int) -> None:
+        """Brake the move, if it is the active one: its thread was stopped."""
+
+    def request(self, request: MachineRequest) -> None:
+        """Change the machine without moving it.
+
+        Raises:
+            ScriptError: the request makes no sense now; nothing has changed.
+        """
+
+    def emit(self, event: Event) -> None:
+        """Record what happened."""
+
+
+class Robot(Protocol):
+    """Machine and program, as the calling script thread sees them."""
+
+    @property
+    def machine(self) -> Machine: ...
+
+    @property
+    def profile(self) -> Profile: ...
+
+    @property
+    def is_secondary(self) -> bool:
+        """Whether the caller is a secondary program (`sec`)."""
+
+    @property
+    def task_path(self) -> str:
+        """Virtual path of the task folder, ending in `/`."""
+
+    def move(self, request: MoveRequest) -> None:
+        """Ask for a move and wait for its end."""
+
+    def stop_motion(self, request: MotionRequest) -> None:
+        """Ask for a stop and wait for standstill."""
+
+    def request(self, request: MachineRequest) -> None:
+        """Change the machine without moving it."""
+
+    def wait_ticks(self, count: int) -> None:
+        """Let `count` ticks go by; 0 returns at once."""
+
+    def start_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> int:
+        """Start a script thread in this tick, after the threads that run already; return its handle (never 0).
+
+        Raises:
+            ScriptStateError: too many threads (code R121).
+        """
+
+    def join_thread(self, handle: int) -> None:
+        """Wait for a thread; returns at once for 0, an unknown or a finished one.
+
+        Raises:
+            ScriptStateError: a thread cannot wait for itself.
+        """
+
+    def stop_thread(self, handle: int) -> None:
+        """End a thread where it stands; no effect on 0, an unknown or a finished one."""
+
+    def message(self, text: str) -> None:
+        """One entry in the robot's log."""
+
+    def popup(self, text: str, title: str, level: str, *, is_blocking: bool) -> None:
+        """Show a message window; wait for its confirmation when it blocks."""
+
+    def warn_once(self, key: str, text: str) -> None:
+        """Record a warning, the first time in this program that `key` comes by."""
+
+    def random(self) -> float:
+        """Next number in [0, 1) of the program's seeded generator."""
+
+    def pause(self) -> None:
+        """Pause the task until somebody resumes it."""
+
+    def halt(self) -> None:
+        """Stop the task; does not return."""
+
+    def mark(self, number: int, label: str) -> None:
+        """Note the node of the program tree that was reached."""

@@ -1,0 +1,53 @@
+"""Reading the parts of a command's docstring: summary, behaviour, arguments, result."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Docstring(NamedTuple):
+    """The parts, without indentation."""
+
+    summary: str
+    behaviour: str
+    args: dict[str, str]
+    returns: str
+
+
+_SECTIONS = ("Args:", "Returns:", "Raises:")
+
+
+def read_docstring(text: str) -> Docstring:
+    """Split a docstring in the Google form; unknown sections stay part of the behaviour."""
+    lines = [line.rstrip() for line in text.strip().split("\n")]
+    margin = min((len(line) - len(line.lstrip()) for line in lines[1:] if line.strip()), default=0)
+    lines = [lines[0], *(line[margin:] for line in lines[1:])]
+    parts: dict[str, list[str]] = {"": [], **{section: [] for section in _SECTIONS}}
+    section = ""
+    for line in lines[1:]:
+        if line in _SECTIONS:
+            section = line
+        else:
+            if section and line and not line.startswith(" "):
+                section = ""
+            parts[section].append(line)
+    return Docstring(
+        summary=lines[0].strip(),
+        behaviour="\n".join(parts[""]).strip(),
+        args=_arguments(parts["Args:"]),
+        returns=" ".join(line.strip() for line in parts["Returns:"] if line.strip()),
+    )
+
+
+def _arguments(lines: list[str]) -> dict[str, str]:
+    args: dict[str, str] = {}
+    name = ""
+    for line in lines:
+        if not line.strip():
+            continue
+        if not line.startswith("     "):
+            name, _, rest = line.strip().partition(":")
+            args[name] = rest.strip()
+        else:
+            args[name] = f"{args[name]} {line.strip()}"
+    return args

@@ -1,0 +1,293 @@
+"""What a command takes: type, shape, unit and range, in one object for each kind of value.
+
+A command's parameter is annotated with one of these. The same object coerces the value at run time,
+checks literals before the run, and prints the reference page, so that every message has one form:
+command, parameter, value, bound, unit.
+
+Coercion: bool and int stand for each other; an int stands for a float; a float never stands for an int
+(*assumed*). NaN and infinity are refused wherever a number goes to the machine, and so are wrong lengths and
+text for a number.
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Annotated, Any, Final
+
+from elitescript.errors import ArgumentRangeError, ArgumentTypeError, ScriptError
+from elitescript.messages.motion import Six
+
+_LONGEST_SHOWN: Final = 80
+"""Characters of a wrong value that a message repeats."""
+
+
+def shown(value: Any) -> str:
+    """A value as a message repeats it: short, and never raising."""
+    try:
+        text = repr(value)
+    except Exception:
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+
+
+class Quantity:
+    """A kind of value that scripts pass to commands."""
+
+    __slots__ = ("type_name", "unit")
+
+    def __init__(self, type_name: str, unit: str = "") -> None:
+        self.type_name = type_name
+        self.unit = unit
+
+    @property
+    def limit(self) -> str:
+        """The allowed range as text; empty when anything goes."""
+        return ""
+
+    def coerce(self, value: Any) -> Any:
+        """The value in the type that the command works with.
+
+        Raises:
+            ScriptError: with text, value, limit and unit; the caller adds command and argument.
+        """
+        return value
+
+    def wrong_type(self, value: Any, wanted: str = "") -> ScriptError:
+        """The error for a value of another type."""
+        wanted = wanted or self.type_name
+        return ArgumentTypeError(
+            f"must be {wanted}, not {type(value).__name__} {shown(value)}", value=value, limit=wanted, unit=self.unit
+        )
+
+    def out_of_range(self, value: Any, limit: str = "") -> ScriptError:
+        """The error for a value outside its range."""
+        limit = limit or self.limit
+        unit = f" {self.unit}" if self.unit else ""
+        return ArgumentRangeError(
+            f"must be {limit}{unit}, got {shown(value)}", value=value, limit=limit, unit=self.unit
+        )
+
+
+def _range_text(low: float | None, high: float | None, is_low_open: bool) -> str:
+    if low is None:
+        return "" if high is None else f"<= {high:g}"
+    if high is None:
+        return f"{'>' if is_low_open else '>='} {low:g}"
+    return f"in {'(' if is_low_open else '['}{low:g}, {high:g}]"
+
+
+class Number(Quantity):
+    """A finite float."""
+
+    __slots__ = ("allows_non_finite", "high", "is_low_open", "low")
+
+    def __init__(
+        self,
+        unit: str = "",
+        low: float | None = None,
+        high: float | None = None,
+        *,
+        is_low_open: bool = False,
+        allows_non_finite: bool = False,
+    ) -> None:
+        super().__init__("float", unit)
+        self.low = low
+        self.high = high
+        self.is_low_open = is_low_open
+        self.allows_non_finite = allows_non_finite
+
+    @property
+    def limit(self) -> str:
+        return _range_text(self.low, self.high, self.is_low_open)
+
+    def coerce(self, value: Any) -> float:
+        if not isinstance(value, (int, float)):
+            raise self.wrong_type(value, "a number")
+        try:
+            number = float(value)
+        except OverflowError:
+            raise self.out_of_range(value, "a number that fits a float") from None
+        if not isfinite(number) and not self.allows_non_finite:
+            raise self.out_of_range(value, "a finite number")
+        low = self.low
+        if (low is not None and (number < low or (self.is_low_open and number == low))) or (
+            self.high is not None and number > self.high
+        ):
+            raise self.out_of_range(value)
+        return number
+
+
+class Integer(Quantity):
+    """An int."""
+
+    __slots__ = ("high", "low")
+
+    def __init__(self, low: int | None = None, high: int | None = None, unit: str = "") -> None:
+        super().__init__("int", unit)
+        self.low = low
+        self.high = high
+
+    @property
+    def limit(self) -> str:
+        if self.low is None or self.high is None:
+            return _range_text(self.low, self.high, False)
+        return f"in [{self.low}, {self.high}]"
+
+    def coerce(self, value: Any) -> int:
+        if not isinstance(value, int):
+            raise self.wrong_type(value, "an int")
+        number = int(value)
+        if (self.low is not None and number < self.low) or (self.high is not None and number > self.high):
+            raise self.out_of_range(value)
+        return number
+
+
+class Choice(Quantity):
+    """One of a few ints or strings."""
+
+    __slots__ = ("choices",)
+
+    def __init__(self, *choices: Any, unit: str = "") -> None:
+        super().__init__(type(choices[0]).__name__, unit)
+        self.choices = choices
+
+    @property
+    def limit(self) -> str:
+        return "one of " + ", ".join(repr(choice) for choice in self.choices)
+
+    def coerce(self, value: Any) -> Any:
+        kind = type(self.choices[0])
+        if not isinstance(value, kind):
+            raise self.wrong_type(value)
+        if value not in self.choices:
+            raise self.out_of_range(value)
+        return kind(value)
+
+
+class Boolean(Quantity):
+    """A bool; an int stands for whether it is not 0."""
+
+    __slots__ = ()
+
+    def __init__(self) -> None:
+        super().__init__("bool")
+
+    def coerce(self, value: Any) -> bool:
+        if not isinstance(value, int):
+            raise self.wrong_type(value, "True or False")
+        return bool(value)
+
+
+class Text(Quantity):
+    """A str."""
+
+    __slots__ = ()
+
+    def __init__(self) -> None:
+        super().__init__("str")
+
+    def coerce(self, value: Any) -> str:
+        if not isinstance(value, str):
+            raise self.wrong_type(value, "a str")
+        return value
+
+
+class Anything(Quantity):
+    """Any value; the command decides."""
+
+    __slots__ = ()
+
+    def __init__(self, type_name: str = "any", unit: str = "") -> None:
+        super().__init__(type_name, unit)
+
+
+class Vector(Quantity):
+    """A list or tuple of a fixed number of values of one kind (any number when `count` is None)."""
+
+    __slots__ = ("count", "element", "names")
+
+    def __init__(self, element: Quantity, count: int | None, unit: str = "", names: str = "") -> None:
+        size = f" of {count}" if count else ""
+        super().__init__(f"list[{element.type_name}]{size}", unit or element.unit)
+        self.element = element
+        self.count = count
+        self.names = names
+
+    @property
+    def limit(self) -> str:
+        each = f"each {self.element.limit}" if self.element.limit else ""
+        size = f"{self.count} elements" if self.count is not None else ""
+        return ", ".join(part for part in (size, each) if part)
+
+    def coerce(self, value: Any) -> tuple[Any, ...]:
+        if not isinstance(value, (list, tuple)):
+            count = "" if self.count is None else f"{self.count} "
+            raise self.wrong_type(value, f"a list of {count}numbers")
+        if self.count is not None and len(value) != self.count:
+            names = f" {self.names}" if self.names else ""
+            raise ArgumentTypeError(
+                f"must have {self.count} elements{names}, got {len(value)}: {shown(value)}",
+                value=value,
+                limit=f"{self.count} elements",
+                unit=self.unit,
+            )
+        coerce = self.element.coerce
+        result = []
+        for index, item in enumerate(value):
+            try:
+                result.append(coerce(item))
+            except ScriptError as error:
+                error.args = (f"element {index} {error.args[0]}",)
+                raise
+        return tuple(result)
+
+
+class Optionally(Quantity):
+    """A value that may be left out: omitted, None, `''` and the manual's placeholder text mean the same."""
+
+    __slots__ = ("inner", "placeholder")
+
+    def __init__(self, inner: Quantity, placeholder: str = "") -> None:
+        super().__init__(inner.type_name, inner.unit)
+        self.inner = inner
+        self.placeholder = placeholder
+
+    @property
+    def limit(self) -> str:
+        return self.inner.limit
+
+    def coerce(self, value: Any) -> Any:
+        if value is None or (isinstance(value, str) and value in ("", self.placeholder)):
+            return None
+        return self.inner.coerce(value)
+
+
+_POSE_NAMES: Final = "[x, y, z, Rx, Ry, Rz]"
+_JOINT_NAMES: Final = "[base, shoulder, elbow, wrist1, wrist2, wrist3]"
+POSE: Final = Vector(Number(), 6, "m, rad", _POSE_NAMES)
+JOINTS: Final = Vector(Number(), 6, "rad", _JOINT_NAMES)
+
+JointPositions = Annotated[Six, JOINTS]
+JointSpeeds = Annotated[Six, Vector(Number(), 6, "rad/s", _JOINT_NAMES)]
+Pose = Annotated[Six, POSE]
+TcpSpeed = Annotated[Six, Vector(Number(), 6, "m/s, rad/s", "[Vx, Vy, Vz, RVx, RVy, RVz]")]
+OptionalJoints = Annotated[Six | None, Optionally(JOINTS)]
+OptionalTcp = Annotated[Six | None, Optionally(POSE, "active tcp")]
+Vector3 = Annotated[tuple[float, float, float], Vector(Number(), 3)]
+Numbers = Annotated[tuple[float, ...], Vector(Number(), None)]
+
+JointAcceleration = Annotated[float, Number("rad/s^2", 0.0)]
+JointSpeed = Annotated[float, Number("rad/s", 0.0)]
+ToolAcceleration = Annotated[float, Number("m/s^2", 0.0)]
+ToolSpeed = Annotated[float, Number("m/s", 0.0)]
+Seconds = Annotated[float, Number("s", 0.0)]
+TimeOut = Annotated[float, Number("s")]
+Metres = Annotated[float, Number("m", 0.0)]
+Kilograms = Annotated[float, Number("kg", 0.0)]
+Radians = Annotated[float, Number("rad")]
+Real = Annotated[float, Number()]
+AnyReal = Annotated[float, Number(allows_non_finite=True)]
+Whole = Annotated[int, Integer()]
+Bool = Annotated[bool, Boolean()]
+Str = Annotated[str, Text()]
+Any_ = Annotated[Any, Anything()]

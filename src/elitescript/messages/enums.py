@@ -1,0 +1,78 @@
+"""The modes of robot, safety and task, with the numbers that clients see.
+
+Evidence: *documented* by the vendor's SDK and dashboard pages unless marked otherwise.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class RobotMode(IntEnum):
+    """What the arm's power and brakes are doing."""
+
+    NO_CONTROLLER = -1
+    DISCONNECTED = 0
+    CONFIRM_SAFETY = 1
+    BOOTING = 2
+    POWER_OFF = 3
+    POWER_ON = 4
+    IDLE = 5
+    BACK_DRIVE = 6
+    RUNNING = 7
+    UPDATING = 8
+
+
+class SafetyMode(IntEnum):
+    """What the safety system allows."""
+
+    NORMAL = 1
+    REDUCED = 2
+    PROTECTIVE_STOP = 3
+    RECOVERY = 4
+    SAFEGUARD_STOP = 5
+    SYSTEM_EMERGENCY_STOP = 6
+    ROBOT_EMERGENCY_STOP = 7
+    VIOLATION = 8
+    FAULT = 9
+    VALIDATE_JOINT_ID = 10
+    UNDEFINED = 11
+    AUTOMATIC_MODE_SAFEGUARD_STOP = 12
+    SYSTEM_THREE_POSITION_ENABLING_STOP = 13
+    TP_THREE_POSITION_ENABLING_STOP = 14
+
+
+class TaskState(IntEnum):
+    """What the program is doing."""
+
+    UNKNOWN = 0
+    PLAYING = 1
+    PAUSED = 2
+    STOPPED = 3
+
+
+class AnalogDomain(IntEnum):
+    """Electrical meaning of an analog channel (manual, I/O chapter)."""
+
+    CURRENT = 0
+    """4 to 20 mA."""
+    VOLTAGE = 1
+    """0 to 10 V."""
+
+
+class RunstateChoice(IntEnum):
+    """What an output does when no program runs (manual, `set_runstate_..._to_value`)."""
+
+    KEEP = 0
+    LOW_WHEN_STOPPED = 1
+    HIGH_WHEN_STOPPED = 2
+    FOLLOW = 3
+    """Low while no program runs, high while one runs."""
+
+
+class ToolPinMode(IntEnum):
+    """Driver of a tool digital pin (manual 2.14, `set_tool_digital_io_config`)."""
+
+    PUSH_PULL = 0
+    PNP = 1
+    NPN = 2

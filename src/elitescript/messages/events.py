@@ -1,0 +1,156 @@
+"""What happened, in the order in which it happened.
+
+Every event carries the tick at which it happened. The list of events of a run is its meaning: two runs
+with the same events did the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.motion import MotionRequest
+from elitescript.messages.signals import Value
+
+
+@dataclass(frozen=True, slots=True)
+class TextMessage:
+    """`textmsg`: a line for the robot's log."""
+
+    tick: int
+    text: str
+    thread: str
+    line: int
+    level: str = "info"
+
+
+@dataclass(frozen=True, slots=True)
+class Printed:
+    """`print`: text for the task log and the terminal."""
+
+    tick: int
+    text: str
+    thread: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Popup:
+    """A message window."""
+
+    tick: int
+    text: str
+    title: str
+    level: str
+    """`info`, `warning` or `error`."""
+    is_blocking: bool
+    is_confirmed_at_once: bool
+    """Nobody is there to press the button, so the program goes on."""
+    thread: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Warned:
+    """Something that goes on, but not as the program asked."""
+
+    tick: int
+    text: str
+    thread: str = ""
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Alarm:
+    """An error that stopped the program."""
+
+    tick: int
+    code: str
+    class_name: str
+    text: str
+    line: int
+    column: int
+    thread: str
+    source_line: str = ""
+    details: dict[str, Any] = field(default_factory=dict)
+    """`command`, `argument`, `value`, `limit`, `unit`, `hint`, as far as they apply."""
+
+
+@dataclass(frozen=True, slots=True)
+class SignalChanged:
+    """A point of the signal image has a new value."""
+
+    tick: int
+    name: str
+    value: Value
+
+
+@dataclass(frozen=True, slots=True)
+class MotionStarted:
+    """A request to move was accepted."""
+
+    tick: int
+    request: MotionRequest
+    line: int
+    thread: str
+    duration_s: float
+    """Duration at full speed; 0 when the arm is already there."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotionEnded:
+    """The arm stands still again, at its target or because it was stopped."""
+
+    tick: int
+    is_complete: bool
+
+
+@dataclass(frozen=True, slots=True)
+class TaskStateChanged:
+    """A program started, paused, went on or ended."""
+
+    tick: int
+    state: TaskState
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class RobotModeChanged:
+    """Power or brakes changed."""
+
+    tick: int
+    mode: RobotMode
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyModeChanged:
+    """The safety system changed its mind."""
+
+    tick: int
+    mode: SafetyMode
+
+
+@dataclass(frozen=True, slots=True)
+class LineMarked:
+    """A `$ LINE` mark was passed."""
+
+    tick: int
+    number: int
+    label: str
+
+
+Event = (
+    TextMessage
+    | Printed
+    | Popup
+    | Warned
+    | Alarm
+    | SignalChanged
+    | MotionStarted
+    | MotionEnded
+    | TaskStateChanged
+    | RobotModeChanged
+    | SafetyModeChanged
+    | LineMarked
+)

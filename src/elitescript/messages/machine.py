@@ -1,0 +1,150 @@
+"""Requests that change the machine without moving it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from elitescript.messages.enums import AnalogDomain, RunstateChoice, ToolPinMode
+from elitescript.messages.motion import MotionRequest, Six
+from elitescript.messages.signals import Value
+
+
+@dataclass(frozen=True, slots=True)
+class WriteSignal:
+    """Set one point of `messages.signals`."""
+
+    name: str
+    index: int
+    value: Value
+
+
+@dataclass(frozen=True, slots=True)
+class SetAnalogDomain:
+    """Choose current or voltage for one analog channel."""
+
+    name: str
+    index: int
+    domain: AnalogDomain
+
+
+@dataclass(frozen=True, slots=True)
+class SetAnalogFraction:
+    """Drive an analog output to a fraction (0 to 1) of the range of its domain."""
+
+    name: str
+    index: int
+    fraction: float
+
+
+@dataclass(frozen=True, slots=True)
+class SetRunstateChoice:
+    """Tie an output to whether a program runs."""
+
+    name: str
+    index: int
+    choice: RunstateChoice
+
+
+@dataclass(frozen=True, slots=True)
+class SetInputAction:
+    """Bind hand guiding to an input, or nothing."""
+
+    name: str
+    index: int
+    is_freedrive: bool
+
+
+@dataclass(frozen=True, slots=True)
+class ResetInputActions:
+    """Unbind every input."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetToolAnalogMode:
+    """What the tool's shared pins do: 0 serial, 1 analog in, 2 analog out, 3 both."""
+
+    mode: int
+
+
+@dataclass(frozen=True, slots=True)
+class SetToolPin:
+    """Configure one digital pin of the tool."""
+
+    index: int
+    mode: ToolPinMode
+    is_enabled: bool
+    is_output: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SetTcp:
+    """Active TCP: transform from flange to TCP as a pose."""
+
+    offset: Six
+
+
+@dataclass(frozen=True, slots=True)
+class SetPayload:
+    """Payload at the flange."""
+
+    mass_kg: float
+    cog: tuple[float, float, float]
+    """Centre of gravity in the flange frame, m."""
+    inertia: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of gravity, kg m^2."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetGravity:
+    """Acceleration that the base feels: points away from the earth, m/s^2, base frame."""
+
+    vector: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class SetSpeedScale:
+    """Speed percentage of the pendant as a fraction, 0 to 1."""
+
+    fraction: float
+
+
+@dataclass(frozen=True, slots=True)
+class SetOption:
+    """A setting that programs send and that changes nothing the simulation shows."""
+
+    name: str
+    value: Value
+
+
+@dataclass(frozen=True, slots=True)
+class SetLineMark:
+    """The node of the pendant's program tree that the program has reached (`$ LINE`)."""
+
+    number: int
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
+class PowerDown:
+    """Stop the arm, then switch off arm and cabinet."""
+
+
+MachineRequest = (
+    WriteSignal
+    | SetAnalogDomain
+    | SetAnalogFraction
+    | SetRunstateChoice
+    | SetInputAction
+    | ResetInputActions
+    | SetToolAnalogMode
+    | SetToolPin
+    | SetTcp
+    | SetPayload
+    | SetGravity
+    | SetSpeedScale
+    | SetOption
+    | SetLineMark
+    | PowerDown
+)
+
+Request = MotionRequest | MachineRequest

@@ -1,0 +1,71 @@
+"""Requests that move the arm.
+
+`q` are joint positions (six, rad), `p` are TCP poses in the base frame (`[x, y, z, rx, ry, rz]`, m and rad,
+roll-pitch-yaw). Values have passed the command's own checks; the machine checks limits and reach when it
+accepts the request.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+Six = tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class MoveJ:
+    """Straight in joint space to `q_target`."""
+
+    q_target: Six
+    a: float
+    """Acceleration of the leading joint, rad/s^2."""
+    v: float
+    """Speed of the leading joint, rad/s."""
+    t_s: float = 0.0
+    """Wanted duration; 0 plans from `a` and `v`."""
+    r: float = 0.0
+    """Blend radius, m."""
+
+
+@dataclass(frozen=True, slots=True)
+class MoveL:
+    """TCP on a straight line to `p_target`."""
+
+    p_target: Six
+    a: float
+    """Tool acceleration, m/s^2 (rad/s^2 for a pure rotation)."""
+    v: float
+    """Tool speed, m/s (rad/s for a pure rotation)."""
+    t_s: float = 0.0
+    r: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class MoveC:
+    """TCP on the circle through the present pose, `p_via` and `p_target`."""
+
+    p_via: Six
+    p_target: Six
+    a: float
+    v: float
+    r: float = 0.0
+    is_orientation_fixed: bool = True
+    """Keep the orientation's relation to the tangent; else turn evenly from start to end."""
+
+
+@dataclass(frozen=True, slots=True)
+class StopJ:
+    """Brake to standstill with joint deceleration `a` (rad/s^2)."""
+
+    a: float
+
+
+@dataclass(frozen=True, slots=True)
+class StopL:
+    """Brake to standstill along the path with tool deceleration `a` (m/s^2)."""
+
+    a: float
+
+
+MoveRequest = MoveJ | MoveL | MoveC
+MotionRequest = MoveJ | MoveL | MoveC | StopJ | StopL

@@ -1,0 +1,52 @@
+"""What differs from one controller firmware to the next.
+
+A profile is data. Which commands exist is not listed here: each command carries the release that
+brought it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from elitescript.errors import UsageError
+
+Release = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """One firmware."""
+
+    name: str
+    release: Release
+    thread_limit: int
+    """Most script threads at a time (15 in manual 2.10; 20 from a field message of newer firmware, *observed*)."""
+    servoj_t_s: float
+    """Default control time of `servoj`."""
+    is_servoj_gain_used: bool
+    interpreter_queue_limit: int
+
+
+PROFILES: Final[dict[str, Profile]] = {
+    "2.10": Profile("2.10", (2, 10), 15, 0.010, False, 2000),
+    "2.14": Profile("2.14", (2, 14), 20, 0.004, True, 8500),
+}
+DEFAULT_FIRMWARE: Final = "2.14"
+
+
+def profile(name: str = DEFAULT_FIRMWARE) -> Profile:
+    """The profile of a firmware.
+
+    Raises:
+        UsageError: there is none of that name.
+    """
+    if name not in PROFILES:
+        raise UsageError(f"firmware {name!r} is not known; choose one of {', '.join(PROFILES)}")
+    return PROFILES[name]
+
+
+def release_of(text: str) -> Release:
+    """`"2.14"` as a pair that can be compared."""
+    major, _, minor = text.partition(".")
+    return int(major), int(minor)

@@ -1,0 +1,93 @@
+"""The table of I/O points, registers and flags.
+
+One row per family. Its name is what `--set`, `robot.signals` and the end record use; protocols,
+commands and the pendant derive theirs from here.
+
+Evidence: counts and ranges are *documented* (manual 2.10, I/O and register chapters); that a tool
+pin has separate in and out images is *assumed*.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from elitescript.errors import UsageError
+
+Value = bool | int | float
+
+
+class Signal(NamedTuple):
+    """One family of signals."""
+
+    name: str
+    kind: str
+    """`bool`, `int` or `float`."""
+    size: int
+    """How many there are; a family of one is written without an index."""
+    is_input: bool
+    """Set from outside (a sensor, a client), read by programs."""
+    low: float | None = None
+    high: float | None = None
+    unit: str = ""
+    summary: str = ""
+
+    @property
+    def default(self) -> Value:
+        """Value at power-on."""
+        return {"bool": False, "int": 0, "float": 0.0}[self.kind]
+
+
+INT32_LOW: Final = -(2**31)
+INT32_HIGH: Final = 2**31 - 1
+ANALOG_CURRENT_A: Final = (0.004, 0.020)
+ANALOG_VOLTAGE_V: Final = (0.0, 10.0)
+
+_ROWS: Final = (
+    Signal("standard_digital_in", "bool", 16, True, summary="digital inputs of the control box"),
+    Signal("standard_digital_out", "bool", 16, False, summary="digital outputs of the control box"),
+    Signal("configurable_digital_in", "bool", 8, True, summary="configurable inputs of the control box"),
+    Signal("configurable_digital_out", "bool", 8, False, summary="configurable outputs of the control box"),
+    Signal("tool_digital_in", "bool", 4, True, summary="level applied from outside to a tool pin"),
+    Signal("tool_digital_out", "bool", 4, False, summary="level that the controller drives on a tool pin"),
+    Signal("standard_analog_in", "float", 2, True, 0.0, 10.0, "V or A", "analog inputs of the control box"),
+    Signal("standard_analog_out", "float", 2, False, 0.0, 10.0, "V or A", "analog outputs of the control box"),
+    Signal("tool_analog_in", "float", 1, True, 0.0, 10.0, "V or A", "analog input of the tool"),
+    Signal("tool_analog_out", "float", 1, False, 0.0, 10.0, "V or A", "analog output of the tool"),
+    Signal("tool_voltage", "int", 1, False, 0, 24, "V", "supply of the tool connector: 0, 12 or 24"),
+    Signal("input_bool_register", "bool", 128, True, summary="boolean registers that clients write"),
+    Signal("input_int_register", "int", 48, True, INT32_LOW, INT32_HIGH, summary="integer registers of clients"),
+    Signal("input_float_register", "float", 48, True, summary="float registers that clients write"),
+    Signal("output_bool_register", "bool", 128, False, summary="boolean registers that programs write"),
+    Signal("output_int_register", "int", 48, False, INT32_LOW, INT32_HIGH, summary="integer registers of programs"),
+    Signal("output_float_register", "float", 48, False, summary="float registers that programs write"),
+    Signal("flag", "bool", 32, False, summary="internal flags, kept from one program to the next"),
+)
+
+SIGNALS: Final[dict[str, Signal]] = {row.name: row for row in _ROWS}
+
+
+def parse_signal_name(text: str) -> tuple[Signal, int]:
+    """Split `standard_digital_in[3]` into its row and its index; `tool_analog_in` has index 0.
+
+    Raises:
+        UsageError: unknown family, missing or wrong index.
+    """
+    name, bracket, rest = text.strip().partition("[")
+    signal = SIGNALS.get(name.strip())
+    if signal is None:
+        raise UsageError(f"no signal is called {name.strip()!r}; there are {', '.join(SIGNALS)}")
+    if not bracket:
+        if signal.size > 1:
+            raise UsageError(f"{name} needs an index: {name}[0] to {name}[{signal.size - 1}]")
+        return signal, 0
+    if not rest.endswith("]") or not rest[:-1].strip().isdecimal():
+        raise UsageError(f"{text!r}: write the index as a number in brackets, such as {name}[0]")
+    index = int(rest[:-1])
+    if index >= signal.size:
+        raise UsageError(f"{name} has indices 0 to {signal.size - 1}, not {index}")
+    return signal, index
+
+
+def signal_name(signal: Signal, index: int) -> str:
+    """The name under which one point of a family is addressed."""
+    return signal.name if signal.size == 1 else f"{signal.name}[{index}]"
