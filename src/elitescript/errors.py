@@ -111,6 +111,14 @@ class ProgramError(ElitescriptError):
         super().__init__("\n".join(str(problem) for problem in problems))
 
 
+class AlarmError(ElitescriptError):
+    """A program ended with an alarm; raised by `Run.check`, which holds the alarm itself."""
+
+    def __init__(self, alarm: Any) -> None:
+        self.alarm = alarm
+        super().__init__(f"{alarm.class_name} in line {alarm.line}: {alarm.text}")
+
+
 class ScriptError(Exception):
     """A robot command refused to do what the script asked; scripts may catch it.
 
