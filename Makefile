@@ -1,0 +1,73 @@
+# Everything a working copy needs, from a machine that has Python 3.11 or newer and make.
+# The first target that needs it builds .venv; later runs find it ready.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint types invariants bench reference golden lock clean
+
+help:
+	@echo "make demo        install, then run an example program"
+	@echo "make test        install, then every check that a change must pass"
+	@echo "make lint        style, format and import rules"
+	@echo "make types       mypy"
+	@echo "make invariants  the long random sweeps"
+	@echo "make bench       the table of measured times"
+	@echo "make reference   write docs/reference from the code"
+	@echo "make golden      record the event traces of the examples again"
+	@echo "make lock        resolve requirements-dev.lock again (needs uv)"
+	@echo "make clean       remove .venv and caches"
+
+# The named interpreter if it is new enough, else the newest python3.x on the path.
+$(READY): requirements-dev.lock pyproject.toml
+	@found=""; \
+	for candidate in "$(PYTHON)" python3.13 python3.12 python3.11; do \
+	    if "$$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then found="$$candidate"; break; fi; \
+	done; \
+	if [ -z "$$found" ]; then \
+	    echo "elitescript needs Python 3.11 or newer; '$(PYTHON)' is $$("$(PYTHON)" --version 2>&1)." >&2; \
+	    echo "Install one, or name it: make PYTHON=/path/to/python3.11 $(MAKECMDGOALS)" >&2; \
+	    exit 1; \
+	fi; \
+	echo "Building $(VENV) with $$("$$found" --version) ..."; \
+	"$$found" -m venv --clear $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.lock
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+demo: $(READY)
+	$(BIN)/elitescript run examples/pick_and_place.script
+
+test: lint types
+	$(BIN)/python -m pytest
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports --no-cache
+
+types: $(READY)
+	$(BIN)/mypy
+
+invariants: $(READY)
+	$(BIN)/python -m pytest -m "invariants or slow"
+
+bench: $(READY)
+	$(BIN)/python -m benchmarks
+
+reference: $(READY)
+	$(BIN)/python tools/write_reference.py
+
+golden: $(READY)
+	$(BIN)/python tools/record_golden.py
+
+lock:
+	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes \
+	    --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" \
+	    --quiet --output-file requirements-dev.lock $(LOCK_FLAGS)
+
+clean:
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis build dist
