@@ -129,6 +129,21 @@ class PowerDown:
     """Stop the arm, then switch off arm and cabinet."""
 
 
+@dataclass(frozen=True, slots=True)
+class PauseTask:
+    """Brake on the path and let no script thread go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class ResumeTask:
+    """Go on where the task was paused."""
+
+
+@dataclass(frozen=True, slots=True)
+class StopTask:
+    """End the task; the arm brakes."""
+
+
 MachineRequest = (
     WriteSignal
     | SetAnalogDomain
@@ -145,6 +160,9 @@ MachineRequest = (
     | SetOption
     | SetLineMark
     | PowerDown
+    | PauseTask
+    | ResumeTask
+    | StopTask
 )
 
 Request = MotionRequest | MachineRequest

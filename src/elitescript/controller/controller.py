@@ -1,0 +1,470 @@
+"""The virtual controller: one tick at a time, or straight to the next tick at which something happens.
+
+`run_tick` reads like the list of phases of a control period. Between two ticks at which something is due, the machine
+is a function of time: whoever looks samples it, and nobody can tell a leap from the ticks it leaves out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from elitescript.controller.inbox import Inbox
+from elitescript.controller.io import SignalImage
+from elitescript.controller.modes import WHY_NOT_READY, Power
+from elitescript.controller.motion_control import MotionControl
+from elitescript.controller.snapshot import build_state
+from elitescript.controller.tasks import ProgramPort, Task
+from elitescript.errors import ArgumentRangeError, ScriptError, ScriptStateError
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.transforms import IDENTITY, Transform, pose_from_transform, transform_from_pose
+from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.events import (
+    Event,
+    LineMarked,
+    RobotModeChanged,
+    SignalChanged,
+    TaskStateChanged,
+    Warned,
+)
+from elitescript.messages.machine import (
+    MachineRequest,
+    PauseTask,
+    PowerDown,
+    ResetInputActions,
+    ResumeTask,
+    SetAnalogDomain,
+    SetAnalogFraction,
+    SetGravity,
+    SetInputAction,
+    SetLineMark,
+    SetOption,
+    SetPayload,
+    SetRunstateChoice,
+    SetSpeedScale,
+    SetTcp,
+    SetToolAnalogMode,
+    SetToolPin,
+    StopTask,
+    WriteSignal,
+)
+from elitescript.messages.motion import MotionRequest, Six
+from elitescript.messages.signals import SIGNALS, Value, signal_name
+from elitescript.messages.state import ZERO_SIX, JointState, Payload, RobotState
+from elitescript.messages.timing import seconds
+from elitescript.models.model import RobotModel
+from elitescript.motion.limits import MotionLimits
+
+
+class _NoProgram:
+    """Stands in until a program port is attached."""
+
+    line = 0
+
+    def run_tick(self, tick: int) -> None:
+        """Nothing runs."""
+
+    def next_tick(self, tick: int) -> int | None:
+        """Nothing is due."""
+        return None
+
+    def motion_ended(self, move: int, is_complete: bool) -> None:
+        """Nobody waits."""
+
+    def pause(self) -> None:
+        """Nothing runs."""
+
+    def resume(self) -> None:
+        """Nothing runs."""
+
+    def stop(self, reason: str) -> None:
+        """Nothing runs."""
+
+
+class Controller:
+    """One robot: arm, signals, power, task. Implements `commands.context.Machine`.
+
+    Args:
+        model: the arm.
+        epoch_s: the controller's clock at tick 0, seconds since 1970.
+        on_event: receives every event in order.
+        home: joint positions at the start, rad; the model's home if None.
+        speed_scale: speed percentage at the start, as a fraction.
+    """
+
+    __slots__ = (
+        "_T_flange_tcp",
+        "_epoch_s",
+        "_gravity",
+        "_inbox",
+        "_joints",
+        "_joints_tick",
+        "_model",
+        "_motion",
+        "_node",
+        "_on_event",
+        "_options",
+        "_payload",
+        "_power",
+        "_program",
+        "_signals",
+        "_task",
+        "_tcp_offset",
+        "_tick",
+        "arm",
+        "joint_ranges",
+    )
+
+    def __init__(
+        self,
+        model: RobotModel,
+        *,
+        epoch_s: float,
+        on_event: Callable[[Event], None],
+        home: Six | None = None,
+        speed_scale: float = 1.0,
+    ) -> None:
+        self._model = model
+        self.arm: Arm = model.arm
+        self.joint_ranges: tuple[tuple[float, float], ...] = model.joint_ranges
+        self._epoch_s = epoch_s
+        self._on_event = on_event
+        self._tick = 0
+        self._program: ProgramPort = _NoProgram()
+        self._inbox = Inbox()
+        self._signals = SignalImage(self._signal_changed)
+        self._power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)))
+        self._task = Task(self._task_changed)
+        self._motion = MotionControl(
+            model.arm,
+            motion_limits(model),
+            model.home if home is None else home,
+            model.stop_joint_deceleration,
+            on_event,
+            self._motion_ended,
+        )
+        self._motion.set_speed_scale(speed_scale, 0)
+        self._tcp_offset: Six = ZERO_SIX
+        self._T_flange_tcp: Transform = IDENTITY
+        self._payload = Payload()
+        self._gravity = model.gravity
+        self._options: dict[str, Value] = {}
+        self._node: tuple[int, str] = (0, "")
+        self._joints_tick = -1
+        self._joints = JointState(model.home, ZERO_SIX, model.home, ZERO_SIX)
+
+    def attach(self, program: ProgramPort) -> None:
+        """Say what runs scripts in the phase `program`."""
+        self._program = program
+
+    # ---------------------------------------------------------------- time
+
+    @property
+    def tick(self) -> int:
+        """Ticks since the start."""
+        return self._tick
+
+    def run_tick(self) -> None:
+        """All phases of the present tick; `leap` then goes on to the next one."""
+        self._motion.settle(self._tick)
+        self._deliver_inbox()
+        self._program.run_tick(self._tick)
+
+    def next_tick(self) -> int | None:
+        """The next tick at which anything is due; None when nothing will ever happen by itself."""
+        due = (self._program.next_tick(self._tick), self._motion.next_tick, self._inbox.next_tick)
+        ticks = [tick for tick in due if tick is not None]
+        return max(min(ticks), self._tick + 1) if ticks else None
+
+    def leap(self, tick: int) -> None:
+        """Go to a tick that is not later than the next one at which anything is due."""
+        self._tick = tick
+
+    def put(self, tick: int, request: MachineRequest) -> None:
+        """Have a request from outside handled at a tick; a refusal becomes a warning event."""
+        self._inbox.put(max(tick, self._tick), request)
+
+    def _deliver_inbox(self) -> None:
+        while (request := self._inbox.due(self._tick)) is not None:
+            try:
+                self.request(request)
+            except ScriptError as error:
+                self.emit(Warned(self._tick, f"{type(request).__name__} refused: {error}"))
+
+    # ---------------------------------------------------------------- reading
+
+    @property
+    def payload_max_kg(self) -> float:
+        """Rated payload of the model."""
+        return self._model.payload_max_kg
+
+    @property
+    def default_motion(self) -> tuple[float, float, float, float]:
+        """Joint acceleration, joint speed, tool acceleration, tool speed when a program gives none."""
+        model = self._model
+        return (
+            model.default_joint_acceleration,
+            model.default_joint_speed,
+            model.default_tool_acceleration,
+            model.default_tool_speed,
+        )
+
+    @property
+    def tcp_offset(self) -> Six:
+        """Active TCP, flange to TCP."""
+        return self._tcp_offset
+
+    @property
+    def payload(self) -> Payload:
+        """Payload that was set last."""
+        return self._payload
+
+    @property
+    def target_waypoint(self) -> Six:
+        """Pose of the waypoint that the arm moves to, or moved to last; before any move the present target pose."""
+        return self._motion.waypoint or pose_from_transform(
+            self.arm.forward_tcp(self._motion.q(self._tick), self._T_flange_tcp)
+        )
+
+    @property
+    def joint_temperatures(self) -> Six:
+        """degC; constant (*assumed*)."""
+        return self._model.joint_temperatures
+
+    @property
+    def controller_temperature(self) -> float:
+        """degC; constant (*assumed*)."""
+        return self._model.controller_temperature
+
+    @property
+    def robot_mode(self) -> RobotMode:
+        """Power and brakes."""
+        return self._power.mode
+
+    @property
+    def task_state(self) -> TaskState:
+        """What the program is doing."""
+        return self._task.state
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether a move is under way."""
+        return self._motion.is_moving
+
+    @property
+    def speed_scale(self) -> float:
+        """Speed percentage as a fraction."""
+        return self._motion.speed_scale
+
+    def joints(self) -> JointState:
+        """Joints of the present tick; the plant is ideal, so actual equals target."""
+        if self._joints_tick != self._tick:
+            q, qd = self._motion.q(self._tick), self._motion.qd(self._tick)
+            self._joints = JointState(q, qd, q, qd)
+            self._joints_tick = self._tick
+        return self._joints
+
+    def state_at(self, tick: int) -> RobotState:
+        """The machine at a tick from the present one up to the next at which something is due."""
+        q, qd = self._motion.q(tick), self._motion.qd(tick)
+        return build_state(
+            tick=tick,
+            joints=JointState(q, qd, q, qd),
+            arm=self.arm,
+            T_flange_tcp=self._T_flange_tcp,
+            tcp_offset=self._tcp_offset,
+            robot_mode=self._power.mode,
+            safety_mode=SafetyMode.NORMAL,
+            task_state=self._task.state,
+            payload=self._payload,
+            gravity=self._gravity,
+            speed_scale=self._motion.speed_scale,
+            is_moving=self._motion.is_moving,
+            line=self._program.line,
+            node=self._node,
+        )
+
+    def state(self) -> RobotState:
+        """The machine at the present tick."""
+        return self.state_at(self._tick)
+
+    def read(self, name: str, index: int = 0) -> Value:
+        """One point of the signal image."""
+        return self._signals.read(name, index)
+
+    def tool_pin(self, index: int) -> bool:
+        """Level of a tool pin."""
+        return self._signals.tool_pin(index)
+
+    def non_default_signals(self) -> dict[str, Value]:
+        """Every signal that is not at its default."""
+        return self._signals.non_defaults()
+
+    def timestamp_s(self) -> float:
+        """The controller's clock, seconds since 1970."""
+        return self._epoch_s + seconds(self._tick)
+
+    # ---------------------------------------------------------------- requests
+
+    def request_motion(self, request: MotionRequest, line: int, thread: str) -> int:
+        """See `commands.context.Machine.request_motion`."""
+        why = WHY_NOT_READY.get(self._power.mode)
+        if why is not None:
+            raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
+        return self._motion.request(request, self._tick, self._T_flange_tcp, line, thread)
+
+    def is_move_done(self, move: int) -> bool:
+        """Whether that move is over."""
+        return self._motion.is_done(move)
+
+    def cancel_move(self, move: int) -> None:
+        """Brake that move, if it is under way."""
+        self._motion.cancel(move, self._tick)
+
+    def request(self, request: MachineRequest) -> None:
+        """Hand a request to the one handler that knows it."""
+        HANDLERS[type(request)](self, request)
+
+    def emit(self, event: Event) -> None:
+        """Record what happened."""
+        self._on_event(event)
+
+    # ---------------------------------------------------------------- the task, for the runtime and robot.py
+
+    def task_started(self, name: str) -> None:
+        """A program begins in this tick."""
+        self._task.name = name
+        self._node = (0, "")
+        self._task.apply("start")
+
+    def task_ended(self) -> None:
+        """The program is over; the arm brakes if it still moves."""
+        if self._task.is_running:
+            self._task.apply("stop")
+
+    def _task_changed(self, before: TaskState, after: TaskState) -> None:
+        self.emit(TaskStateChanged(self._tick, after, self._task.name))
+        if after is TaskState.PAUSED:
+            self._motion.pause(self._tick)
+        elif before is TaskState.PAUSED:
+            self._motion.resume(self._tick)
+        if after is TaskState.STOPPED:
+            self._motion.stop(self._tick)
+        if TaskState.STOPPED in (before, after):
+            self._signals.set_running(self._task.is_running)
+
+    def _motion_ended(self, move: int, is_complete: bool) -> None:
+        self._program.motion_ended(move, is_complete)
+
+    def _signal_changed(self, name: str, index: int, value: Value) -> None:
+        self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value))
+
+    # ---------------------------------------------------------------- handlers, one for each kind of request
+
+    def _write_signal(self, request: WriteSignal) -> None:
+        self._signals.write(request)
+        if request.value and self._signals.is_freedrive_input(request.name, request.index):
+            name = signal_name(SIGNALS[request.name], request.index)
+            self.emit(Warned(self._tick, f"{name} is bound to hand guiding, which is not simulated yet"))
+
+    def _set_tcp(self, request: SetTcp) -> None:
+        self._tcp_offset = request.offset
+        self._T_flange_tcp = transform_from_pose(request.offset)
+
+    def _set_payload(self, request: SetPayload) -> None:
+        if not 0.0 <= request.mass_kg <= self._model.payload_max_kg:
+            raise ArgumentRangeError(
+                f"the {self._model.name} carries 0 to {self._model.payload_max_kg:g} kg, not {request.mass_kg:g} kg",
+                value=request.mass_kg,
+                limit=f"[0, {self._model.payload_max_kg:g}]",
+                unit="kg",
+            )
+        self._payload = Payload(request.mass_kg, request.cog, request.inertia)
+
+    def _set_gravity(self, request: SetGravity) -> None:
+        self._gravity = request.vector
+
+    def _set_speed_scale(self, request: SetSpeedScale) -> None:
+        if not 0.0 <= request.fraction <= 1.0:
+            raise ArgumentRangeError(
+                f"the speed percentage must be in [0, 1], got {request.fraction:g}",
+                value=request.fraction,
+                limit="[0, 1]",
+            )
+        self._motion.set_speed_scale(request.fraction, self._tick)
+
+    def _set_option(self, request: SetOption) -> None:
+        self._options[request.name] = request.value
+
+    def _set_line_mark(self, request: SetLineMark) -> None:
+        self._node = (request.number, request.label)
+        self.emit(LineMarked(self._tick, request.number, request.label))
+
+    def _power_down(self, _request: PowerDown) -> None:
+        if self._task.is_running:
+            self._program.stop("powerdown")
+        self._motion.stop(self._tick)
+        if self._power.mode is not RobotMode.POWER_OFF:
+            self._power.apply("power_off")
+
+    def _pause_task(self, _request: PauseTask) -> None:
+        self._task.apply("pause")
+        self._program.pause()
+
+    def _resume_task(self, _request: ResumeTask) -> None:
+        self._task.apply("resume")
+        self._program.resume()
+
+    def _stop_task(self, _request: StopTask) -> None:
+        if not self._task.is_running:
+            raise ScriptStateError("cannot stop: no task is running")
+        self._program.stop("stopped")
+
+    def _signal_setting(self, request: Any) -> None:
+        _SIGNAL_SETTINGS[type(request)](self._signals, request)
+
+
+_SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {
+    SetAnalogDomain: SignalImage.set_analog_domain,
+    SetAnalogFraction: SignalImage.set_analog_fraction,
+    SetRunstateChoice: SignalImage.set_runstate,
+    SetInputAction: SignalImage.set_input_action,
+    ResetInputActions: SignalImage.reset_input_actions,
+    SetToolAnalogMode: SignalImage.set_tool_analog_mode,
+    SetToolPin: SignalImage.set_tool_pin,
+}
+
+HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
+    WriteSignal: Controller._write_signal,
+    SetTcp: Controller._set_tcp,
+    SetPayload: Controller._set_payload,
+    SetGravity: Controller._set_gravity,
+    SetSpeedScale: Controller._set_speed_scale,
+    SetOption: Controller._set_option,
+    SetLineMark: Controller._set_line_mark,
+    PowerDown: Controller._power_down,
+    PauseTask: Controller._pause_task,
+    ResumeTask: Controller._resume_task,
+    StopTask: Controller._stop_task,
+    **dict.fromkeys(_SIGNAL_SETTINGS, Controller._signal_setting),
+}
+"""Every kind of machine request and who handles it."""
+
+
+def motion_limits(model: RobotModel) -> MotionLimits:
+    """The limits of a model in the form that the planner takes."""
+    joints = model.joints
+    return MotionLimits(
+        q_min=_six(joint.q_min for joint in joints),
+        q_max=_six(joint.q_max for joint in joints),
+        qd_max=_six(joint.qd_max for joint in joints),
+        qdd_max=_six(joint.qdd_max for joint in joints),
+        tool_speed_max=model.max_tool_speed,
+        tool_acceleration_max=model.max_tool_acceleration,
+        equivalent_radius_m=model.equivalent_radius_m,
+    )
+
+
+def _six(values: Any) -> Six:
+    a, b, c, d, e, f = values
+    return (a, b, c, d, e, f)

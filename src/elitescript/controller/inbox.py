@@ -1,0 +1,48 @@
+"""What comes from outside, in the order of its ticks: one bounded queue.
+
+Every outside influence enters here and takes effect at a tick boundary, so that a run is a function of
+its program and of this list.
+"""
+
+from __future__ import annotations
+
+from heapq import heappop, heappush
+from typing import Final
+
+from elitescript.errors import UsageError
+from elitescript.messages.machine import MachineRequest
+
+CAPACITY: Final = 1_000_000
+"""Most entries that may wait; a full inbox refuses the newcomer and says so."""
+
+
+class Inbox:
+    """Requests that wait for their tick."""
+
+    __slots__ = ("_heap", "_sequence")
+
+    def __init__(self) -> None:
+        self._heap: list[tuple[int, int, MachineRequest]] = []
+        self._sequence = 0
+
+    def put(self, tick: int, request: MachineRequest) -> None:
+        """Have `request` handled at `tick`, after those that were put before it for the same tick.
+
+        Raises:
+            UsageError: the inbox is full.
+        """
+        if len(self._heap) >= CAPACITY:
+            raise UsageError(f"the controller's inbox is full: {CAPACITY} requests wait already")
+        self._sequence += 1
+        heappush(self._heap, (tick, self._sequence, request))
+
+    def due(self, tick: int) -> MachineRequest | None:
+        """Take the next request that is due at `tick`."""
+        if self._heap and self._heap[0][0] <= tick:
+            return heappop(self._heap)[2]
+        return None
+
+    @property
+    def next_tick(self) -> int | None:
+        """Tick of the earliest entry."""
+        return self._heap[0][0] if self._heap else None

@@ -1,0 +1,229 @@
+"""The signal image: inputs, outputs, registers and flags, and what ties outputs to the program.
+
+An output has the value that was last commanded, unless its run-state choice says otherwise
+(manual, `set_runstate_..._to_value`); a paused program counts as running (*assumed*). Analog channels
+start in the voltage domain, tool pins 0 and 1 as outputs and 2 and 3 as inputs (*assumed*: what the
+manual says of the ES series).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from elitescript.errors import ArgumentRangeError, ScriptStateError
+from elitescript.messages.enums import AnalogDomain, RunstateChoice, ToolPinMode
+from elitescript.messages.machine import (
+    ResetInputActions,
+    SetAnalogDomain,
+    SetAnalogFraction,
+    SetInputAction,
+    SetRunstateChoice,
+    SetToolAnalogMode,
+    SetToolPin,
+    WriteSignal,
+)
+from elitescript.messages.signals import (
+    ANALOG_CURRENT_A,
+    ANALOG_VOLTAGE_V,
+    SIGNALS,
+    Value,
+    signal_name,
+)
+
+TOOL_PIN_OUT: Final = "tool_digital_out"
+TOOL_PIN_IN: Final = "tool_digital_in"
+_ANALOG: Final = ("standard_analog_in", "standard_analog_out", "tool_analog_in", "tool_analog_out")
+_DEFAULT_TOOL_PINS: Final = tuple(
+    SetToolPin(index, ToolPinMode.PNP, is_enabled=True, is_output=index < 2) for index in range(4)
+)
+_DEFAULT_TOOL_ANALOG_MODE: Final = 3
+_RANGES: Final = {AnalogDomain.CURRENT: ANALOG_CURRENT_A, AnalogDomain.VOLTAGE: ANALOG_VOLTAGE_V}
+_UNITS: Final = {AnalogDomain.CURRENT: "A", AnalogDomain.VOLTAGE: "V"}
+_PULLED_LOW: Final = (RunstateChoice.LOW_WHEN_STOPPED, RunstateChoice.FOLLOW)
+
+
+class SignalImage:
+    """All points of `messages.signals` and their settings.
+
+    Args:
+        on_change: called with family, index and value of every point that changes.
+    """
+
+    __slots__ = (
+        "_commanded",
+        "_domains",
+        "_freedrive_inputs",
+        "_is_running",
+        "_on_change",
+        "_runstate",
+        "_values",
+        "tool_analog_mode",
+        "tool_pins",
+    )
+
+    def __init__(self, on_change: Callable[[str, int, Value], None]) -> None:
+        self._on_change = on_change
+        self._values: dict[str, list[Value]] = {row.name: [row.default] * row.size for row in SIGNALS.values()}
+        self._commanded: dict[tuple[str, int], Value] = {}
+        self._domains: dict[tuple[str, int], AnalogDomain] = {}
+        self._runstate: dict[tuple[str, int], RunstateChoice] = {}
+        self._freedrive_inputs: set[tuple[str, int]] = set()
+        self._is_running = False
+        self.tool_pins: list[SetToolPin] = list(_DEFAULT_TOOL_PINS)
+        self.tool_analog_mode = _DEFAULT_TOOL_ANALOG_MODE
+
+    def read(self, name: str, index: int = 0) -> Value:
+        """The level of one point."""
+        return self._values[name][index]
+
+    def domain(self, name: str, index: int) -> AnalogDomain:
+        """Electrical meaning of an analog channel."""
+        return self._domains.get((name, index), AnalogDomain.VOLTAGE)
+
+    def tool_pin(self, index: int) -> bool:
+        """Level of a tool pin: the driven one of an output, the applied one of an input."""
+        name = TOOL_PIN_OUT if self.tool_pins[index].is_output else TOOL_PIN_IN
+        return bool(self._values[name][index])
+
+    def non_defaults(self) -> dict[str, Value]:
+        """Every point that is not at its default, under the name that `--set` takes."""
+        return {
+            signal_name(row, index): value
+            for row in SIGNALS.values()
+            for index, value in enumerate(self._values[row.name])
+            if value != row.default
+        }
+
+    def write(self, request: WriteSignal) -> None:
+        """Set one point.
+
+        Raises:
+            ScriptError: out of range, or a tool pin that is no output; nothing has changed.
+        """
+        name, index, value = request.name, request.index, request.value
+        row = SIGNALS[name]
+        if row.kind == "float":
+            value = float(value)
+        if name in _ANALOG:
+            self._check_analog(name, index, float(value))
+        elif row.low is not None and row.high is not None and not row.low <= value <= row.high:
+            raise ArgumentRangeError(
+                f"{signal_name(row, index)} must be in [{row.low:g}, {row.high:g}] {row.unit}".rstrip()
+                + f", got {value}",
+                value=value,
+                limit=f"[{row.low:g}, {row.high:g}]",
+                unit=row.unit,
+            )
+        if name == TOOL_PIN_OUT:
+            self._check_pin(index)
+        self._command(name, index, value)
+
+    def set_analog_fraction(self, request: SetAnalogFraction) -> None:
+        """Drive an analog output to a fraction of its range, clamped to [0, 1] (manual)."""
+        low, high = _RANGES[self.domain(request.name, request.index)]
+        fraction = min(1.0, max(0.0, request.fraction))
+        self._command(request.name, request.index, low + (high - low) * fraction)
+
+    def set_analog_domain(self, request: SetAnalogDomain) -> None:
+        """Change the domain of a channel; an output keeps its fraction of the range (*assumed*)."""
+        key = (request.name, request.index)
+        old_low, old_high = _RANGES[self.domain(*key)]
+        self._domains[key] = request.domain
+        low, high = _RANGES[request.domain]
+        commanded = self._commanded.get(key)
+        if commanded is not None:
+            self._commanded[key] = low + (high - low) * (commanded - old_low) / (old_high - old_low)
+        if not SIGNALS[request.name].is_input and (commanded is not None or key in self._runstate):
+            self._apply(*key)
+
+    def set_runstate(self, request: SetRunstateChoice) -> None:
+        """Tie an output to whether a program runs; takes effect at once."""
+        key = (request.name, request.index)
+        self._commanded.setdefault(key, self._values[request.name][request.index])
+        self._runstate[key] = request.choice
+        self._apply(*key)
+
+    def set_input_action(self, request: SetInputAction) -> None:
+        """Bind hand guiding to an input, or unbind it."""
+        key = (request.name, request.index)
+        if request.is_freedrive:
+            self._freedrive_inputs.add(key)
+        else:
+            self._freedrive_inputs.discard(key)
+
+    def reset_input_actions(self, _request: ResetInputActions) -> None:
+        """Unbind every input."""
+        self._freedrive_inputs.clear()
+
+    def is_freedrive_input(self, name: str, index: int) -> bool:
+        """Whether hand guiding is bound to this input."""
+        return (name, index) in self._freedrive_inputs
+
+    def set_tool_pin(self, request: SetToolPin) -> None:
+        """Configure one digital pin of the tool."""
+        self.tool_pins[request.index] = request
+
+    def set_tool_analog_mode(self, request: SetToolAnalogMode) -> None:
+        """Choose what the tool's shared pins do."""
+        self.tool_analog_mode = request.mode
+
+    def set_running(self, is_running: bool) -> None:
+        """A program started or ended: outputs tied to that follow."""
+        self._is_running = is_running
+        for key in list(self._runstate):
+            self._apply(*key)
+
+    def _check_pin(self, index: int) -> None:
+        pin = self.tool_pins[index]
+        if pin.is_enabled and pin.is_output:
+            return
+        what = "is an input" if pin.is_enabled else "is disabled"
+        raise ScriptStateError(
+            f"I/O type error: tool pin {index} {what}",
+            code="R122",
+            value=index,
+            hint=f"set_tool_digital_io_config({index}, {int(pin.mode)}, True, True) makes it an output",
+        )
+
+    def _check_analog(self, name: str, index: int, value: float) -> None:
+        domain = self.domain(name, index)
+        _, high = _RANGES[domain]
+        if not 0.0 <= value <= high:
+            raise ArgumentRangeError(
+                f"{signal_name(SIGNALS[name], index)} must be in [0, {high:g}] {_UNITS[domain]} "
+                f"({domain.name.lower()} domain), got {value:g}",
+                value=value,
+                limit=f"[0, {high:g}]",
+                unit=_UNITS[domain],
+            )
+
+    def _command(self, name: str, index: int, value: Value) -> None:
+        key = (name, index)
+        if key in self._runstate or name in _ANALOG:
+            self._commanded[key] = value
+        if key in self._runstate:
+            self._apply(name, index)
+        else:
+            self._store(name, index, value)
+
+    def _apply(self, name: str, index: int) -> None:
+        choice = self._runstate.get((name, index), RunstateChoice.KEEP)
+        if self._is_running:
+            value = self._extreme(name, index, 1) if choice is RunstateChoice.FOLLOW else self._commanded[name, index]
+        elif choice is RunstateChoice.KEEP:
+            value = self._commanded[name, index]
+        else:
+            value = self._extreme(name, index, 0 if choice in _PULLED_LOW else 1)
+        self._store(name, index, value)
+
+    def _extreme(self, name: str, index: int, side: int) -> Value:
+        if SIGNALS[name].kind == "bool":
+            return bool(side)
+        return _RANGES[self.domain(name, index)][side]
+
+    def _store(self, name: str, index: int, value: Value) -> None:
+        values = self._values[name]
+        if values[index] != value:
+            values[index] = value
+            self._on_change(name, index, value)

@@ -1,0 +1,48 @@
+"""Robot modes: what the arm's power and brakes are doing, as a table.
+
+The times of powering on and of releasing the brakes belong to the port that asks for them; here is
+only which step leads where.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from elitescript.errors import ScriptStateError
+from elitescript.messages.enums import RobotMode
+
+TRANSITIONS: Final[dict[tuple[RobotMode, str], RobotMode]] = {
+    (RobotMode.POWER_OFF, "power_on"): RobotMode.IDLE,
+    (RobotMode.IDLE, "release_brakes"): RobotMode.RUNNING,
+    (RobotMode.RUNNING, "engage_brakes"): RobotMode.IDLE,
+    (RobotMode.IDLE, "power_off"): RobotMode.POWER_OFF,
+    (RobotMode.RUNNING, "power_off"): RobotMode.POWER_OFF,
+}
+
+WHY_NOT_READY: Final[dict[RobotMode, str]] = {
+    RobotMode.POWER_OFF: "the arm is switched off",
+    RobotMode.IDLE: "the brakes are engaged",
+}
+
+
+class Power:
+    """Mode of one robot."""
+
+    __slots__ = ("_on_change", "mode")
+
+    def __init__(self, on_change: Callable[[RobotMode], None], mode: RobotMode = RobotMode.RUNNING) -> None:
+        self._on_change = on_change
+        self.mode = mode
+
+    def apply(self, action: str) -> None:
+        """Make one step of the table.
+
+        Raises:
+            ScriptStateError: the table does not have it.
+        """
+        after = TRANSITIONS.get((self.mode, action))
+        if after is None:
+            raise ScriptStateError(f"cannot {action.replace('_', ' ')} while the robot is {self.mode.name}")
+        self.mode = after
+        self._on_change(after)

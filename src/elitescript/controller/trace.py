@@ -1,0 +1,89 @@
+"""The trace of a run: one row for each tick, or for each so many ticks.
+
+The row of a tick shows the state after that tick's motion. Rows are sampled from what is known between two ticks
+at which something is due, so that recording does not change how time goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+from elitescript.controller.controller import Controller
+from elitescript.errors import UsageError
+from elitescript.messages.enums import TaskState
+from elitescript.messages.motion import Six
+from elitescript.messages.timing import seconds, ticks_for
+
+
+class TraceRow(NamedTuple):
+    """One row; rad, rad/s, m, base frame."""
+
+    t: float
+    """Time of the tick, s."""
+    line: int
+    """Line of the main thread; 0 when no program runs."""
+    q: Six
+    qd: Six
+    tcp_pose: Six
+    state: str
+    """`playing`, `paused` or `stopped`."""
+
+
+TRACE_COLUMNS: Final = (
+    "t",
+    "line",
+    *(f"q{joint}" for joint in range(1, 7)),
+    *(f"qd{joint}" for joint in range(1, 7)),
+    *("x", "y", "z", "rx", "ry", "rz"),
+    "state",
+)
+
+
+class Trace:
+    """Records rows and hands each to `sink`.
+
+    Args:
+        sink: receives the rows in order.
+        step_s: time from one row to the next; one tick if None.
+    """
+
+    __slots__ = ("_next_tick", "_resting", "_sink", "_step_ticks")
+
+    def __init__(self, sink: Callable[[TraceRow], None], step_s: float | None = None) -> None:
+        if step_s is not None and not step_s > 0.0:
+            raise UsageError(f"the trace step must be > 0 s, got {step_s:g}")
+        self._sink = sink
+        self._step_ticks = 1 if step_s is None else max(1, ticks_for(step_s))
+        self._next_tick = 0
+        self._resting: TraceRow | None = None
+
+    def record(self, controller: Controller, until_tick: int) -> None:
+        """Rows of the ticks from the controller's present one up to, but not including, `until_tick`."""
+        tick = max(self._next_tick, controller.tick)
+        resting: TraceRow | None = None
+        while tick < until_tick:
+            if resting is None:
+                row = self._row(controller, tick)
+                if not controller.is_moving:
+                    resting = row
+            else:
+                row = resting._replace(t=seconds(tick))
+            self._sink(row)
+            tick += self._step_ticks
+        self._next_tick = tick
+
+    def finish(self, controller: Controller) -> None:
+        """The row of the present tick, in which everything is over."""
+        self._next_tick = controller.tick
+        self.record(controller, controller.tick + 1)
+
+    @staticmethod
+    def _row(controller: Controller, tick: int) -> TraceRow:
+        state = controller.state_at(tick + 1)
+        return TraceRow(
+            seconds(tick), state.line, state.q_target, state.qd_target, state.tcp_pose_target, _STATES[state.task_state]
+        )
+
+
+_STATES: Final = {state: state.name.lower() for state in TaskState}

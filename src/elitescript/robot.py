@@ -1,0 +1,486 @@
+"""`VirtualRobot`: a controller, the programs it runs and the world around them, in one object.
+
+This is the only module that knows both the controller and the runtime. Nothing here reads a clock: a caller
+who wants real time passes a `pace`, which is called before every tick that is run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final, Literal
+
+from elitescript.controller.controller import Controller
+from elitescript.controller.trace import Trace, TraceRow
+from elitescript.errors import AlarmError, UsageError
+from elitescript.language.compiler import CompiledUnit, Options, compile_unit
+from elitescript.language.source import SourceFile
+from elitescript.messages.events import Alarm, Event, Printed, TextMessage, Warned
+from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask, WriteSignal
+from elitescript.messages.motion import Six
+from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
+from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
+from elitescript.messages.state import RobotState
+from elitescript.messages.timing import seconds, ticks_for
+from elitescript.models.model import RobotModel, load_model
+from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.world import World
+
+EPOCH_S: Final = 1_704_067_200.0
+"""2024-01-01T00:00:00Z: where the clock of a free run begins, so that every run is the same."""
+
+WATCH_EVERY: Final = 64
+"""Ticks run between two calls of a watcher; looking at a wall clock more often costs more than it tells."""
+
+EndState = Literal["finished", "alarm", "stopped", "time_limit", "stuck"]
+Pace = Callable[[int], None]
+Watch = Callable[["VirtualRobot"], bool]
+
+
+class Run:
+    """What a program did.
+
+    Attributes:
+        state: `finished`, `alarm`, `stopped`, `time_limit` or `stuck`; empty while it runs.
+        time_s: virtual time at the end, since the program began.
+        globals: the variable monitor at the end: names declared `global` and their values.
+        log: texts of `textmsg`, in order.
+        printed: texts of `print`, in order.
+        warnings: texts of warnings, those of the compiler included.
+        alarms: what stopped the program.
+        events: everything that happened, in order.
+        trace: rows, if a trace was asked for.
+        joints: target joint positions at the end, rad.
+        tcp_pose: target TCP pose at the end, base frame, m and rad.
+        signals: every output and register that is not at its default.
+    """
+
+    __slots__ = (
+        "alarms",
+        "events",
+        "globals",
+        "joints",
+        "log",
+        "printed",
+        "signals",
+        "start_tick",
+        "state",
+        "tcp_pose",
+        "time_s",
+        "trace",
+        "unit",
+        "warnings",
+    )
+
+    def __init__(self, unit: CompiledUnit, start_tick: int) -> None:
+        self.unit = unit
+        self.start_tick = start_tick
+        self.state: EndState | Literal[""] = ""
+        self.time_s = 0.0
+        self.globals: dict[str, Any] = {}
+        self.log: list[str] = []
+        self.printed: list[str] = []
+        self.warnings: list[str] = [str(problem) for problem in unit.diagnostics]
+        self.alarms: list[Alarm] = []
+        self.events: list[Event] = []
+        self.trace: list[TraceRow] = []
+        self.joints: Six | tuple[()] = ()
+        self.tcp_pose: Six | tuple[()] = ()
+        self.signals: dict[str, Value] = {}
+
+    def check(self) -> Run:
+        """Return the run itself.
+
+        Raises:
+            AlarmError: the program ended with an alarm, or nothing could ever happen again.
+        """
+        if self.alarms:
+            raise AlarmError(self.alarms[-1])
+        return self
+
+    def add(self, event: Event) -> None:
+        """Note an event of this run."""
+        self.events.append(event)
+        if isinstance(event, TextMessage):
+            self.log.append(event.text)
+        elif isinstance(event, Printed):
+            self.printed.append(event.text)
+        elif isinstance(event, Warned):
+            self.warnings.append(event.text)
+        elif isinstance(event, Alarm):
+            self.alarms.append(event)
+
+    def __repr__(self) -> str:
+        return f"<Run {self.state or 'running'} after {self.time_s:.3f} s>"
+
+
+class Signals(Mapping[str, Value]):
+    """The robot's signals by name: `robot.signals["standard_digital_in[3]"] = True`.
+
+    Setting takes effect at once, between two ticks.
+    """
+
+    __slots__ = ("_controller",)
+
+    def __init__(self, controller: Controller) -> None:
+        self._controller = controller
+
+    def __getitem__(self, name: str) -> Value:
+        signal, index = parse_signal_name(name)
+        return self._controller.read(signal.name, index)
+
+    def __setitem__(self, name: str, value: Value) -> None:
+        self._controller.request(signal_write(name, value))
+
+    def __iter__(self) -> Iterator[str]:
+        return (signal_name(row, index) for row in SIGNALS.values() for index in range(row.size))
+
+    def __len__(self) -> int:
+        return sum(row.size for row in SIGNALS.values())
+
+
+def signal_write(name: str, value: object) -> WriteSignal:
+    """The request that sets one signal, with the value checked against its kind.
+
+    Raises:
+        UsageError: no such signal, or a value of another kind.
+    """
+    signal, index = parse_signal_name(name)
+    if signal.kind == "bool":
+        if value not in (True, False):
+            raise UsageError(f"{name} takes True or False, not {value!r}")
+        return WriteSignal(signal.name, index, bool(value))
+    if not isinstance(value, (int, float)) or (signal.kind == "int" and int(value) != value):
+        raise UsageError(f"{name} takes {'an int' if signal.kind == 'int' else 'a number'}, not {value!r}")
+    return WriteSignal(signal.name, index, int(value) if signal.kind == "int" else float(value))
+
+
+class VirtualRobot:
+    """One robot in virtual time.
+
+    Args:
+        model: name of the arm, such as `"CS66"`, or a loaded model.
+        firmware: controller firmware, `"2.10"` or `"2.14"`.
+        seed: seed of the program's random numbers.
+        joints: joint positions at the start, rad; the model's home if None.
+        speed: speed percentage as a fraction, 0 to 1.
+        task_dir: folder that stands for the robot's task folder; if None, a program that comes from a file
+            gets that file's folder, and a program text gets an empty folder in memory.
+        world: everything outside, instead of `task_dir`.
+        strict: refuse what a Python 3 controller refuses, instead of warning.
+        epoch_s: controller clock at tick 0, seconds since 1970.
+        on_event: receives every event at the moment it happens.
+
+    Raises:
+        UsageError: an argument that makes no sense.
+    """
+
+    def __init__(
+        self,
+        model: str | RobotModel = "CS66",
+        *,
+        firmware: str = DEFAULT_FIRMWARE,
+        seed: int = 0,
+        joints: Six | None = None,
+        speed: float = 1.0,
+        task_dir: str | Path | None = None,
+        world: World | None = None,
+        strict: bool = False,
+        epoch_s: float = EPOCH_S,
+        on_event: Callable[[Event], None] | None = None,
+    ) -> None:
+        self.model = load_model(model) if isinstance(model, str) else model
+        self.profile = profile(firmware)
+        self._options = Options(strict=strict)
+        self._on_event = on_event
+        self._seed = seed
+        self._fixed_world = world
+        self._task_dir = None if task_dir is None else Path(task_dir)
+        home = None if joints is None else self._start_joints(joints)
+        if not 0.0 <= speed <= 1.0:
+            raise UsageError(f"speed must be in [0, 1], got {speed!r}")
+        self.controller = Controller(self.model, epoch_s=epoch_s, on_event=self._event, home=home, speed_scale=speed)
+        self.signals = Signals(self.controller)
+        self._host: ScriptHost | None = None
+        self._run: Run | None = None
+        self._trace: Trace | None = None
+        self._is_interrupted = False
+
+    def _start_joints(self, joints: Six) -> Six:
+        values = tuple(float(value) for value in joints)
+        if len(values) != 6:
+            raise UsageError(f"joints must be six numbers, got {len(values)}")
+        for value, limit in zip(values, self.model.joints, strict=True):
+            if not limit.q_min <= value <= limit.q_max:
+                raise UsageError(
+                    f"joint {limit.name} must be in [{limit.q_min:.4f}, {limit.q_max:.4f}] rad, got {value:g}"
+                )
+        return values  # type: ignore[return-value]
+
+    # ---------------------------------------------------------------- reading
+
+    @property
+    def tick(self) -> int:
+        """Ticks of 4 ms since the start."""
+        return self.controller.tick
+
+    @property
+    def time_s(self) -> float:
+        """Virtual time since the start."""
+        return seconds(self.controller.tick)
+
+    @property
+    def state(self) -> RobotState:
+        """The whole machine at this tick."""
+        return self.controller.state()
+
+    @property
+    def current(self) -> Run | None:
+        """The run that is under way, or the last one."""
+        return self._run
+
+    def threads(self) -> tuple[Any, ...]:
+        """Every script thread: name, line and what it waits for."""
+        return self._host.threads() if self._host is not None else ()
+
+    # ---------------------------------------------------------------- changing
+
+    def set_speed(self, fraction: float) -> None:
+        """Move the speed slider, 0 to 1."""
+        self.controller.request(SetSpeedScale(fraction))
+
+    def at(self, time_s: float, name: str, value: Value) -> None:
+        """Have a signal change at a time: the script of a test for inputs."""
+        self.controller.put(ticks_for(time_s), signal_write(name, value))
+
+    def pause(self) -> None:
+        """Pause the task."""
+        self.controller.request(PauseTask())
+
+    def resume(self) -> None:
+        """Go on after a pause."""
+        self.controller.request(ResumeTask())
+
+    def stop(self) -> None:
+        """Stop the task; it ends in the next tick."""
+        self.controller.request(StopTask())
+
+    def interrupt(self) -> None:
+        """End the run as soon as possible; may be called from a signal handler."""
+        self._is_interrupted = True
+        if self._host is not None:
+            self._host.interrupt()
+
+    # ---------------------------------------------------------------- programs
+
+    def compile(self, program: str | Path) -> CompiledUnit:
+        """Compile a program text, or the file of a path.
+
+        Raises:
+            ProgramError: the text does not compile; `problems` says where and why.
+            UsageError: no such file.
+        """
+        return compile_unit(source_of(program), self._options)
+
+    def run(
+        self,
+        program: str | Path | CompiledUnit,
+        *,
+        until_s: float | None = None,
+        presets: Mapping[str, object] | None = None,
+        trace: bool | Trace = False,
+        trace_step_s: float | None = None,
+        pace: Pace | None = None,
+        watch: Watch | None = None,
+    ) -> Run:
+        """Run a program to its end, in virtual time.
+
+        Args:
+            program: program text, path of a file, or what `compile` returned.
+            until_s: stop after so much virtual time, with state `time_limit`.
+            presets: program globals that have a value before the program begins.
+            trace: keep a row for each tick in `Run.trace`, or send them to your own `Trace`.
+            trace_step_s: time between rows.
+            pace: called with the tick before it is run.
+            watch: called now and then; the run stops when it returns True.
+
+        Raises:
+            ProgramError: the text does not compile.
+        """
+        run = self.start(program, presets=presets, trace=trace, trace_step_s=trace_step_s)
+        limit = None if until_s is None else self.tick + ticks_for(until_s)
+        try:
+            self._advance(limit, pace, watch)
+        except BaseException:
+            self._finish("stopped")
+            raise
+        if run.state == "":
+            self._finish("stopped" if self._is_interrupted else "time_limit")
+        return run
+
+    def start(
+        self,
+        program: str | Path | CompiledUnit,
+        *,
+        presets: Mapping[str, object] | None = None,
+        trace: bool | Trace = False,
+        trace_step_s: float | None = None,
+    ) -> Run:
+        """Start a program and let no time go by; `advance` runs it.
+
+        Raises:
+            ProgramError: the text does not compile.
+            ScriptStateError: a program is running.
+        """
+        unit = program if isinstance(program, CompiledUnit) else self.compile(program)
+        self.controller.task_started(unit.name)
+        self._is_interrupted = False
+        self._run = run = Run(unit, self.tick)
+        self._trace = trace if isinstance(trace, Trace) else Trace(run.trace.append, trace_step_s) if trace else None
+        host = self._new_host(unit)
+        self._host = host
+        self.controller.attach(host)
+        host.start(unit, dict(presets or {}))
+        return run
+
+    def submit_secondary(self, program: str) -> None:
+        """Run a `sec` unit beside the program, or alone.
+
+        Raises:
+            ProgramError: the text does not compile.
+        """
+        unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self._options.strict, kind="secondary"))
+        if self._host is None:
+            self._host = self._new_host(unit)
+            self.controller.attach(self._host)
+        self._host.start_secondary(unit)
+
+    def advance(self, duration_s: float, *, pace: Pace | None = None) -> None:
+        """Let virtual time go by, whether a program runs or not."""
+        limit = self.tick + ticks_for(duration_s)
+        self._advance(limit, pace, None, stays=True)
+
+    def _new_host(self, unit: CompiledUnit) -> ScriptHost:
+        return ScriptHost(
+            self.controller,
+            profile=self.profile,
+            world=self._world_for(unit),
+            seed=self._seed,
+            on_end=self._program_ended,
+        )
+
+    def _world_for(self, unit: CompiledUnit) -> World:
+        if self._fixed_world is not None:
+            return self._fixed_world
+        folder = self._task_dir
+        if folder is None and unit.source.name.endswith(".script"):
+            folder = Path(unit.source.name).resolve().parent
+        if folder is None:
+            from elitescript.worlds.memory import MemoryWorld
+
+            return MemoryWorld()
+        from elitescript.worlds.real import RealWorld
+
+        return RealWorld(folder)
+
+    # ---------------------------------------------------------------- time
+
+    def _advance(self, limit: int | None, pace: Pace | None, watch: Watch | None, *, stays: bool = False) -> None:
+        """Run ticks until the program is over and the arm rests, or up to `limit`.
+
+        Args:
+            stays: go on to `limit` though nothing happens any more.
+        """
+        controller = self.controller
+        countdown = WATCH_EVERY
+        while limit is None or controller.tick < limit:
+            if pace is not None:
+                pace(controller.tick)
+            controller.run_tick()
+            if self._is_interrupted:
+                return
+            run = self._run
+            if not stays and run is not None and run.state != "" and not controller.is_moving:
+                self._rest(run)
+                return
+            due = controller.next_tick()
+            if due is None:
+                if run is not None and run.state == "" and not stays:
+                    self._report_stuck()
+                    continue
+                if limit is None:
+                    return
+            target = limit if due is None or (limit is not None and due > limit) else due
+            assert target is not None
+            if pace is not None:
+                target = min(target, controller.tick + 1)
+            if self._trace is not None:
+                self._trace.record(controller, target)
+            controller.leap(target)
+            countdown -= 1
+            if watch is not None and countdown == 0:
+                countdown = WATCH_EVERY
+                if watch(self):
+                    return
+
+    def _rest(self, run: Run) -> None:
+        """Everything is over: take the last look."""
+        if self._trace is not None:
+            self._trace.finish(self.controller)
+            self._trace = None
+        state = self.controller.state()
+        run.time_s = seconds(self.tick - run.start_tick)
+        run.joints = state.q_target
+        run.tcp_pose = state.tcp_pose_target
+        run.signals = self.controller.non_default_signals()
+
+    def _finish(self, state: EndState) -> None:
+        """End a program that would go on."""
+        run, host = self._run, self._host
+        if run is None or host is None or run.state != "":
+            return
+        run.state = state
+        run.globals = host.monitor()
+        host.stop(state)
+        host.run_tick(self.tick)
+        self._rest(run)
+
+    def _report_stuck(self) -> None:
+        threads = self.threads()
+        waits = "; ".join(f"{thread.name} (line {thread.line}) waits for {thread.waits_for}" for thread in threads)
+        line = threads[0].line if threads else 0
+        self._event(Alarm(self.tick, "R130", "Stuck", f"nothing can ever happen again: {waits}", line, 0, "main"))
+        self._finish("stuck")
+
+    def _program_ended(self, state: str) -> None:
+        """The host's program is over: `finished`, `alarm` or `stopped`."""
+        run, host = self._run, self._host
+        if run is not None and host is not None and run.state == "":
+            run.state = state  # type: ignore[assignment]
+            run.globals = host.monitor()
+        self.controller.task_ended()
+
+    def _event(self, event: Event) -> None:
+        if self._run is not None:
+            self._run.add(event)
+        if self._on_event is not None:
+            self._on_event(event)
+
+
+def source_of(program: str | Path) -> SourceFile:
+    """The source of a program: a path, or a text.
+
+    A str is a path if it is a single line that ends in `.script`; everything else is program text.
+
+    Raises:
+        UsageError: the file cannot be read.
+        ProgramError: the file is not UTF-8.
+    """
+    if isinstance(program, str) and ("\n" in program or not program.strip().endswith(".script")):
+        return SourceFile("<program>", program)
+    path = Path(program)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise UsageError(f"cannot read {path}: {error.strerror or error}") from error
+    return SourceFile.from_bytes(str(path), data)

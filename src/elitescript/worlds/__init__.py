@@ -1,0 +1,1 @@
+"""What programs reach outside themselves: real folders, and folders in memory."""
