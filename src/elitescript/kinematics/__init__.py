@@ -1,0 +1,6 @@
+"""Geometry of the arm: rotations, rigid transforms, poses, forward and inverse kinematics.
+
+Pure functions of floats, in metres and radians. Rotations and transforms are flat tuples of
+floats and the formulas are written out, because the motion planner calls them thousands of
+times a second.
+"""

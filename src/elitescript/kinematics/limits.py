@@ -1,0 +1,71 @@
+"""Joint ranges, full turns, and the tolerances of the inverse kinematics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, floor, pi, remainder
+from typing import Final
+
+TURN: Final = 2.0 * pi
+"""One full turn, rad."""
+
+REACH_TOLERANCE_M: Final = 1e-6
+"""A pose that misses the border of the workspace by no more than this is solved at the border.
+Poses printed with six decimals of a stretched arm lie outside as often as inside."""
+
+WRIST_SINGULAR_SINE: Final = 1e-6
+"""With |sin q5| below it, joints 4 and 6 turn about one axis as far as printed poses can tell;
+q6 is then chosen and q4 follows. The orientation is missed by at most this angle (rad)."""
+
+RANGE_TOLERANCE_RAD: Final = 1e-9
+"""A joint angle beyond its range by no more than this is rounding and is put on the border: at
+two metres of reach it is two nanometres."""
+
+
+def wrap_to_pi(angle: float) -> float:
+    """Return the same direction in (-pi, pi], rad."""
+    wrapped = remainder(angle, TURN)
+    return pi if wrapped <= -pi else wrapped
+
+
+def nearest_turn(angle: float, near: float, low: float, high: float) -> float | None:
+    """Return the angle plus full turns that lies in [low, high] and nearest to `near`, rad.
+
+    Returns None when no turn of the angle lies in the range. Halfway between two turns the one
+    is taken that an even number of turns leads to, so that the angle itself wins over +-1 turn.
+    """
+    candidate = angle + TURN * round((near - angle) / TURN)
+    if candidate < low:
+        if candidate < low - RANGE_TOLERANCE_RAD:
+            candidate += TURN * ceil((low - RANGE_TOLERANCE_RAD - candidate) / TURN)
+        if candidate < low:
+            candidate = low
+    elif candidate > high:
+        if candidate > high + RANGE_TOLERANCE_RAD:
+            candidate -= TURN * ceil((candidate - high - RANGE_TOLERANCE_RAD) / TURN)
+        if candidate > high:
+            candidate = high
+    if low <= candidate <= high:
+        return candidate
+    return None
+
+
+def turns_within(angle: float, low: float, high: float) -> tuple[float, ...]:
+    """Return every angle plus full turns that lies in [low, high], rad, in rising order.
+
+    Values beyond the range by no more than `RANGE_TOLERANCE_RAD` are put on the border.
+    """
+    first = ceil((low - RANGE_TOLERANCE_RAD - angle) / TURN)
+    last = floor((high + RANGE_TOLERANCE_RAD - angle) / TURN)
+    return tuple(min(max(angle + TURN * k, low), high) for k in range(first, last + 1))
+
+
+def joint_out_of_range(q: Sequence[float], joint_ranges: Sequence[tuple[float, float]]) -> int | None:
+    """Return the index of the first joint outside its range by more than the tolerance, or None.
+
+    A joint angle that is not a number is outside every range.
+    """
+    for index, (angle, (low, high)) in enumerate(zip(q, joint_ranges, strict=True)):
+        if not low - RANGE_TOLERANCE_RAD <= angle <= high + RANGE_TOLERANCE_RAD:
+            return index
+    return None
