@@ -53,6 +53,7 @@ class Run:
         joints: target joint positions at the end, rad.
         tcp_pose: target TCP pose at the end, base frame, m and rad.
         signals: every output and register that is not at its default.
+        threads: script threads at the end of a program that did not end by itself: where each was.
     """
 
     __slots__ = (
@@ -66,6 +67,7 @@ class Run:
         "start_tick",
         "state",
         "tcp_pose",
+        "threads",
         "time_s",
         "trace",
         "unit",
@@ -87,6 +89,7 @@ class Run:
         self.joints: Six | tuple[()] = ()
         self.tcp_pose: Six | tuple[()] = ()
         self.signals: dict[str, Value] = {}
+        self.threads: tuple[Any, ...] = ()
 
     def check(self) -> Run:
         """Return the run itself.
@@ -441,6 +444,7 @@ class VirtualRobot:
             return
         run.state = state
         run.globals = host.monitor()
+        run.threads = host.threads()
         host.stop(state)
         host.run_tick(self.tick)
         self._rest(run)

@@ -1,0 +1,123 @@
+"""The command `elitescript`: one subcommand a file, loaded when it is asked for."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from typing import Final
+
+from elitescript.errors import ElitescriptError, ProgramError, UsageError
+
+USAGE: Final = 2
+"""Exit code of a call that makes no sense."""
+
+HASH_SEED: Final = "0"
+"""The order of a set of strings depends on it; every process that we start has the same."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit code."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    if argv is None and arguments[:1] == ["run"] and os.environ.get("PYTHONHASHSEED") != HASH_SEED:
+        return _run_again_with_fixed_hash_seed(arguments)
+    options = _parser().parse_args(arguments)
+    try:
+        return _dispatch(options)
+    except UsageError as error:
+        print(f"elitescript {options.command}: {error}", file=sys.stderr)
+        return USAGE
+    except (ProgramError, ElitescriptError) as error:
+        print(f"elitescript {options.command}: {error}", file=sys.stderr)
+        return 3 if isinstance(error, ProgramError) else 1
+    except BrokenPipeError:
+        # The reader went away (`| head`): nothing is wrong with us.
+        sys.stderr = None  # type: ignore[assignment]
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _dispatch(options: argparse.Namespace) -> int:
+    if options.command == "run":
+        from elitescript.cli.run import run
+
+        return run(options)
+    if options.command == "check":
+        from elitescript.cli.check import check
+
+        return check(options)
+    from elitescript.cli.commands import commands
+
+    return commands(options)
+
+
+def _run_again_with_fixed_hash_seed(arguments: list[str]) -> int:
+    # -P: a file called queue.py beside the program must not stand in for the standard library's.
+    command = [sys.executable, "-P", "-m", "elitescript", *arguments]
+    environment = {**os.environ, "PYTHONHASHSEED": HASH_SEED}
+    if os.name == "posix":
+        os.execve(sys.executable, command, environment)
+    import subprocess
+
+    return subprocess.run(command, env=environment, check=False).returncode
+
+
+def _parser() -> argparse.ArgumentParser:
+    from elitescript import __version__
+    from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
+
+    parser = argparse.ArgumentParser(
+        prog="elitescript",
+        description="Run and check EliteScript, the language of the Elite Robots CS arms, without a robot.",
+    )
+    parser.add_argument("--version", action="version", version=f"elitescript {__version__}")
+    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    firmware = argparse.ArgumentParser(add_help=False)
+    firmware.add_argument(
+        "--firmware", default=DEFAULT_FIRMWARE, choices=list(PROFILES), help="controller firmware (default %(default)s)"
+    )
+    firmware.add_argument("--strict", action="store_true", help="refuse what only warns otherwise")
+    firmware.add_argument("--json", action="store_true", help="print one JSON object per line")
+
+    run = subparsers.add_parser(
+        "run",
+        parents=[firmware],
+        help="run a program to its end in virtual time",
+        description="Run a program to its end in virtual time. Exit code: 0 finished or stopped, 1 alarm, "
+        "2 usage, 3 the program does not compile, 4 time limit, 5 stuck.",
+    )
+    run.add_argument("file", metavar="FILE", help="program text, UTF-8")
+    run.add_argument(
+        "--robot", default="CS66", metavar="MODEL", help="arm: CS63 CS66 CS612 CS616 CS620 CS625 (default CS66)"
+    )
+    run.add_argument("--realtime", action="store_true", help="one tick per 4 ms of wall time")
+    run.add_argument("--until", type=float, metavar="SECONDS", help="stop after so much virtual time")
+    run.add_argument("--max-wall", type=float, metavar="SECONDS", help="stop after so much wall time")
+    run.add_argument("--seed", type=int, default=0, metavar="N", help="seed of random() (default 0)")
+    run.add_argument("--joints", metavar="Q1,...,Q6", help="joint positions at the start, rad")
+    run.add_argument("--speed", type=float, default=1.0, metavar="0..1", help="speed percentage as a fraction")
+    run.add_argument("--task-dir", metavar="DIR", help="folder for open() and get_task_path() (default: FILE's folder)")
+    run.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="signal or global at the start, e.g. standard_digital_in[3]=true; may be repeated",
+    )
+    run.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
+    run.add_argument("--step", type=float, metavar="SECONDS", help="time between two rows of the trace")
+    run.add_argument("--epoch", metavar="TIME", help="controller clock at the start: seconds since 1970 or ISO 8601")
+
+    check = subparsers.add_parser(
+        "check",
+        parents=[firmware],
+        help="report every problem of programs without running them",
+        description="Report every problem with file, line, column, code, text and hint. Exit code 3 if there are errors.",
+    )
+    check.add_argument("files", nargs="+", metavar="FILE")
+
+    commands = subparsers.add_parser("commands", help="the catalogue of robot commands")
+    commands.add_argument("name", nargs="?", metavar="NAME", help="one command; all if left out")
+    return parser

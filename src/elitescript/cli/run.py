@@ -1,0 +1,167 @@
+"""`elitescript run`: a program from its start to its end, on the terminal or as JSON lines."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import time
+from contextlib import ExitStack
+from pathlib import Path
+from types import FrameType
+from typing import Any, Final
+
+from elitescript.cli.report import JsonReport, Report, TextReport
+from elitescript.cli.settings import parse_epoch, parse_joints, parse_settings
+from elitescript.cli.trace_file import TraceFile
+from elitescript.controller.trace import Trace
+from elitescript.errors import ProgramError, UsageError
+from elitescript.language.diagnostics import Diagnostic, Severity
+from elitescript.robot import EPOCH_S, Run, VirtualRobot, source_of
+
+EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "stuck": 5}
+DOES_NOT_COMPILE: Final = 3
+INTERRUPTED: Final = 130
+"""Ctrl-C, as shells count it."""
+
+HINT_AFTER_S: Final = 5.0
+"""Wall time after which a run says where it is; then again after each such time."""
+
+KILL_AFTER_S: Final = 1.0
+"""Wall time past `--max-wall` that a program has to reach its next checkpoint before the process ends."""
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the program of the command line; return the exit code."""
+    path = Path(options.file)
+    report: Report = JsonReport(sys.stdout) if options.json else TextReport(sys.stdout, sys.stderr)
+    signals, presets = parse_settings(options.set)
+    robot = VirtualRobot(
+        options.robot,
+        firmware=options.firmware,
+        seed=options.seed,
+        joints=None if options.joints is None else parse_joints(options.joints),
+        speed=options.speed,
+        task_dir=options.task_dir or path.resolve().parent,
+        strict=options.strict,
+        epoch_s=EPOCH_S if options.epoch is None else parse_epoch(options.epoch),
+        on_event=report.event,
+    )
+    for name, value in signals.items():
+        robot.signals[name] = value
+    if options.until is not None and not options.until >= 0.0:
+        raise UsageError(f"--until must be >= 0 s, got {options.until:g}")
+    try:
+        source = source_of(path)
+    except ProgramError as error:
+        report.problems(error.problems, None)
+        return DOES_NOT_COMPILE
+    problems = _find_problems(robot, source, options.strict)
+    report.problems(problems, source)
+    if any(problem.severity is Severity.ERROR for problem in problems):
+        return DOES_NOT_COMPILE
+    unit = robot.compile(path)
+    with ExitStack() as stack:
+        trace: bool | Trace = False
+        if options.trace is not None:
+            trace = Trace(stack.enter_context(TraceFile(Path(options.trace))).write, options.step)
+        elif options.step is not None:
+            raise UsageError("--step goes with --trace")
+        report.start(robot, path)
+        watch = _Watch(report, options.max_wall)
+        with _InterruptHandler(robot) as interrupted:
+            result = robot.run(
+                unit,
+                until_s=options.until,
+                presets=presets,
+                trace=trace,
+                pace=_pacer() if options.realtime else None,
+                watch=watch,
+            )
+    report.end(result, is_interrupted=interrupted.happened, is_paced=options.realtime)
+    return INTERRUPTED if interrupted.happened else EXIT_CODES[result.state]
+
+
+def _pacer() -> Any:
+    from elitescript.services.pacing import Pacer
+
+    return Pacer()
+
+
+def _find_problems(robot: VirtualRobot, source: Any, strict: bool) -> tuple[Diagnostic, ...]:
+    """What `check` finds, with findings against the catalogue as warnings: programs may catch them."""
+    from dataclasses import replace
+
+    from elitescript.lint.engine import check_source
+
+    problems = check_source(source, robot.profile, strict=strict)
+    if strict:
+        return problems
+    return tuple(
+        replace(problem, severity=Severity.WARNING) if problem.code.startswith("E3") else problem
+        for problem in problems
+    )
+
+
+class _Watch:
+    """Looks at the wall clock while the program runs."""
+
+    def __init__(self, report: Report, max_wall_s: float | None) -> None:
+        self._report = report
+        self._start_s = time.monotonic()
+        self._next_hint_s = self._start_s + HINT_AFTER_S
+        self._end_s = None if max_wall_s is None else self._start_s + max_wall_s
+        if max_wall_s is not None:
+            self._arm(max_wall_s)
+
+    def _arm(self, max_wall_s: float) -> None:
+        """End the process when a single call into C never comes back to a checkpoint."""
+        import os
+        import threading
+
+        def end_process() -> None:
+            print(
+                f"elitescript run: no checkpoint within --max-wall {max_wall_s:g} s; ending the process",
+                file=sys.stderr,
+            )
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(EXIT_CODES["time_limit"])
+
+        timer = threading.Timer(max_wall_s + KILL_AFTER_S, end_process)
+        timer.daemon = True
+        timer.start()
+
+    def __call__(self, robot: VirtualRobot) -> bool:
+        now_s = time.monotonic()
+        if self._end_s is not None and now_s >= self._end_s:
+            return True
+        if now_s >= self._next_hint_s:
+            self._next_hint_s = now_s + HINT_AFTER_S
+            self._report.still_running(robot, now_s - self._start_s)
+        return False
+
+
+class _InterruptHandler:
+    """Ctrl-C ends the program at its next checkpoint; a second one ends the process."""
+
+    def __init__(self, robot: VirtualRobot) -> None:
+        self._robot = robot
+        self.happened = False
+        self._previous: Any = None
+
+    def __enter__(self) -> _InterruptHandler:
+        self._previous = signal.signal(signal.SIGINT, self._handle)
+        return self
+
+    def _handle(self, _number: int, _frame: FrameType | None) -> None:
+        if self.happened:
+            raise KeyboardInterrupt
+        self.happened = True
+        self._robot.interrupt()
+
+    def __exit__(self, *_: object) -> None:
+        signal.signal(signal.SIGINT, self._previous)
+
+
+__all__ = ["Run", "run"]

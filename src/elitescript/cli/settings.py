@@ -1,0 +1,79 @@
+"""Values of the command line: `--set`, `--joints`, `--epoch`."""
+
+from __future__ import annotations
+
+import ast
+from typing import Any, Final
+
+from elitescript.errors import UsageError
+from elitescript.messages.motion import Six
+from elitescript.messages.signals import SIGNALS, Value
+
+_WORDS: Final = {"true": True, "on": True, "high": True, "false": False, "off": False, "low": False}
+
+
+def parse_settings(texts: list[str]) -> tuple[dict[str, Value], dict[str, Any]]:
+    """Split `NAME=VALUE` settings into signals and program globals.
+
+    A name of the signal table (with an index in brackets, where the family has several) is a signal; any other
+    identifier is a global of the program.
+
+    Raises:
+        UsageError: not of this form, or a value that is no literal.
+    """
+    signals: dict[str, Value] = {}
+    presets: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value_text = text.partition("=")
+        name = name.strip()
+        if not equals:
+            raise UsageError(f"--set {text}: write NAME=VALUE")
+        value = _literal(value_text.strip(), text)
+        if name.partition("[")[0] in SIGNALS or "[" in name:
+            signals[name] = value
+        elif name.isidentifier():
+            presets[name] = value
+        else:
+            raise UsageError(f"--set {text}: {name!r} is neither a signal nor a name")
+    return signals, presets
+
+
+def parse_joints(text: str) -> Six:
+    """Six joint positions in rad, separated by commas.
+
+    Raises:
+        UsageError: not six numbers.
+    """
+    try:
+        a, b, c, d, e, f = (float(part) for part in text.strip("[] ").split(","))
+    except ValueError:
+        raise UsageError(f"--joints {text}: write six numbers in rad, separated by commas") from None
+    return (a, b, c, d, e, f)
+
+
+def parse_epoch(text: str) -> float:
+    """A time as seconds since 1970, given as such or in ISO 8601 (UTC unless it names a zone).
+
+    Raises:
+        UsageError: neither.
+    """
+    from datetime import UTC, datetime
+
+    try:
+        return float(text)
+    except ValueError:
+        pass
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        raise UsageError(f"--epoch {text}: write seconds since 1970, or a time such as 2024-01-01T00:00:00Z") from None
+    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+
+
+def _literal(text: str, setting: str) -> Any:
+    if text.lower() in _WORDS:
+        return _WORDS[text.lower()]
+    try:
+        return ast.literal_eval(text)
+    except (ValueError, SyntaxError):
+        raise UsageError(f"--set {setting}: {text!r} is no literal; write true, 3, 0.5, 'text' or [1, 2]") from None

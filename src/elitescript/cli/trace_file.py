@@ -1,0 +1,54 @@
+"""Traces as files: CSV for a spreadsheet, JSON lines for a program. Floats keep every digit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from types import TracebackType
+from typing import TextIO
+
+from elitescript.cli import jsonlines
+from elitescript.controller.trace import TRACE_COLUMNS, TraceRow
+from elitescript.errors import UsageError
+
+
+class TraceFile(AbstractContextManager["TraceFile"]):
+    """A trace on its way to a file; `write` takes one row.
+
+    Args:
+        path: ends in `.csv` or `.jsonl`.
+
+    Raises:
+        UsageError: another ending, or the file cannot be written.
+    """
+
+    write: Callable[[TraceRow], None]
+
+    def __init__(self, path: Path) -> None:
+        if path.suffix not in (".csv", ".jsonl"):
+            raise UsageError(f"--trace {path}: the name must end in .csv or .jsonl")
+        try:
+            self._file: TextIO = path.open("w", encoding="utf-8", newline="")
+        except OSError as error:
+            raise UsageError(f"--trace {path}: {error.strerror or error}") from error
+        if path.suffix == ".csv":
+            self._file.write(",".join(TRACE_COLUMNS) + "\n")
+            self.write = self._write_csv
+        else:
+            self.write = self._write_json
+
+    def _write_csv(self, row: TraceRow) -> None:
+        self._file.write(",".join(map(str, _flat(row))) + "\n")
+
+    def _write_json(self, row: TraceRow) -> None:
+        self._file.write(jsonlines.line(dict(zip(TRACE_COLUMNS, _flat(row), strict=True))) + "\n")
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._file.close()
+
+
+def _flat(row: TraceRow) -> tuple[float | int | str, ...]:
+    return (row.t, row.line, *row.q, *row.qd, *row.tcp_pose, row.state)
