@@ -1,0 +1,38 @@
+import pytest
+
+from elitescript.cli.settings import parse_epoch, parse_joints, parse_settings
+from elitescript.errors import UsageError
+
+
+def test_signals_and_globals_are_told_apart():
+    signals, presets = parse_settings(
+        ["standard_digital_in[3]=true", "tool_analog_in=5.5", "count=3", "name='a=b'", "grid=[1, 2]", "flag_1=off"]
+    )
+    assert signals == {"standard_digital_in[3]": True, "tool_analog_in": 5.5}
+    assert presets == {"count": 3, "name": "a=b", "grid": [1, 2], "flag_1": False}
+
+
+@pytest.mark.parametrize("text", ["count", "2x=3", "a.b=1", "count=three", "count=__import__('os')", "=3"])
+def test_a_senseless_setting_is_refused(text):
+    with pytest.raises(UsageError, match="--set"):
+        parse_settings([text])
+
+
+def test_joints_take_six_numbers_with_or_without_brackets():
+    assert parse_joints("0,-1.57, 1,2,3,4") == parse_joints("[0,-1.57,1,2,3,4]") == (0.0, -1.57, 1.0, 2.0, 3.0, 4.0)
+
+
+@pytest.mark.parametrize("text", ["", "1,2,3", "1,2,3,4,5,6,7", "a,b,c,d,e,f"])
+def test_other_joints_are_refused(text):
+    with pytest.raises(UsageError, match="six numbers"):
+        parse_joints(text)
+
+
+@pytest.mark.parametrize("text", ["1704067200", "2024-01-01T00:00:00Z", "2024-01-01", "2024-01-01T01:00:00+01:00"])
+def test_an_epoch_is_seconds_or_a_date(text):
+    assert parse_epoch(text) == 1_704_067_200.0
+
+
+def test_another_epoch_is_refused():
+    with pytest.raises(UsageError, match="ISO|2024"):
+        parse_epoch("yesterday")
