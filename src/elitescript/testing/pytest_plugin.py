@@ -1,0 +1,79 @@
+"""pytest plugin: specification pages are collected as tests.
+
+Pages are looked for in the folders of the ini option `elitescript_spec`; without it nothing is collected.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from elitescript.testing.spec import Case, Expectation, parse_page
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Register the option that names the folders."""
+    parser.addini("elitescript_spec", "folders with EliteScript specification pages", type="paths", default=[])
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Collect `.md` files of the folders."""
+    folders = parent.config.getini("elitescript_spec")
+    if file_path.suffix == ".md" and any(file_path.is_relative_to(folder) for folder in folders):
+        return Page.from_parent(parent, path=file_path)  # type: ignore[no-any-return]
+    return None
+
+
+class Page(pytest.File):
+    """One page."""
+
+    def collect(self) -> Iterator[pytest.Item]:
+        """One test for each expectation of each case."""
+        for case in parse_page(self.path.read_text(encoding="utf-8")):
+            for expectation in case.expectations:
+                name = f"{case.title} [{expectation.label}]" if expectation.label else case.title
+                yield SpecItem.from_parent(self, name=name, case=case, expectation=expectation)
+
+
+class SpecItem(pytest.Item):
+    """One case under one set of conditions."""
+
+    def __init__(self, *, case: Case, expectation: Expectation, **rest: Any) -> None:
+        super().__init__(**rest)
+        self.case = case
+        self.expectation = expectation
+
+    def runtest(self) -> None:
+        """Run the case; a difference is a failure."""
+        if self.case.needs:
+            pytest.skip(f"needs {self.case.needs}")
+        from elitescript.testing.spec_run import run_case
+
+        found = run_case(self.case, self.expectation)
+        if found:
+            raise SpecFailure(found)
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        """The differences and the program, instead of a traceback of the runner."""
+        if not isinstance(excinfo.value, SpecFailure):
+            return super().repr_failure(excinfo, style)
+        rows = [f"{self.path}:{self.expectation.line}: {self.case.title}", ""]
+        for text in self.case.texts:
+            rows += [f"{number:4} {line}" for number, line in enumerate(text.text.splitlines(), 1)]
+            rows.append("")
+        return "\n".join([*rows, *excinfo.value.differences])
+
+    def reportinfo(self) -> tuple[Path, int, str]:
+        """Where the case stands."""
+        return self.path, self.expectation.line - 1, self.name
+
+
+class SpecFailure(Exception):
+    """The outcome is not the expected one."""
+
+    def __init__(self, differences: list[str]) -> None:
+        super().__init__("\n".join(differences))
+        self.differences = differences
