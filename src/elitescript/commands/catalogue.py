@@ -4,6 +4,39 @@ from __future__ import annotations
 
 from typing import Final
 
+from elitescript.commands import (  # noqa: F401  (importing a family registers its commands)
+    analog_io,
+    conveyor,
+    digital_io,
+    force,
+    freedrive,
+    input_actions,
+    kinematics,
+    lists,
+    maths,
+    messages,
+    micro_line,
+    modbus_rtu_cabinet,
+    modbus_rtu_tool,
+    modbus_tcp,
+    motion,
+    observed,
+    payload,
+    poses,
+    positions,
+    registers,
+    rpc,
+    runstate,
+    serial,
+    servo,
+    sockets,
+    speed,
+    strings,
+    system,
+    task,
+    threads,
+    tool_io,
+)
 from elitescript.commands.registry import REGISTRY, Catalogue
 
 CATALOGUE: Final[Catalogue] = REGISTRY

@@ -1,4 +1,4 @@
-"""Reading the parts of a command's docstring: summary, behaviour, arguments, result."""
+"""Reading the parts of a command's docstring: summary, behaviour, arguments, result, errors."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ class Docstring(NamedTuple):
     behaviour: str
     args: dict[str, str]
     returns: str
+    raises: dict[str, str]
+    """Class of the error, and when it comes."""
 
 
 _SECTIONS = ("Args:", "Returns:", "Raises:")
@@ -34,20 +36,21 @@ def read_docstring(text: str) -> Docstring:
     return Docstring(
         summary=lines[0].strip(),
         behaviour="\n".join(parts[""]).strip(),
-        args=_arguments(parts["Args:"]),
+        args=_entries(parts["Args:"]),
         returns=" ".join(line.strip() for line in parts["Returns:"] if line.strip()),
+        raises=_entries(parts["Raises:"]),
     )
 
 
-def _arguments(lines: list[str]) -> dict[str, str]:
-    args: dict[str, str] = {}
+def _entries(lines: list[str]) -> dict[str, str]:
+    entries: dict[str, str] = {}
     name = ""
     for line in lines:
         if not line.strip():
             continue
         if not line.startswith("     "):
             name, _, rest = line.strip().partition(":")
-            args[name] = rest.strip()
+            entries[name] = rest.strip()
         else:
-            args[name] = f"{args[name]} {line.strip()}"
-    return args
+            entries[name] = f"{entries[name]} {line.strip()}"
+    return entries

@@ -5,8 +5,7 @@ checks literals before the run, and prints the reference page, so that every mes
 command, parameter, value, bound, unit.
 
 Coercion: bool and int stand for each other; an int stands for a float; a float never stands for an int
-(*assumed*). NaN and infinity are refused wherever a number goes to the machine, and so are wrong lengths and
-text for a number.
+(*assumed*). NaN and infinity, wrong lengths and text for a number are refused everywhere (*assumed*).
 """
 
 from __future__ import annotations
@@ -16,6 +15,7 @@ from typing import Annotated, Any, Final
 
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError, ScriptError
 from elitescript.messages.motion import Six
+from elitescript.messages.signals import SIGNALS
 
 _LONGEST_SHOWN: Final = 80
 """Characters of a wrong value that a message repeats."""
@@ -60,11 +60,10 @@ class Quantity:
         )
 
     def out_of_range(self, value: Any, limit: str = "") -> ScriptError:
-        """The error for a value outside its range."""
-        limit = limit or self.limit
-        unit = f" {self.unit}" if self.unit else ""
+        """The error for a value outside its range, or outside `limit` when that says it better."""
+        allowed = limit or f"{self.limit} {self.unit}".rstrip()
         return ArgumentRangeError(
-            f"must be {limit}{unit}, got {shown(value)}", value=value, limit=limit, unit=self.unit
+            f"must be {allowed}, got {shown(value)}", value=value, limit=limit or self.limit, unit=self.unit
         )
 
 
@@ -192,6 +191,20 @@ class Text(Quantity):
         return value
 
 
+class Octets(Quantity):
+    """A bytes or bytearray object."""
+
+    __slots__ = ()
+
+    def __init__(self) -> None:
+        super().__init__("bytes")
+
+    def coerce(self, value: Any) -> bytes:
+        if not isinstance(value, (bytes, bytearray)):
+            raise self.wrong_type(value, "bytes or a bytearray")
+        return bytes(value)
+
+
 class Anything(Quantity):
     """Any value; the command decides."""
 
@@ -199,6 +212,9 @@ class Anything(Quantity):
 
     def __init__(self, type_name: str = "any", unit: str = "") -> None:
         super().__init__(type_name, unit)
+
+
+_PLURALS: Final = {"float": "numbers", "int": "ints", "bool": "bools"}
 
 
 class Vector(Quantity):
@@ -222,7 +238,7 @@ class Vector(Quantity):
     def coerce(self, value: Any) -> tuple[Any, ...]:
         if not isinstance(value, (list, tuple)):
             count = "" if self.count is None else f"{self.count} "
-            raise self.wrong_type(value, f"a list of {count}numbers")
+            raise self.wrong_type(value, f"a list of {count}{_PLURALS.get(self.element.type_name, 'values')}")
         if self.count is not None and len(value) != self.count:
             names = f" {self.names}" if self.names else ""
             raise ArgumentTypeError(
@@ -238,16 +254,46 @@ class Vector(Quantity):
                 result.append(coerce(item))
             except ScriptError as error:
                 error.args = (f"element {index} {error.args[0]}",)
+                error.unit = error.unit or self.unit
                 raise
         return tuple(result)
 
 
+class Either(Quantity):
+    """A value of one of several kinds: a list goes to the vector among them, anything else to the first that fits."""
+
+    __slots__ = ("kinds",)
+
+    def __init__(self, *kinds: Quantity) -> None:
+        units = {kind.unit: None for kind in kinds if kind.unit}
+        super().__init__(" or ".join(kind.type_name for kind in kinds), " or ".join(units))
+        self.kinds = kinds
+
+    @property
+    def limit(self) -> str:
+        return ", ".join({kind.limit: None for kind in self.kinds if kind.limit})
+
+    def coerce(self, value: Any) -> Any:
+        is_list = isinstance(value, (list, tuple))
+        for kind in self.kinds:
+            if isinstance(kind, Vector) is is_list:
+                try:
+                    return kind.coerce(value)
+                except ArgumentTypeError:
+                    if is_list:
+                        raise
+        raise self.wrong_type(value)
+
+
 class Optionally(Quantity):
-    """A value that may be left out: omitted, None, `''` and the manual's placeholder text mean the same."""
+    """A value that may be left out: omitted, None, `''` and the manual's placeholder mean the same.
+
+    The function below has the default None; the placeholder is what the signature prints.
+    """
 
     __slots__ = ("inner", "placeholder")
 
-    def __init__(self, inner: Quantity, placeholder: str = "") -> None:
+    def __init__(self, inner: Quantity, placeholder: str | None = "") -> None:
         super().__init__(inner.type_name, inner.unit)
         self.inner = inner
         self.placeholder = placeholder
@@ -262,6 +308,11 @@ class Optionally(Quantity):
         return self.inner.coerce(value)
 
 
+def signal_index(name: str) -> Integer:
+    """The index of one point of a family of signals; see `messages.signals`."""
+    return Integer(0, SIGNALS[name].size - 1)
+
+
 _POSE_NAMES: Final = "[x, y, z, Rx, Ry, Rz]"
 _JOINT_NAMES: Final = "[base, shoulder, elbow, wrist1, wrist2, wrist3]"
 POSE: Final = Vector(Number(), 6, "m, rad", _POSE_NAMES)
@@ -273,8 +324,6 @@ Pose = Annotated[Six, POSE]
 TcpSpeed = Annotated[Six, Vector(Number(), 6, "m/s, rad/s", "[Vx, Vy, Vz, RVx, RVy, RVz]")]
 OptionalJoints = Annotated[Six | None, Optionally(JOINTS)]
 OptionalTcp = Annotated[Six | None, Optionally(POSE, "active tcp")]
-Vector3 = Annotated[tuple[float, float, float], Vector(Number(), 3)]
-Numbers = Annotated[tuple[float, ...], Vector(Number(), None)]
 
 JointAcceleration = Annotated[float, Number("rad/s^2", 0.0)]
 JointSpeed = Annotated[float, Number("rad/s", 0.0)]
@@ -283,10 +332,8 @@ ToolSpeed = Annotated[float, Number("m/s", 0.0)]
 Seconds = Annotated[float, Number("s", 0.0)]
 TimeOut = Annotated[float, Number("s")]
 Metres = Annotated[float, Number("m", 0.0)]
-Kilograms = Annotated[float, Number("kg", 0.0)]
 Radians = Annotated[float, Number("rad")]
 Real = Annotated[float, Number()]
-AnyReal = Annotated[float, Number(allows_non_finite=True)]
 Whole = Annotated[int, Integer()]
 Bool = Annotated[bool, Boolean()]
 Str = Annotated[str, Text()]

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, Final, TypeVar, get_args
 
-from elitescript.commands.quantities import Anything, Quantity, shown
-from elitescript.errors import ArgumentCountError, InternalError, NotSimulatedError, ScriptError
+from elitescript.commands.quantities import Anything, Optionally, Quantity, shown
+from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
 from elitescript.messages.profile import release_of
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -21,16 +21,23 @@ REQUIRED: Final = object()
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
 
+_OMITTED: Final = object()
+_VARIADIC: Final = 0x04
+"""Flag of a code object whose function takes `*more` (`inspect.CO_VARARGS`, without importing it)."""
+
 
 class Param:
     """One parameter of a command."""
 
-    __slots__ = ("default", "name", "quantity", "spellings", "text")
+    __slots__ = ("default", "default_value", "name", "quantity", "spellings", "text")
 
     def __init__(self, name: str, quantity: Quantity, default: Any, spellings: tuple[str, ...], text: str) -> None:
         self.name = name
         self.quantity = quantity
         self.default = default
+        """As the function has it; `REQUIRED` when a call must pass the parameter."""
+        self.default_value = default if default is REQUIRED else quantity.coerce(default)
+        """What the function gets when a call leaves the parameter out."""
         self.spellings = spellings
         """Other keyword spellings that manuals or programs use."""
         self.text = text
@@ -40,20 +47,37 @@ class Param:
         """Whether a call must pass it."""
         return self.default is REQUIRED
 
+    @property
+    def default_text(self) -> str:
+        """The default as the manual prints it; empty when there is none."""
+        if self.is_required:
+            return ""
+        if self.default is None and isinstance(self.quantity, Optionally):
+            return repr(self.quantity.placeholder)
+        if isinstance(self.default, tuple) and self.default:
+            return repr(list(self.default))
+        return repr(self.default)
+
 
 class Command:
-    """One entry of the catalogue; see `command` for the fields."""
+    """One name of the catalogue; see `command` for the fields.
+
+    An alias is a `Command` of its own, so that messages repeat the name that the script used.
+    """
 
     __slots__ = (
         "_details",
+        "alias_of",
         "aliases",
         "evidence",
         "family",
         "function",
         "is_simulated",
+        "manual",
         "name",
         "since",
         "spellings",
+        "takes_more",
         "takes_robot",
         "waits",
         "works_in_sec",
@@ -70,10 +94,16 @@ class Command:
         waits: bool,
         works_in_sec: bool,
         is_simulated: bool,
+        manual: str = "",
+        name: str = "",
+        alias_of: str = "",
     ) -> None:
+        self.name = name or function.__name__
         if evidence not in EVIDENCE:
-            raise InternalError(f"{function.__name__}: evidence {evidence!r} is not one of {EVIDENCE}")
-        self.name = function.__name__
+            raise InternalError(f"{self.name}: evidence {evidence!r} is not one of {EVIDENCE}")
+        release_of(since)
+        self.alias_of = alias_of
+        """Name of the command that this is another name of; empty for the command itself."""
         self.function = function
         self.family = family
         self.since = since
@@ -83,9 +113,29 @@ class Command:
         self.waits = waits
         self.works_in_sec = works_in_sec
         self.is_simulated = is_simulated
+        self.manual = manual
         code = function.__code__
         self.takes_robot = code.co_argcount > 0 and code.co_varnames[0] == "robot"
+        self.takes_more = bool(code.co_flags & _VARIADIC)
+        """Whether arguments beyond the signature are passed on as they are."""
         self._details: _Details | None = None
+
+    def renamed(self, name: str, since: str = "", evidence: str = "") -> Command:
+        """The same command under another name."""
+        return Command(
+            self.function,
+            self.family,
+            since or self.since,
+            (),
+            self.spellings,
+            evidence or self.evidence,
+            self.waits,
+            self.works_in_sec,
+            self.is_simulated,
+            self.manual,
+            name,
+            self.name,
+        )
 
     @property
     def details(self) -> _Details:
@@ -109,7 +159,7 @@ class Command:
         """The call as the manual prints it."""
         parts = []
         for param in self.params:
-            parts.append(param.name if param.is_required else f"{param.name}={param.default!r}")
+            parts.append(param.name if param.is_required else f"{param.name}={param.default_text}")
         return f"{self.name}({', '.join(parts)})"
 
     def bind(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
@@ -118,25 +168,14 @@ class Command:
         Raises:
             ScriptError: complete with command, argument, value, limit and unit.
         """
-        params = self.params
-        if len(args) > len(params):
-            raise self._count_error(f"takes {_arguments(len(params))}, got {len(args)}")
+        params = (self._details or self.details).params
         values: list[Any] = list(args)
-        for param in params[len(args) :]:
-            value = REQUIRED
-            for spelling in (param.name, *param.spellings):
-                if kwargs and spelling in kwargs:
-                    if value is not REQUIRED:
-                        raise self._count_error(f"got the argument {param.name!r} twice")
-                    value = kwargs[spelling]
-            if value is REQUIRED and param.is_required:
-                raise self._count_error(f"misses the argument {param.name!r}; it is called as {self.signature}")
-            values.append(param.default if value is REQUIRED else value)
-        if kwargs:
-            self._refuse_strangers(len(args), kwargs)
+        if kwargs or len(args) != len(params):
+            self._arrange(values, kwargs)
         for index, param in enumerate(params):
             value = values[index]
-            if value is param.default:
+            if value is _OMITTED:
+                values[index] = param.default_value
                 continue
             try:
                 values[index] = param.quantity.coerce(value)
@@ -148,10 +187,15 @@ class Command:
         return values
 
     def call(self, robot: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
-        """Bind and run; tuples come back as the lists that scripts expect."""
+        """Bind and run; tuples come back as the lists that scripts expect.
+
+        Raises:
+            ScriptError: bad arguments, a call that a secondary program may not make, or the command's own refusal.
+        """
+        if not self.works_in_sec and robot is not None and robot.is_secondary:
+            text = f"{self.name} moves or waits, which a secondary program (sec) may not do"
+            raise ScriptStateError(text, code="R120", command=self.name)
         values = self.bind(args, kwargs)
-        if not self.is_simulated:
-            raise NotSimulatedError(f"{self.name} is not simulated yet", command=self.name)
         try:
             result = self.function(robot, *values) if self.takes_robot else self.function(*values)
         except ScriptError as error:
@@ -159,30 +203,48 @@ class Command:
                 error.command = self.name
                 error.args = (f"{self.name}: {error.args[0]}",)
             raise
-        return list(result) if type(result) is tuple else result
+        return _as_script_value(result)
+
+    def _arrange(self, values: list[Any], kwargs: dict[str, Any]) -> None:
+        """Bring keyword arguments into place behind the positional ones; mark what is missing."""
+        params = self.params
+        positional = len(values)
+        if positional > len(params) and not self.takes_more:
+            raise self._count_error(f"takes {_arguments(len(params))}, got {positional}: {self.signature}")
+        for keyword in kwargs:
+            if not any(keyword == param.name or keyword in param.spellings for param in params):
+                names = ", ".join(param.name for param in params) or "none"
+                raise self._count_error(f"has no argument {keyword!r}; its arguments: {names}")
+        for index, param in enumerate(params):
+            given = [spelling for spelling in (param.name, *param.spellings) if spelling in kwargs]
+            if len(given) + (index < positional) > 1:
+                raise self._count_error(f"got the argument {param.name!r} twice")
+            if given:
+                values.append(kwargs[given[0]])
+            elif index >= positional:
+                if param.is_required:
+                    raise self._count_error(f"misses the argument {param.name!r}; it is called as {self.signature}")
+                values.append(_OMITTED)
 
     def _count_error(self, text: str) -> ScriptError:
         return ArgumentCountError(f"{self.name} {text}", command=self.name)
-
-    def _refuse_strangers(self, positional: int, kwargs: dict[str, Any]) -> None:
-        spelled = {spelling: param.name for param in self.params for spelling in (param.name, *param.spellings)}
-        given = {param.name for param in self.params[:positional]}
-        for keyword in kwargs:
-            if keyword not in spelled:
-                names = ", ".join(param.name for param in self.params) or "none"
-                raise self._count_error(f"has no argument {keyword!r}; its arguments: {names}")
-            if spelled[keyword] in given:
-                raise self._count_error(f"got the argument {spelled[keyword]!r} twice")
 
 
 def _arguments(count: int) -> str:
     return "no arguments" if count == 0 else "1 argument" if count == 1 else f"at most {count} arguments"
 
 
+def _as_script_value(result: Any) -> Any:
+    """Tuples, also inside tuples, as lists."""
+    if type(result) is not tuple:
+        return result
+    return [_as_script_value(item) if type(item) is tuple else item for item in result]
+
+
 class _Details:
     """What the function's own text says about a command."""
 
-    __slots__ = ("behaviour", "params", "returns", "returns_text", "summary")
+    __slots__ = ("behaviour", "params", "raises", "returns", "returns_text", "summary")
 
     def __init__(self, command: Command) -> None:
         from elitescript.commands.docstring import read_docstring
@@ -192,6 +254,7 @@ class _Details:
         self.summary = doc.summary
         self.behaviour = doc.behaviour
         self.returns_text = doc.returns
+        self.raises = doc.raises
         names = function.__code__.co_varnames[: function.__code__.co_argcount]
         defaults = function.__defaults__ or ()
         first_default = len(names) - len(defaults)
@@ -230,11 +293,21 @@ class Catalogue:
 
     def add(self, command: Command) -> None:
         """Register a command under its name and its aliases."""
+        self._name(command)
         self._commands[command.name] = command
-        for name in (command.name, *command.aliases):
-            if name in self._by_name:
-                raise InternalError(f"two commands are called {name!r}")
-            self._by_name[name] = command
+        for name in command.aliases:
+            self._name(command.renamed(name))
+
+    def add_alias(self, name: str, of: str, since: str = "", evidence: str = "") -> None:
+        """Register another name of a command that is registered already."""
+        command = self._commands[of]
+        self._name(command.renamed(name, since, evidence))
+        command.aliases = (*command.aliases, name)
+
+    def _name(self, command: Command) -> None:
+        if command.name in self._by_name:
+            raise InternalError(f"two commands are called {command.name!r}")
+        self._by_name[command.name] = command
 
     def get(self, name: str) -> Command | None:
         """The command of that name or alias."""
@@ -245,6 +318,7 @@ class Catalogue:
         return iter(self._by_name)
 
     def __iter__(self) -> Iterator[Command]:
+        """The commands, each once, without the aliases."""
         return iter(self._commands.values())
 
     def __len__(self) -> int:
@@ -265,30 +339,39 @@ def command(
     waits: bool = False,
     works_in_sec: bool = True,
     is_simulated: bool = True,
+    manual: str = "",
 ) -> Callable[[Function], Function]:
     """Make the function below a robot command.
 
-    A first parameter called `robot` receives the `Robot` context and is not part of the script's signature.
+    A first parameter called `robot` receives the `Robot` context and is not part of the script's signature;
+    `*more` receives what a call passes beyond the signature.
 
     Args:
-        family: chapter of the manual.
+        family: chapter of the manual; see `page.CHAPTERS`.
         since: firmware release that brought it, such as `"2.14"`.
-        aliases: other names of the same command.
+        aliases: other names of the same command, as old and as well known as the command (else: `alias`).
         spellings: other keyword spellings, each with the parameter it stands for.
         evidence: how we know: `documented` (manual), `observed` (real programs, clients) or `assumed`.
         waits: whether a call can take time.
         works_in_sec: whether a secondary program may call it.
-        is_simulated: False for a command that is known but raises `NotSimulatedError`.
+        is_simulated: False for a command whose body checks what it can and then raises `NotSimulatedError`.
+        manual: section of manual 2.10, or of manual 2.14 for commands that came later.
     """
-    release_of(since)
 
     def register(function: Function) -> Function:
         REGISTRY.add(
-            Command(function, family, since, aliases, spellings or {}, evidence, waits, works_in_sec, is_simulated)
+            Command(
+                function, family, since, aliases, spellings or {}, evidence, waits, works_in_sec, is_simulated, manual
+            )
         )
         return function
 
     return register
+
+
+def alias(name: str, *, of: str, since: str = "", evidence: str = "") -> None:
+    """Give a command another name, with the release that brought it and how we know, where they differ."""
+    REGISTRY.add_alias(name, of, since, evidence)
 
 
 def describe_call(command_name: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:

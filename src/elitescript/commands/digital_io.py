@@ -1,0 +1,88 @@
+"""Digital inputs and outputs of the control box (manual 2.10 chapter 3)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from elitescript.commands.quantities import Bool, signal_index
+from elitescript.commands.registry import command
+from elitescript.messages.machine import WriteSignal
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
+
+
+@command(family="io", manual="3.1")
+def get_configurable_digital_in(robot: Robot, n: Annotated[int, signal_index("configurable_digital_in")]) -> Bool:
+    """Level of a configurable input.
+
+    Args:
+        n: index of the input.
+
+    Returns:
+        The level.
+    """
+    return bool(robot.machine.read("configurable_digital_in", n))
+
+
+@command(family="io", manual="3.2")
+def get_configurable_digital_out(robot: Robot, n: Annotated[int, signal_index("configurable_digital_out")]) -> Bool:
+    """Level that a configurable output is set to.
+
+    Args:
+        n: index of the output.
+
+    Returns:
+        The level.
+    """
+    return bool(robot.machine.read("configurable_digital_out", n))
+
+
+@command(family="io", manual="3.5")
+def get_standard_digital_in(robot: Robot, n: Annotated[int, signal_index("standard_digital_in")]) -> Bool:
+    """Level of a standard input.
+
+    Args:
+        n: index of the input. A MINI control box has only 0 to 7 (*assumed*: the simulated one has them all).
+
+    Returns:
+        The level.
+    """
+    return bool(robot.machine.read("standard_digital_in", n))
+
+
+@command(family="io", manual="3.6")
+def get_standard_digital_out(robot: Robot, n: Annotated[int, signal_index("standard_digital_out")]) -> Bool:
+    """Level that a standard output is set to.
+
+    Args:
+        n: index of the output. A MINI control box has only 0 to 7 (*assumed*: the simulated one has them all).
+
+    Returns:
+        The level.
+    """
+    return bool(robot.machine.read("standard_digital_out", n))
+
+
+@command(family="io", manual="3.10")
+def set_configurable_digital_out(
+    robot: Robot, n: Annotated[int, signal_index("configurable_digital_out")], b: Bool
+) -> None:
+    """Set a configurable output.
+
+    Args:
+        n: index of the output.
+        b: level.
+    """
+    robot.request(WriteSignal("configurable_digital_out", n, b))
+
+
+@command(family="io", manual="3.13")
+def set_standard_digital_out(robot: Robot, n: Annotated[int, signal_index("standard_digital_out")], b: Bool) -> None:
+    """Set a standard output.
+
+    Args:
+        n: index of the output. A MINI control box has only 0 to 7 (*assumed*: the simulated one has them all).
+        b: level.
+    """
+    robot.request(WriteSignal("standard_digital_out", n, b))

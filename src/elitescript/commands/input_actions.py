@@ -1,0 +1,74 @@
+"""Inputs that switch hand guiding (manual 2.10 sections 3.24 to 3.28)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Final
+
+from elitescript.commands.quantities import Choice, signal_index
+from elitescript.commands.registry import command
+from elitescript.messages.machine import ResetInputActions, SetInputAction
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
+
+_FREEDRIVE: Final = "freedrive"
+
+_Action = Annotated[str, Choice("default", _FREEDRIVE)]
+
+
+@command(family="io", manual="3.24")
+def set_input_actions_to_default(robot: Robot) -> None:
+    """Unbind all standard, configurable and tool inputs and all boolean input registers."""
+    robot.request(ResetInputActions())
+
+
+@command(family="io", manual="3.25")
+def set_configurable_digital_input_action(
+    robot: Robot, port: Annotated[int, signal_index("configurable_digital_in")], action: _Action
+) -> None:
+    """Bind a configurable input.
+
+    Args:
+        port: index of the input.
+        action: `"freedrive"`: hand guiding while the input is high; `"default"`: nothing.
+    """
+    robot.request(SetInputAction("configurable_digital_in", port, action == _FREEDRIVE))
+
+
+@command(family="io", manual="3.26")
+def set_standard_digital_input_action(
+    robot: Robot, port: Annotated[int, signal_index("standard_digital_in")], action: _Action
+) -> None:
+    """Bind a standard input.
+
+    Args:
+        port: index of the input.
+        action: `"freedrive"`: hand guiding while the input is high; `"default"`: nothing.
+    """
+    robot.request(SetInputAction("standard_digital_in", port, action == _FREEDRIVE))
+
+
+@command(family="io", manual="3.27")
+def set_tool_digital_input_action(
+    robot: Robot, port: Annotated[int, signal_index("tool_digital_in")], action: _Action
+) -> None:
+    """Bind a tool input.
+
+    Args:
+        port: index of the pin.
+        action: `"freedrive"`: hand guiding while the input is high; `"default"`: nothing.
+    """
+    robot.request(SetInputAction("tool_digital_in", port, action == _FREEDRIVE))
+
+
+@command(family="io", manual="3.28")
+def set_gp_boolean_input_action(
+    robot: Robot, port: Annotated[int, signal_index("input_bool_register")], action: _Action
+) -> None:
+    """Bind a boolean input register.
+
+    Args:
+        port: number of the register.
+        action: `"freedrive"`: hand guiding while the register is True; `"default"`: nothing.
+    """
+    robot.request(SetInputAction("input_bool_register", port, action == _FREEDRIVE))

@@ -1,0 +1,283 @@
+"""Functions of numbers and vectors (manual 2.10 sections 2.2.8 to 2.2.23 and 2.2.33). Angles are radians."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any
+
+from elitescript.commands.quantities import Either, Number, Radians, Real, Vector, Whole
+from elitescript.commands.registry import command
+from elitescript.errors import InvalidValueError
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
+
+_Degrees = Annotated[float, Number("deg")]
+_SineOrCosine = Annotated[float, Number("", -1.0, 1.0)]
+_Positive = Annotated[float, Number("", 0.0, is_low_open=True)]
+_Numbers = Annotated[tuple[float, ...], Vector(Number(), None)]
+
+
+@command(family="math", manual="2.2.8")
+def acos(f: _SineOrCosine) -> Radians:
+    """Arc cosine.
+
+    Args:
+        f: the cosine.
+
+    Returns:
+        The angle, 0 to pi.
+    """
+    return math.acos(f)
+
+
+@command(family="math", manual="2.2.9")
+def asin(f: _SineOrCosine) -> Radians:
+    """Arc sine.
+
+    Args:
+        f: the sine.
+
+    Returns:
+        The angle, -pi/2 to pi/2.
+    """
+    return math.asin(f)
+
+
+@command(family="math", manual="2.2.10")
+def atan(f: Real) -> Radians:
+    """Arc tangent.
+
+    Args:
+        f: the tangent.
+
+    Returns:
+        The angle, -pi/2 to pi/2.
+    """
+    return math.atan(f)
+
+
+@command(family="math", manual="2.2.11")
+def atan2(x: Real, y: Real) -> Radians:
+    """Angle whose tangent is x/y, in the right quadrant; the arguments of Python's `math.atan2`, in its order.
+
+    Args:
+        x: numerator, the sine times some length.
+        y: denominator, the cosine times the same length.
+
+    Returns:
+        The angle, -pi to pi.
+    """
+    return math.atan2(x, y)
+
+
+@command(family="math", manual="2.2.12")
+def cos(f: Radians) -> Real:
+    """Cosine.
+
+    Args:
+        f: the angle.
+
+    Returns:
+        The cosine.
+    """
+    return math.cos(f)
+
+
+@command(family="math", manual="2.2.13")
+def sin(f: Radians) -> Real:
+    """Sine.
+
+    Args:
+        f: the angle.
+
+    Returns:
+        The sine.
+    """
+    return math.sin(f)
+
+
+@command(family="math", manual="2.2.14")
+def tan(f: Radians) -> Real:
+    """Tangent.
+
+    Args:
+        f: the angle.
+
+    Returns:
+        The tangent.
+    """
+    return math.tan(f)
+
+
+@command(family="math", manual="2.2.15")
+def d2r(d: _Degrees) -> Radians:
+    """Degrees to radians.
+
+    Args:
+        d: angle in degrees.
+
+    Returns:
+        The angle in radians.
+    """
+    return math.radians(d)
+
+
+@command(family="math", manual="2.2.16")
+def r2d(r: Radians) -> _Degrees:
+    """Radians to degrees.
+
+    Args:
+        r: angle in radians.
+
+    Returns:
+        The angle in degrees.
+
+    Raises:
+        InvalidValueError: the result is too large for a float.
+    """
+    return _finite(math.degrees(r), "the angle in degrees")
+
+
+@command(family="math", manual="2.2.17")
+def ceil(f: Real) -> Whole:
+    """Smallest whole number that is not below a number.
+
+    Args:
+        f: the number.
+
+    Returns:
+        The whole number.
+    """
+    return math.ceil(f)
+
+
+@command(family="math", manual="2.2.18")
+def floor(f: Real) -> Whole:
+    """Largest whole number that is not above a number.
+
+    Args:
+        f: the number.
+
+    Returns:
+        The whole number.
+    """
+    return math.floor(f)
+
+
+@command(family="math", manual="2.2.19")
+def log(b: _Positive, f: _Positive) -> Real:
+    """Logarithm of `f` to the base `b`. The base comes first, unlike in Python.
+
+    Args:
+        b: base.
+        f: number.
+
+    Returns:
+        The logarithm.
+
+    Raises:
+        ArgumentRangeError: a negative number or 0.
+        InvalidValueError: base 1.
+    """
+    if b == 1.0:
+        raise InvalidValueError("b is 1, which is the base of no logarithm", argument="b", value=b, limit="not 1")
+    return math.log(f, b)
+
+
+@command(family="math", manual="2.2.20")
+def sqrt(f: Annotated[float, Number("", 0.0)]) -> Real:
+    """Square root.
+
+    Args:
+        f: the number.
+
+    Returns:
+        The root.
+
+    Raises:
+        ArgumentRangeError: a negative number.
+    """
+    return math.sqrt(f)
+
+
+@command(family="math", manual="2.2.21")
+def pow(base: Real, exponent: Real) -> Real:
+    """`base` to the power of `exponent`.
+
+    Args:
+        base: base.
+        exponent: exponent.
+
+    Returns:
+        The power, always a float.
+
+    Raises:
+        InvalidValueError: the result is not a real number or too large for a float.
+    """
+    try:
+        return math.pow(base, exponent)
+    except OverflowError:
+        reason = "is too large for a float"
+    except ValueError:
+        reason = "is not a real number"
+    raise InvalidValueError(f"{base:g} to the power of {exponent:g} {reason}", value=[base, exponent])
+
+
+@command(family="math", manual="2.2.22")
+def norm(a: Annotated[Any, Either(Number(), Vector(Number(), None))]) -> Real:
+    """Absolute value of a number, Euclidean length of a list or pose.
+
+    Of a pose all six numbers count, m and rad mixed.
+
+    Args:
+        a: the number, list or pose.
+
+    Returns:
+        The norm.
+    """
+    return abs(a) if isinstance(a, float) else _length(a)
+
+
+@command(family="math", manual="2.2.23")
+def normalize(v: _Numbers) -> _Numbers:
+    """Bring a vector to length 1.
+
+    Args:
+        v: vector with any number of elements.
+
+    Returns:
+        The vector divided by its Euclidean length.
+
+    Raises:
+        InvalidValueError: all elements are 0.
+    """
+    if not any(v):
+        raise InvalidValueError(
+            f"v is {list(v)}, and a vector of length 0 has no direction",
+            argument="v",
+            value=list(v),
+            limit="length > 0",
+        )
+    length = _length(v)
+    return tuple(element / length for element in v)
+
+
+@command(family="math", manual="2.2.33")
+def random(robot: Robot) -> Real:
+    """A pseudo-random number; the seed of the run decides the sequence.
+
+    Returns:
+        A number from 0 to 1, without 1.
+    """
+    return robot.random()
+
+
+def _length(v: tuple[float, ...]) -> float:
+    return _finite(math.hypot(*v), "the length")
+
+
+def _finite(result: float, what: str) -> float:
+    if math.isinf(result):
+        raise InvalidValueError(f"{what} is too large for a float")
+    return result

@@ -1,0 +1,200 @@
+"""Names that real programs call and no manual describes. What they do here is the least surprising reading.
+
+Sources: programs that the pendant generated, the vendor's SDK and support pages, public programs.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Final
+
+from elitescript.commands.quantities import (
+    Any_,
+    Bool,
+    Integer,
+    Metres,
+    Number,
+    Pose,
+    Radians,
+    Real,
+    ToolAcceleration,
+    ToolSpeed,
+    Vector,
+    Whole,
+)
+from elitescript.commands.registry import command
+from elitescript.errors import InvalidValueError, NotSimulatedError
+from elitescript.kinematics.pose import frame_from_points
+from elitescript.messages.machine import SetOption
+from elitescript.messages.motion import MoveL
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
+
+_NO_PATH_OFFSET: Final = "path offsets are not simulated"
+
+_Vector3 = Annotated[tuple[float, float, float], Vector(Number(), 3, "m")]
+_PointOrPose = Annotated[tuple[float, ...], Vector(Number(), None, "m")]
+
+
+@command(family="observed", evidence="observed")
+def labelmsg(robot: Robot, n: Whole, name: Any_) -> None:
+    """Note the node of the program tree that was reached; generated programs of software 2.1 call it.
+
+    Args:
+        n: number of the node.
+        name: name of the node.
+    """
+    robot.mark(n, str(name))
+
+
+@command(family="observed", evidence="observed")
+def set_safety_mode_transition_hardness(robot: Robot, type: Whole) -> None:
+    """Stored without effect; first line of generated programs, with 1.
+
+    Args:
+        type: what to store.
+    """
+    robot.request(SetOption("safety_mode_transition_hardness", type))
+
+
+@command(family="observed", evidence="observed")
+def set_tool_digital_io_work_mode(robot: Robot, mode: Whole) -> None:
+    """Stored without effect; in the preamble of generated programs, with 0.
+
+    Args:
+        mode: what to store.
+    """
+    robot.request(SetOption("tool_digital_io_work_mode", mode))
+
+
+@command(family="observed", evidence="observed", since="2.16")
+def set_tool_second_power_on(robot: Robot, b: Bool) -> None:
+    """Stored without effect; the vendor's support pages name it for software 2.16.
+
+    Args:
+        b: True for on.
+    """
+    robot.request(SetOption("tool_second_power_on", b))
+
+
+@command(family="observed", evidence="observed", spellings={"p": "pose"}, waits=True, works_in_sec=False)
+def movep(robot: Robot, pose: Pose, a: ToolAcceleration = 1.2, v: ToolSpeed = 0.25, r: Metres = 0) -> None:
+    """Move the TCP on a straight line, at constant tool speed; seen in generated welding programs.
+
+    Here it is a `movel`, which brakes at every waypoint without a blend; a warning says so once.
+
+    Args:
+        pose: target pose of the TCP in the base frame.
+        a: tool acceleration; 0 takes the machine's default.
+        v: tool speed; 0 takes the machine's default.
+        r: blend radius; 0 stops at the target.
+
+    Raises:
+        MotionError: a point of the line is out of reach, outside the joint limits or too near a singularity.
+        ScriptStateError: the arm is not ready, or another thread moves it.
+    """
+    robot.warn_once("movep", "movep is in no manual; it is run as movel")
+    _, _, default_a, default_v = robot.machine.default_motion
+    robot.move(MoveL(pose, a or default_a, v or default_v, 0.0, r))
+
+
+@command(family="observed", evidence="observed", spellings={"x_vec": "x_axis", "y_vec": "y_axis"})
+def cal_rpy_frame(origin: _PointOrPose, x_axis: _PointOrPose, y_axis: _PointOrPose) -> Pose:
+    """Frame through three points, as generated welding programs call it.
+
+    Args:
+        origin: position or pose of the origin in the base frame; of a pose only the position counts, here and below.
+        x_axis: a point on the x axis (*assumed*: a point, not a direction).
+        y_axis: a point in the xy plane, on the side of positive y.
+
+    Returns:
+        Pose of the frame in the base frame, roll-pitch-yaw.
+
+    Raises:
+        InvalidValueError: fewer than three numbers, points that coincide, or three points on one line.
+    """
+    for name, point in (("origin", origin), ("x_axis", x_axis), ("y_axis", y_axis)):
+        if len(point) not in (3, 6):
+            raise InvalidValueError(
+                f"{name} must have 3 or 6 elements, got {len(point)}", argument=name, value=list(point)
+            )
+    return frame_from_points(origin, x_axis, y_axis)
+
+
+@command(family="observed", evidence="observed")
+def get_target_tcp_pose_along_path(robot: Robot) -> Pose:
+    """Commanded pose of the TCP without path offset: here the same as `get_target_tcp_pose`.
+
+    Returns:
+        [x, y, z, Rx, Ry, Rz] in the base frame.
+    """
+    return robot.machine.state().tcp_pose_target
+
+
+@command(family="observed", evidence="observed", is_simulated=False)
+def path_offset_enable() -> None:
+    """Begin to shift moves by a path offset; seen in generated welding programs."""
+    raise NotSimulatedError(_NO_PATH_OFFSET)
+
+
+@command(family="observed", evidence="observed", is_simulated=False)
+def path_offset_set(offset: Pose, type: Annotated[int, Integer(1, 3)]) -> None:
+    """Set the path offset.
+
+    Args:
+        offset: the offset.
+        type: frame in which it counts: 1 base, 2 TCP, 3 direction of motion.
+    """
+    raise NotSimulatedError(_NO_PATH_OFFSET)
+
+
+@command(family="observed", evidence="observed", is_simulated=False)
+def path_offset_get(type: Annotated[int, Integer(1, 3)]) -> Pose:
+    """The path offset.
+
+    Args:
+        type: frame in which it counts: 1 base, 2 TCP, 3 direction of motion.
+
+    Returns:
+        The offset.
+    """
+    raise NotSimulatedError(_NO_PATH_OFFSET)
+
+
+@command(family="observed", evidence="observed", is_simulated=False)
+def path_offset_set_max_offset(a: Metres, b: Radians) -> None:
+    """Limit the path offset.
+
+    Args:
+        a: greatest translation.
+        b: greatest rotation.
+    """
+    raise NotSimulatedError(_NO_PATH_OFFSET)
+
+
+@command(family="observed", evidence="observed", is_simulated=False)
+def path_offset_set_alpha_filter(a: Real) -> None:
+    """Smooth the path offset.
+
+    Args:
+        a: weight of the newest value.
+    """
+    raise NotSimulatedError(_NO_PATH_OFFSET)
+
+
+@command(family="observed", evidence="observed", is_simulated=False)
+def ft_rtsi_input_enable(
+    enable: Bool,
+    sensor_mass: Annotated[float, Number("kg", 0.0)] = 0,
+    sensor_measuring_offset: _Vector3 = (0, 0, 0),
+    sensor_cog: _Vector3 = (0, 0, 0),
+) -> None:
+    """Take force readings from RTSI inputs instead of the arm's sensor; the vendor's SDK calls it.
+
+    Args:
+        enable: True for readings from RTSI.
+        sensor_mass: mass of the sensor.
+        sensor_measuring_offset: where the sensor measures, in the flange frame.
+        sensor_cog: centre of gravity of the sensor, in the flange frame.
+    """
+    raise NotSimulatedError("force sensing is not simulated yet")

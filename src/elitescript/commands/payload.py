@@ -1,0 +1,87 @@
+"""Tool, payload and mounting of the arm (manual 2.10 chapter 2.1)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from elitescript.commands.quantities import Number, Pose, Vector
+from elitescript.commands.registry import command
+from elitescript.messages.machine import SetGravity, SetPayload, SetTcp
+from elitescript.messages.motion import Six
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
+
+CentreOfGravity = Annotated[tuple[float, float, float], Vector(Number(), 3, "m", "[CoGx, CoGy, CoGz]")]
+
+
+@command(family="motion", manual="2.1.19")
+def set_tcp(robot: Robot, pose: Pose) -> None:
+    """Set the active TCP.
+
+    Cartesian moves, readings of the TCP and the kinematics commands use it from now on; the arm does not move.
+
+    Args:
+        pose: transform from the flange to the TCP.
+    """
+    robot.request(SetTcp(pose))
+
+
+@command(family="motion", manual="2.1.33")
+def get_tcp_offset(robot: Robot) -> Pose:
+    """The active TCP.
+
+    Returns:
+        Transform from the flange to the TCP, [x, y, z, Rx, Ry, Rz].
+    """
+    return robot.machine.tcp_offset
+
+
+@command(family="motion", manual="2.1.16")
+def set_payload(
+    robot: Robot,
+    m: Annotated[float, Number("kg", 0.0)],
+    CoG: CentreOfGravity,
+    inertia: Annotated[Six, Vector(Number(), 6, "kg*m^2", "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]")] = (0, 0, 0, 0, 0, 0),
+) -> None:
+    """Tell the controller what hangs on the flange; to be called whenever a part is gripped or put down.
+
+    Args:
+        m: mass, at most the nominal load of the model.
+        CoG: centre of gravity in the flange frame.
+        inertia: moments and products of inertia about the centre of gravity.
+
+    Raises:
+        ArgumentRangeError: `m` is negative or above the nominal load of the model.
+    """
+    robot.request(SetPayload(m, CoG, inertia))
+
+
+@command(family="motion", manual="2.1.17")
+def get_target_payload_cog(robot: Robot) -> CentreOfGravity:
+    """Centre of gravity of the payload that is set.
+
+    Returns:
+        [CoGx, CoGy, CoGz] in the flange frame.
+    """
+    return robot.machine.payload.cog
+
+
+@command(family="motion", manual="2.1.18")
+def get_target_payload_mass(robot: Robot) -> Annotated[float, Number("kg")]:
+    """Mass of the payload that is set.
+
+    Returns:
+        The mass.
+    """
+    return robot.machine.payload.mass_kg
+
+
+@command(family="motion", manual="2.1.15")
+def set_gravity(robot: Robot, d: Annotated[tuple[float, float, float], Vector(Number(), 3, "m/s^2")]) -> None:
+    """Say how the arm is mounted, by the acceleration that its base feels.
+
+    Args:
+        d: acceleration in the base frame; it points away from the earth, [0, 0, 9.82] for an arm on the floor.
+    """
+    robot.request(SetGravity(d))

@@ -1,0 +1,148 @@
+"""Where the arm is, how fast it moves, how warm it is (manual 2.10 chapter 2.1).
+
+*Target* is what the controller commands in this tick, *actual* what the encoders measure.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from elitescript.commands.quantities import JointPositions, JointSpeeds, Number, Pose, TcpSpeed, Vector
+from elitescript.commands.registry import command
+from elitescript.errors import NotSimulatedError
+from elitescript.messages.motion import Six
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
+
+
+@command(family="motion", manual="2.1.4")
+def get_actual_joint_positions(robot: Robot) -> JointPositions:
+    """Measured joint positions.
+
+    Returns:
+        [base, shoulder, elbow, wrist1, wrist2, wrist3]; they lag behind the target while the arm accelerates.
+    """
+    return robot.machine.joints().q_actual
+
+
+@command(family="motion", manual="2.1.5")
+def get_actual_joint_speeds(robot: Robot) -> JointSpeeds:
+    """Measured joint speeds.
+
+    Returns:
+        [base, shoulder, elbow, wrist1, wrist2, wrist3].
+    """
+    return robot.machine.joints().qd_actual
+
+
+@command(family="motion", manual="2.1.6")
+def get_actual_tcp_pose(robot: Robot) -> Pose:
+    """Pose of the TCP in the base frame, from the measured joint positions and the active TCP offset.
+
+    Returns:
+        [x, y, z, Rx, Ry, Rz], roll-pitch-yaw.
+    """
+    return robot.machine.state().tcp_pose_actual
+
+
+@command(family="motion", manual="2.1.7")
+def get_actual_tcp_speed(robot: Robot) -> TcpSpeed:
+    """Measured velocity of the TCP.
+
+    Returns:
+        [Vx, Vy, Vz, RVx, RVy, RVz]: linear velocity, then the angular velocity vector, both in the base frame
+        (*assumed* for the linear part). The angular part is not the rate of Rx, Ry, Rz.
+    """
+    return robot.machine.state().tcp_speed_actual
+
+
+@command(family="motion", manual="2.1.8")
+def get_controller_temperature(robot: Robot) -> Annotated[float, Number("degC")]:
+    """Temperature of the mainboard in the control box.
+
+    Returns:
+        The temperature.
+    """
+    return robot.machine.controller_temperature
+
+
+@command(family="motion", manual="2.1.9")
+def get_joint_temperatures(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "degC")]:
+    """Temperatures of the joints.
+
+    Returns:
+        [base, shoulder, elbow, wrist1, wrist2, wrist3].
+    """
+    return robot.machine.joint_temperatures
+
+
+@command(family="motion", manual="2.1.10", is_simulated=False)
+def get_joint_torques() -> Annotated[Six, Vector(Number(), 6, "Nm")]:
+    """Torques of the joints, without what the arm needs to carry and move itself.
+
+    Returns:
+        [base, shoulder, elbow, wrist1, wrist2, wrist3].
+    """
+    raise NotSimulatedError("joint torques are not simulated yet")
+
+
+@command(family="motion", manual="2.1.11")
+def get_target_joint_positions(robot: Robot) -> JointPositions:
+    """Commanded joint positions.
+
+    Returns:
+        [base, shoulder, elbow, wrist1, wrist2, wrist3].
+    """
+    return robot.machine.joints().q_target
+
+
+@command(family="motion", manual="2.1.12")
+def get_target_joint_speeds(robot: Robot) -> JointSpeeds:
+    """Commanded joint speeds.
+
+    Returns:
+        [base, shoulder, elbow, wrist1, wrist2, wrist3].
+    """
+    return robot.machine.joints().qd_target
+
+
+@command(family="motion", manual="2.1.13")
+def get_target_tcp_pose(robot: Robot) -> Pose:
+    """Pose of the TCP in the base frame, from the commanded joint positions and the active TCP offset.
+
+    Returns:
+        [x, y, z, Rx, Ry, Rz], roll-pitch-yaw.
+    """
+    return robot.machine.state().tcp_pose_target
+
+
+@command(family="motion", manual="2.1.14")
+def get_target_tcp_speed(robot: Robot) -> TcpSpeed:
+    """Commanded velocity of the TCP.
+
+    Returns:
+        [Vx, Vy, Vz, RVx, RVy, RVz], as `get_actual_tcp_speed`.
+    """
+    return robot.machine.state().tcp_speed_target
+
+
+@command(family="motion", manual="2.1.31")
+def get_actual_tool_flange_pose(robot: Robot) -> Pose:
+    """Measured pose of the flange in the base frame; the TCP offset does not count.
+
+    Returns:
+        [x, y, z, Rx, Ry, Rz], roll-pitch-yaw.
+    """
+    return robot.machine.state().flange_pose_actual
+
+
+@command(family="motion", manual="2.1.32")
+def get_target_waypoint(robot: Robot) -> Pose:
+    """Pose of the waypoint that the arm moves to.
+
+    Returns:
+        [x, y, z, Rx, Ry, Rz] in the base frame; at standstill the last waypoint, before the first move the target
+        pose of the TCP (*assumed*).
+    """
+    return robot.machine.target_waypoint

@@ -1,0 +1,133 @@
+"""Registers that programs share with clients and fieldbuses (manual 2.10 sections 3.58 to 3.66).
+
+Input registers are written from outside and read here; output registers are written here and read outside.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from elitescript.commands.quantities import Bool, Integer, Real, Whole, signal_index
+from elitescript.commands.registry import command
+from elitescript.messages.machine import WriteSignal
+from elitescript.messages.signals import INT32_HIGH, INT32_LOW
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
+
+_BoolAddress = Annotated[int, signal_index("input_bool_register")]
+_IntAddress = Annotated[int, signal_index("input_int_register")]
+_FloatAddress = Annotated[int, signal_index("input_float_register")]
+
+
+@command(family="registers", manual="3.58")
+def read_input_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
+    """Value of a boolean input register.
+
+    Args:
+        address: number of the register.
+
+    Returns:
+        The value.
+    """
+    return bool(robot.machine.read("input_bool_register", address))
+
+
+@command(family="registers", manual="3.59")
+def read_input_float_register(robot: Robot, address: _FloatAddress) -> Real:
+    """Value of a float input register.
+
+    Args:
+        address: number of the register.
+
+    Returns:
+        The value.
+    """
+    return float(robot.machine.read("input_float_register", address))
+
+
+@command(family="registers", manual="3.60")
+def read_input_integer_register(robot: Robot, address: _IntAddress) -> Whole:
+    """Value of an integer input register.
+
+    Args:
+        address: number of the register.
+
+    Returns:
+        The value, signed 32 bits.
+    """
+    return int(robot.machine.read("input_int_register", address))
+
+
+@command(family="registers", manual="3.61")
+def read_output_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
+    """Value of a boolean output register.
+
+    Args:
+        address: number of the register.
+
+    Returns:
+        The value.
+    """
+    return bool(robot.machine.read("output_bool_register", address))
+
+
+@command(family="registers", manual="3.62")
+def read_output_float_register(robot: Robot, address: _FloatAddress) -> Real:
+    """Value of a float output register.
+
+    Args:
+        address: number of the register.
+
+    Returns:
+        The value.
+    """
+    return float(robot.machine.read("output_float_register", address))
+
+
+@command(family="registers", manual="3.63")
+def read_output_integer_register(robot: Robot, address: _IntAddress) -> Whole:
+    """Value of an integer output register.
+
+    Args:
+        address: number of the register.
+
+    Returns:
+        The value, signed 32 bits.
+    """
+    return int(robot.machine.read("output_int_register", address))
+
+
+@command(family="registers", manual="3.64")
+def write_output_boolean_register(robot: Robot, address: _BoolAddress, value: Bool) -> None:
+    """Set a boolean output register.
+
+    Args:
+        address: number of the register.
+        value: what to store.
+    """
+    robot.request(WriteSignal("output_bool_register", address, value))
+
+
+@command(family="registers", manual="3.65")
+def write_output_float_register(robot: Robot, address: _FloatAddress, value: Real) -> None:
+    """Set a float output register.
+
+    Args:
+        address: number of the register.
+        value: what to store.
+    """
+    robot.request(WriteSignal("output_float_register", address, value))
+
+
+@command(family="registers", manual="3.66")
+def write_output_integer_register(
+    robot: Robot, address: _IntAddress, value: Annotated[int, Integer(INT32_LOW, INT32_HIGH)]
+) -> None:
+    """Set an integer output register.
+
+    Args:
+        address: number of the register.
+        value: what to store, signed 32 bits (*assumed*).
+    """
+    robot.request(WriteSignal("output_int_register", address, value))

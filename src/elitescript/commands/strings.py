@@ -1,0 +1,251 @@
+"""Texts (manual 2.10 chapter 6.3).
+
+Positions count characters, `str_len` counts bytes (*assumed* where the manual mixes both; they agree for ASCII).
+"""
+
+from __future__ import annotations
+
+from math import isinf
+from typing import Annotated, Any, Final
+
+from elitescript.commands.quantities import Anything, Bool, Integer, Optionally, Quantity, Str, Whole, shown
+from elitescript.commands.registry import command
+from elitescript.errors import ArgumentRangeError, ArgumentTypeError, InvalidValueError
+
+LONGEST: Final = 1023
+"""Characters that `to_str` and `str_cat` can return."""
+
+_NUMBER: Final = (
+    r"([+-]?)(?:0x([0-9a-f]+)|([0-9]+)"
+    r"|((?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=e))(?:e[+-]?[0-9]+)?)|inf|infinity|nan)"
+)
+"""Sign, hexadecimal digits, decimal digits, float; letter case does not matter."""
+
+_Position = Annotated[int, Integer(0)]
+
+
+class _Printable(Quantity):
+    """What `to_str` can write."""
+
+    __slots__ = ()
+
+    def __init__(self) -> None:
+        super().__init__("int, float, bool, str or list")
+
+    def coerce(self, value: Any) -> Any:
+        if not isinstance(value, (int, float, str, list, tuple)):
+            raise self.wrong_type(value)
+        return value
+
+
+@command(family="string", manual="6.3.1")
+def str_at(src: Str, index: _Position) -> Str:
+    """One character of a text.
+
+    Args:
+        src: the text.
+        index: position, counted from 0.
+
+    Returns:
+        The character.
+
+    Raises:
+        InvalidValueError: `src` is empty.
+        ArgumentRangeError: `index` is negative or behind the last character.
+    """
+    if not src:
+        raise InvalidValueError("src is empty and has no characters", argument="src", value=src)
+    _check_position(src, index, len(src) - 1)
+    return src[index]
+
+
+@command(family="string", manual="6.3.2")
+def str_cat(object1: Annotated[Any, _Printable()], object2: Annotated[Any, _Printable()]) -> Str:
+    """Two values as one text, nothing between them; written as `to_str` does.
+
+    Args:
+        object1: first value.
+        object2: second value.
+
+    Returns:
+        The text.
+
+    Raises:
+        InvalidValueError: the text would be longer than 1023 characters.
+    """
+    return _fitting(_written(object1) + _written(object2))
+
+
+@command(family="string", manual="6.3.3")
+def str_empty(str: Str) -> Bool:
+    """Whether a text is empty.
+
+    Args:
+        str: the text.
+
+    Returns:
+        True if it is.
+    """
+    return not str
+
+
+@command(family="string", manual="6.3.4")
+def str_find(src: Str, target: Str, start_from: _Position = 0) -> Whole:
+    """Position of the first occurrence of a text in another.
+
+    Args:
+        src: text to look in.
+        target: text to look for.
+        start_from: position to begin at.
+
+    Returns:
+        Position counted from 0, or -1.
+    """
+    return src.find(target, start_from)
+
+
+@command(family="string", manual="6.3.5")
+def str_len(str: Str) -> Whole:
+    """Number of bytes of a text in UTF-8.
+
+    Args:
+        str: the text.
+
+    Returns:
+        The number.
+    """
+    return len(str.encode("utf-8", "surrogatepass"))
+
+
+@command(family="string", manual="6.3.6")
+def str_sub(src: Str, index: _Position, len: Annotated[int | None, Optionally(Integer(0), None)] = None) -> Str:
+    """Part of a text.
+
+    Args:
+        src: the text.
+        index: position of the first character; the length of the text gives an empty result.
+        len: greatest number of characters; without it, and when it is too large, the part goes to the end.
+
+    Returns:
+        The part.
+
+    Raises:
+        ArgumentRangeError: `index` or `len` is negative, or `index` is behind the end.
+    """
+    _check_position(src, index, _length(src))
+    rest = src[index:]
+    return rest if len is None else rest[:len]
+
+
+@command(family="string", manual="6.3.7")
+def to_num(str: Str) -> Annotated[Any, Anything("int or float")]:
+    """The number that a text shows.
+
+    A sign may come first. Whole numbers (`40`) and hexadecimal ones (`0x1F`) give an int; a decimal point or an
+    exponent (`-2.`, `.3`, `1.5E4`), `INF`, `INFINITY` and `NAN` give a float. Letter case and blanks around the
+    number do not matter.
+
+    Args:
+        str: the text.
+
+    Returns:
+        The number.
+
+    Raises:
+        InvalidValueError: the text is no number, or the number is too large for a float.
+    """
+    import re
+
+    match = re.fullmatch(_NUMBER, str.strip(" \t\r\n"), re.IGNORECASE | re.ASCII)
+    if match is None:
+        raise InvalidValueError(f"{shown(str)} is not a number", argument="str", value=str)
+    sign, hexadecimal, decimal, real = match.groups()
+    try:
+        if hexadecimal or decimal:
+            return int(sign + (hexadecimal or decimal), 16 if hexadecimal else 10)
+        number = float(match.group())
+    except ValueError:
+        number = float("inf")
+    if isinf(number) and (real or decimal):
+        raise InvalidValueError(f"{shown(str)} is too large a number", argument="str", value=str)
+    return number
+
+
+@command(family="string", manual="6.3.8")
+def to_str(val: Annotated[Any, _Printable()]) -> Str:
+    """A value as a text.
+
+    Floats are rounded to 6 decimals and lose their trailing zeros (1.0 gives 1), also inside lists; the elements of a
+    list are separated by a comma and a blank, texts in it stand in quotes (*assumed*).
+
+    Args:
+        val: the value.
+
+    Returns:
+        The text.
+
+    Raises:
+        InvalidValueError: the text would be longer than 1023 characters.
+    """
+    return _fitting(_written(val))
+
+
+_length = len
+"""For the command whose parameter is called `len`."""
+
+
+def _check_position(src: str, index: int, last: int) -> None:
+    if index > last:
+        limit = f"in [0, {last}]"
+        raise ArgumentRangeError(
+            f"index must be {limit}, got {index}; src is {shown(src)}", argument="index", value=index, limit=limit
+        )
+
+
+def _written(value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    return _list_written(value) if isinstance(value, (list, tuple)) else _scalar_written(value)
+
+
+def _scalar_written(value: Any) -> str:
+    if isinstance(value, float):
+        text = f"{value:.6f}"
+        return text.rstrip("0").rstrip(".") if "." in text else text
+    if isinstance(value, int) and value.bit_length() > 4 * LONGEST:
+        # Python refuses to write the longest numbers; any text that does not fit will do.
+        return "9" * (LONGEST + 1)
+    if not isinstance(value, (int, str)):
+        raise ArgumentTypeError(
+            f"a list to be written holds int, float, bool, str and lists, not {type(value).__name__} {shown(value)}",
+            value=value,
+        )
+    return repr(value)
+
+
+def _list_written(items: list[Any] | tuple[Any, ...]) -> str:
+    """A list as text; an endless one (a list that holds itself) is left off when it is too long anyway."""
+    text = "["
+    open_lists = [iter(items)]
+    while open_lists and len(text) <= LONGEST:
+        item = next(open_lists[-1], open_lists)
+        if item is open_lists:
+            text += "]"
+            open_lists.pop()
+            continue
+        if not text.endswith("["):
+            text += ", "
+        if isinstance(item, (list, tuple)):
+            text += "["
+            open_lists.append(iter(item))
+        else:
+            text += _scalar_written(item)
+    return text
+
+
+def _fitting(text: str) -> str:
+    if len(text) > LONGEST:
+        raise InvalidValueError(
+            f"the text would be longer than {LONGEST} characters", value=text, limit=f"<= {LONGEST}", unit="characters"
+        )
+    return text

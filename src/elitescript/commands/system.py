@@ -1,0 +1,116 @@
+"""Time, flags and power (manual 2.10 chapter 6.4)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from elitescript.commands.quantities import Bool, Choice, Number, Seconds, Str, signal_index
+from elitescript.commands.registry import command
+from elitescript.errors import NotSimulatedError
+from elitescript.messages.machine import PowerDown, WriteSignal
+from elitescript.messages.timing import PERIOD_S, ticks_for
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
+
+_FlagNumber = Annotated[int, signal_index("flag")]
+
+
+@command(family="system", manual="6.4.1", waits=True, works_in_sec=False)
+def sleep(robot: Robot, t: Seconds) -> None:
+    """Let the calling thread wait; others go on.
+
+    The time is rounded up to whole control periods.
+
+    Args:
+        t: time; 0 does not wait.
+
+    Raises:
+        ScriptStateError: called in a secondary program.
+    """
+    robot.wait_ticks(ticks_for(t))
+
+
+@command(family="system", waits=True, works_in_sec=False, evidence="observed")
+def sync(robot: Robot) -> None:
+    """Wait for the next control period.
+
+    No manual describes it; manual 2.14 lists it among the calls that take time, and the vendor's own programs call it.
+    """
+    robot.wait_ticks(1)
+
+
+@command(family="system", manual="6.4.2")
+def set_flag(robot: Robot, n: _FlagNumber, b: Bool) -> None:
+    """Set an internal flag; flags keep their value from one program to the next.
+
+    Args:
+        n: number of the flag.
+        b: value.
+    """
+    robot.request(WriteSignal("flag", n, b))
+
+
+@command(family="system", manual="6.4.3")
+def get_flag(robot: Robot, n: _FlagNumber) -> Bool:
+    """Value of an internal flag.
+
+    Args:
+        n: number of the flag.
+
+    Returns:
+        The value.
+    """
+    return bool(robot.machine.read("flag", n))
+
+
+@command(family="system", manual="6.4.4")
+def get_steptime() -> Seconds:
+    """Length of the control period.
+
+    Returns:
+        0.004 (*observed*: the manual prints no number).
+    """
+    return PERIOD_S
+
+
+@command(family="system", since="2.14", manual="9.5.5")
+def controller_timestamp(robot: Robot) -> Seconds:
+    """Clock of the controller.
+
+    Returns:
+        Seconds since 1970-01-01 UTC, as Python's `time.localtime` takes them.
+    """
+    return robot.machine.timestamp_s()
+
+
+@command(family="system", manual="6.4.5", is_simulated=False)
+def rtsi_set_watchdog(
+    variable: Str,
+    frequency: Annotated[float, Number("Hz", 0.0, is_low_open=True)],
+    action: Annotated[str, Choice("ignore", "pause", "stop")],
+) -> None:
+    """Watch how often a client writes an RTSI input, until the program ends.
+
+    Args:
+        variable: name of the RTSI input.
+        frequency: lowest rate that is acceptable.
+        action: what happens below it: `"ignore"`, `"pause"` or `"stop"` the program.
+    """
+    raise NotSimulatedError("the RTSI interface is not simulated yet")
+
+
+@command(family="system", manual="6.4.7")
+def powerdown(robot: Robot) -> None:
+    """Stop the arm, then switch off arm and control box."""
+    robot.request(PowerDown())
+
+
+@command(family="system", manual="3.57")
+def get_task_path(robot: Robot) -> Str:
+    """Folder in which the pendant keeps tasks; files that programs open live there.
+
+    Returns:
+        The path, ending in `/` (*assumed*: the manual names no path).
+    """
+    return robot.task_path

@@ -1,0 +1,51 @@
+"""The task as a whole, and interpreter mode (manual 2.14 chapters 2 and 9.2)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from elitescript.commands.quantities import Bool
+from elitescript.commands.registry import command
+from elitescript.errors import NotSimulatedError
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
+
+_NO_INTERPRETER: Final = "interpreter mode is not simulated yet"
+
+
+@command(family="task", since="2.14", manual="9.2.1", waits=True, works_in_sec=False)
+def pause(robot: Robot) -> None:
+    """Pause the task until somebody resumes it."""
+    robot.pause()
+
+
+@command(family="task", since="2.14", manual="9.2.2")
+def halt(robot: Robot) -> None:
+    """Stop the task, from whichever thread or secondary program; what follows is not run."""
+    robot.halt()
+
+
+@command(family="task", since="2.11", manual="2.3", waits=True, works_in_sec=False, is_simulated=False)
+def interpreter_mode(clearQueueOnEnter: Bool = True, clearOnEnd: Bool = True) -> None:
+    """Run statements that arrive on the interpreter port until `end_interpreter`.
+
+    Only the main thread may call it, and not inside itself.
+
+    Args:
+        clearQueueOnEnter: True drops statements that arrived before, False runs them first.
+        clearOnEnd: True forgets functions that statements defined, False keeps them for the next time.
+    """
+    raise NotSimulatedError(_NO_INTERPRETER)
+
+
+@command(family="task", since="2.11", manual="2.4", is_simulated=False)
+def end_interpreter() -> None:
+    """Let the waiting `interpreter_mode` return after the command that runs."""
+    raise NotSimulatedError(_NO_INTERPRETER)
+
+
+@command(family="task", since="2.11", manual="2.5", is_simulated=False)
+def clear_interpreter() -> None:
+    """Drop the statements that wait and forget the functions that statements defined."""
+    raise NotSimulatedError(_NO_INTERPRETER)
