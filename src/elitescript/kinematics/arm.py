@@ -17,12 +17,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import cos, isfinite, pi, sin
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from elitescript.errors import UsageError
-from elitescript.kinematics.chain import Chain, SixFloats
 from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.transforms import Transform, compose
+
+if TYPE_CHECKING:
+    from elitescript.kinematics.chain import Chain
+
+SixFloats: TypeAlias = tuple[float, float, float, float, float, float]
+"""One number for each joint, or a twist."""
 
 JointVector: TypeAlias = tuple[float, float, float, float, float, float]
 """Joint angles base, shoulder, elbow, wrist 1, wrist 2, wrist 3, rad."""
@@ -161,6 +166,9 @@ class Arm:
             UsageError: an array that does not hold six finite numbers, or that is further from
                 nominal than any calibration (`MAX_CALIBRATION_OFFSET`).
         """
+        # Calibrated arms are rare; the others need not pay for the import.
+        from elitescript.kinematics.chain import Chain
+
         nominal = replace(self, calibration=None).modified_dh
         present = self.modified_dh
         given = tuple(

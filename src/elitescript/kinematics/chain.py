@@ -10,14 +10,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import cos, isfinite, sin, sqrt
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final
 
 from elitescript.errors import UsageError
 from elitescript.kinematics.limits import REACH_TOLERANCE_M, wrap_to_pi
 from elitescript.kinematics.rotations import Vector3, rotvec_from_rotation
 from elitescript.kinematics.transforms import IDENTITY, Transform
 
-SixFloats: TypeAlias = tuple[float, float, float, float, float, float]
+if TYPE_CHECKING:
+    from elitescript.kinematics.arm import JointVector, SixFloats
 
 MAX_ITERATIONS: Final = 40
 """Offsets of real arms need four steps; the rest is for poses close to a singularity."""
@@ -88,7 +89,7 @@ class Chain:
         return tuple(axes), (r11, r12, r13, r21, r22, r23, r31, r32, r33, x, y, z)
 
 
-def refine(chain: Chain, T_base_flange: Transform, q_start: Sequence[float]) -> SixFloats | None:
+def refine(chain: Chain, T_base_flange: Transform, q_start: Sequence[float]) -> JointVector | None:
     """Return the joint angles near `q_start` that reach the target, in (-pi, pi], or None.
 
     Newton's method with the exact Jacobian, damped by the square of the residual (Yamashita and

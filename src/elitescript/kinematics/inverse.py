@@ -19,7 +19,6 @@ from math import atan2, cos, inf, isfinite, pi, sin, sqrt
 from typing import Final, NamedTuple
 
 from elitescript.kinematics.arm import Arm, JointVector
-from elitescript.kinematics.chain import refine
 from elitescript.kinematics.limits import REACH_TOLERANCE_M, TURN, WRIST_SINGULAR_SINE, nearest_turn, wrap_to_pi
 from elitescript.kinematics.transforms import Transform
 
@@ -46,6 +45,8 @@ def solutions(arm: Arm, T_base_flange: Transform, q6_near: float = 0.0) -> tuple
     if arm.calibration is None:
         found = _closed_form(arm, T_base_flange, q6_near, _BOTH, _BOTH, _BOTH, REACH_TOLERANCE_M, 0.0)
         return tuple([Solution(branch, q) for branch, q in found])
+    from elitescript.kinematics.chain import refine
+
     refined: list[Solution] = []
     for branch, q_start in _closed_form(arm, T_base_flange, q6_near, _BOTH, _BOTH, _BOTH, START_SLACK_M, START_INSET):
         q = refine(arm.calibration, T_base_flange, q_start)
@@ -64,6 +65,8 @@ def solve_branch(arm: Arm, T_base_flange: Transform, branch: int, q6_near: float
     if arm.calibration is None:
         found = _closed_form(arm, T_base_flange, q6_near, shoulder, wrist, elbow, REACH_TOLERANCE_M, 0.0)
         return found[0][1] if found else None
+    from elitescript.kinematics.chain import refine
+
     found = _closed_form(arm, T_base_flange, q6_near, shoulder, wrist, elbow, START_SLACK_M, START_INSET)
     return refine(arm.calibration, T_base_flange, found[0][1]) if found else None
 
@@ -150,8 +153,9 @@ def reason_unreachable(arm: Arm, T_base_flange: Transform) -> str:
     )
 
 
-START_SLACK_M: Final = 3e-3
-"""How far outside the nominal workspace a calibrated arm may still reach, m."""
+START_SLACK_M: Final = 0.03
+"""How far outside the nominal workspace a refinement may start, m. Calibration moves the border by
+millimetres; the start value of q1, kept off the shoulder singularity, shifts joint 4 by centimetres."""
 
 START_INSET: Final = 2e-3
 """Start values of a refinement keep this distance (m, rad) from the nominal singularities, where

@@ -14,8 +14,7 @@ from collections.abc import Sequence
 from math import cos, sin
 from typing import Final, NamedTuple, TypeAlias
 
-from elitescript.kinematics.arm import Arm
-from elitescript.kinematics.chain import SixFloats, solve_linear
+from elitescript.kinematics.arm import Arm, SixFloats
 from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.transforms import IDENTITY, Transform, apply
 
@@ -150,6 +149,8 @@ def joint_speeds(
 ) -> SixFloats | None:
     """Return the joint speeds, rad/s, that give the TCP the twist; None when the arm is singular."""
     if arm.calibration is not None:
+        from elitescript.kinematics.chain import solve_linear
+
         solved = solve_linear(jacobian(arm, q, T_flange_tcp), twist)
         if solved is None:
             return None

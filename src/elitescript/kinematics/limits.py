@@ -34,19 +34,16 @@ def nearest_turn(angle: float, near: float, low: float, high: float) -> float | 
     Returns None when no turn of the angle lies in the range. Halfway between two turns the one
     is taken that an even number of turns leads to, so that the angle itself wins over +-1 turn.
     """
-    candidate = angle + TURN * round((near - angle) / TURN)
-    if candidate < low:
-        if candidate < low - RANGE_TOLERANCE_RAD:
-            candidate += TURN * ceil((low - RANGE_TOLERANCE_RAD - candidate) / TURN)
-        if candidate < low:
-            candidate = low
-    elif candidate > high:
-        if candidate > high + RANGE_TOLERANCE_RAD:
-            candidate -= TURN * ceil((candidate - high - RANGE_TOLERANCE_RAD) / TURN)
-        if candidate > high:
-            candidate = high
-    if low <= candidate <= high:
-        return candidate
+    turns = round((near - angle) / TURN)
+    candidate = angle + TURN * turns
+    if candidate < low - RANGE_TOLERANCE_RAD:
+        turns += ceil((low - RANGE_TOLERANCE_RAD - candidate) / TURN)
+        candidate = angle + TURN * turns
+    elif candidate > high + RANGE_TOLERANCE_RAD:
+        turns -= ceil((candidate - high - RANGE_TOLERANCE_RAD) / TURN)
+        candidate = angle + TURN * turns
+    if low - RANGE_TOLERANCE_RAD <= candidate <= high + RANGE_TOLERANCE_RAD:
+        return min(max(candidate, low), high)
     return None
 
 

@@ -1,0 +1,236 @@
+"""Model files: numbers with their sources, read from TOML.
+
+In a model file every number stands as `{ value = …, source = "…" }` in SI units, or as
+`{ deg = …, source = "…" }` where people think in degrees; `why` may add a reason. The sources
+themselves are explained once, in `[sources.<tag>]` tables. What all arms share stands in
+`common.toml`; a model file adds to it and may replace any of its entries, and a file with
+`based_on = "CS66"` starts from that model.
+"""
+
+from __future__ import annotations
+
+from math import isfinite, radians
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+from elitescript.errors import UsageError
+from elitescript.kinematics.arm import JointVector
+
+EVIDENCE: Final = ("documented", "observed", "assumed")
+"""How a source knows: the maker wrote it, somebody saw it, or it was chosen here."""
+
+MODEL_FOLDER: Final = Path(__file__).parent
+COMMON_FILE: Final = "common.toml"
+MAX_FILE_BYTES: Final = 1_000_000
+"""A model file has some kilobytes; a larger one is something else."""
+
+
+class Source(NamedTuple):
+    """Where a number comes from."""
+
+    source: str
+    """Tag of the source, as the model file cites it."""
+    evidence: str
+    """`documented`, `observed` or `assumed`."""
+    why: str
+    """Reason or remark of this one number; empty when the source says enough."""
+    about: str
+    """What the source is."""
+    date: str
+    """Date or version of the source."""
+    trust: str
+    """How far it can be trusted, and why."""
+
+
+class Entry(NamedTuple):
+    """One number, or row of numbers, as it stands in a file."""
+
+    file: str
+    raw: Any
+    in_degrees: bool
+    source: str
+    why: str
+
+
+class DataFile:
+    """The entries of one model file on top of what it builds on.
+
+    Keys are dotted paths (`arm.d1`, `joints.qd_max`, `links.forearm.mass`).
+    """
+
+    __slots__ = ("_entries", "_tags", "file", "name")
+
+    def __init__(self, path: Path) -> None:
+        self._entries: dict[str, Entry] = {}
+        self._tags: dict[str, tuple[str, dict[str, Any]]] = {}
+        self.file: Final = path.name
+        self.name = ""
+        self._add(MODEL_FOLDER / COMMON_FILE)
+        document = _parse(path)
+        base = document.pop("based_on", None)
+        if base is not None:
+            self._add(known_path(_text(path.name, "based_on", base)))
+        self._add_document(path.name, document)
+        if not self.name:
+            raise UsageError(f"{self.file}: name: missing; a model file starts with its name")
+
+    def number(self, key: str, *, positive: bool = False) -> float:
+        """Return one number in SI units."""
+        entry = self._entry(key)
+        return self._convert(key, entry, entry.raw, positive)
+
+    def row(self, key: str, count: int, *, positive: bool = False) -> tuple[float, ...]:
+        """Return a row of `count` numbers in SI units."""
+        entry = self._entry(key)
+        if not isinstance(entry.raw, list):
+            raise UsageError(f"{entry.file}: {key}: needs {count} numbers in brackets, has {entry.raw!r}")
+        if len(entry.raw) != count:
+            raise UsageError(f"{entry.file}: {key}: needs {count} numbers, has {len(entry.raw)}")
+        return tuple([self._convert(key, entry, raw, positive) for raw in entry.raw])
+
+    def joint_row(self, key: str, *, positive: bool = False) -> JointVector:
+        """Return six numbers in SI units, one for each joint."""
+        a, b, c, d, e, f = self.row(key, 6, positive=positive)
+        return a, b, c, d, e, f
+
+    def vector(self, key: str) -> tuple[float, float, float]:
+        """Return three components in SI units."""
+        x, y, z = self.row(key, 3)
+        return x, y, z
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._entries
+
+    def keys(self) -> tuple[str, ...]:
+        """Return the keys of all entries, sorted."""
+        return tuple(sorted(self._entries))
+
+    def refuse_other_keys(self, known: frozenset[str]) -> None:
+        """Raise UsageError when there is an entry that no reader knows, which is a misspelt key."""
+        for key in self._entries.keys() - known:
+            raise UsageError(f"{self._entries[key].file}: {key}: unknown key{_did_you_mean(key, known)}")
+
+    def source(self, key: str) -> Source:
+        """Return the source of an entry.
+
+        Raises:
+            UsageError: no such entry.
+        """
+        entry = self._entries.get(key)
+        if entry is None:
+            raise UsageError(f"{self.name} has no number {key!r}{_did_you_mean(key, self._entries)}")
+        _, tag = self._tags[entry.source]
+        return Source(entry.source, tag["evidence"], entry.why, tag["about"], tag["date"], tag["trust"])
+
+    def _entry(self, key: str) -> Entry:
+        entry = self._entries.get(key)
+        if entry is None:
+            raise UsageError(f"{self.file}: {key}: missing")
+        return entry
+
+    def _convert(self, key: str, entry: Entry, raw: Any, positive: bool) -> float:
+        if isinstance(raw, bool) or not isinstance(raw, (int, float)):
+            raise UsageError(f"{entry.file}: {key}: needs a number, has {raw!r}")
+        value = float(raw)
+        if not isfinite(value):
+            raise UsageError(f"{entry.file}: {key}: needs a finite number, has {raw!r}")
+        if positive and not value > 0.0:
+            raise UsageError(f"{entry.file}: {key}: needs a number above 0, has {raw!r}")
+        return radians(value) if entry.in_degrees else value
+
+    def _add(self, path: Path) -> None:
+        document = _parse(path)
+        if "based_on" in document:
+            raise UsageError(f"{path.name}: based_on: the file that another one builds on has to stand on its own")
+        self._add_document(path.name, document)
+
+    def _add_document(self, file: str, document: dict[str, Any]) -> None:
+        if "name" in document:
+            self.name = _text(file, "name", document.pop("name"))
+        for tag, text in document.pop("sources", {}).items():
+            for field in ("evidence", "about", "date", "trust"):
+                if field not in text:
+                    raise UsageError(f"{file}: sources.{tag}.{field}: missing")
+            if text["evidence"] not in EVIDENCE:
+                raise UsageError(
+                    f"{file}: sources.{tag}.evidence: has {text['evidence']!r}, needs one of {', '.join(EVIDENCE)}"
+                )
+            self._tags[tag] = file, text
+        self._add_table(file, "", document)
+
+    def _add_table(self, file: str, prefix: str, table: dict[str, Any]) -> None:
+        for name, item in table.items():
+            key = prefix + name
+            if not isinstance(item, dict):
+                raise UsageError(f'{file}: {key}: needs the form {{ value = …, source = "…" }}, has {item!r}')
+            if "value" not in item and "deg" not in item and "source" not in item:
+                self._add_table(file, key + ".", item)
+                continue
+            in_degrees = "deg" in item
+            if in_degrees == ("value" in item) or not item.keys() <= _ENTRY_FIELDS:
+                raise UsageError(f"{file}: {key}: needs `value` or `deg`, `source`, and if wanted `why`, has {item!r}")
+            source = item.get("source")
+            if source is None:
+                raise UsageError(f"{file}: {key}: no source; say where the number comes from")
+            if source not in self._tags:
+                raise UsageError(f"{file}: {key}: unknown source {source!r}{_did_you_mean(str(source), self._tags)}")
+            raw = item["deg"] if in_degrees else item["value"]
+            self._entries[key] = Entry(file, raw, in_degrees, source, item.get("why", ""))
+
+
+def known_names() -> tuple[str, ...]:
+    """Return the names of the models that come with the package, small arms first."""
+    stems = (
+        path.stem.upper() for path in MODEL_FOLDER.iterdir() if path.suffix == ".toml" and path.name != COMMON_FILE
+    )
+    return tuple(sorted(stems, key=lambda stem: (len(stem), stem)))
+
+
+def known_path(name: str) -> Path:
+    """Return the file of a model that comes with the package; capitals do not matter.
+
+    Raises:
+        UsageError: no such model.
+    """
+    path = MODEL_FOLDER / f"{name.lower()}.toml"
+    if name.isalnum() and path.name != COMMON_FILE and path.is_file():
+        return path
+    names = known_names()
+    raise UsageError(
+        f"there is no robot model {name!r}{_did_you_mean(name.upper(), names)} (models: {', '.join(names)})"
+    )
+
+
+_ENTRY_FIELDS: Final = frozenset(("value", "deg", "source", "why"))
+
+
+def _parse(path: Path) -> dict[str, Any]:
+    # Not at the top: the parser takes longer to import than a model to load.
+    import tomllib
+
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_FILE_BYTES + 1)
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(data) > MAX_FILE_BYTES:
+        raise UsageError(f"{path.name}: larger than {MAX_FILE_BYTES} bytes; this is not a model file")
+    try:
+        return tomllib.loads(data.decode())
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path.name}: not UTF-8 at byte {error.start}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"{path.name}: not TOML: {error}") from None
+
+
+def _text(file: str, key: str, value: Any) -> str:
+    if not isinstance(value, str) or not value:
+        raise UsageError(f"{file}: {key}: needs a text, has {value!r}")
+    return value
+
+
+def _did_you_mean(word: str, known: Any) -> str:
+    import difflib
+
+    close = difflib.get_close_matches(word, list(known), n=1)
+    return f"; did you mean {close[0]!r}?" if close else ""

@@ -1,0 +1,312 @@
+"""Robot models: the numbers of one arm, loaded from a TOML file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Final
+
+from elitescript.errors import UsageError
+from elitescript.kinematics.arm import Arm, JointVector
+from elitescript.models.datafile import DataFile, Source, known_names, known_path
+
+JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
+LINK_NAMES: Final = ("shoulder", "upperarm", "forearm", "wrist_1", "wrist_2", "wrist_3")
+
+
+@dataclass(frozen=True, slots=True)
+class JointLimit:
+    """What one joint can do."""
+
+    name: str
+    q_min: float
+    """rad"""
+    q_max: float
+    """rad"""
+    qd_max: float
+    """rad/s"""
+    qdd_max: float
+    """Largest acceleration that a command may ask for, rad/s^2."""
+    effort_max: float
+    """N m"""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """Mass of the link that one joint moves; frame i of the modified Denavit-Hartenberg form."""
+
+    name: str
+    mass: float
+    """kg"""
+    com: tuple[float, float, float]
+    """Centre of mass in the link frame, m."""
+    inertia: tuple[float, float, float, float, float, float]
+    """Elements Ixx, Iyy, Izz, Ixy, Ixz, Iyz of the tensor about the centre of mass, axes parallel
+    to the link frame, kg m^2."""
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyLevel:
+    """Limits in one safety mode."""
+
+    tool_speed: float
+    """m/s"""
+    elbow_speed: float
+    """m/s"""
+    tool_force: float
+    """N"""
+    power: float
+    """W"""
+    momentum: float
+    """kg m/s"""
+    stop_time_s: float
+    stop_distance: float
+    """m"""
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyLimits:
+    """Safety limits; on a real robot they are set for each installation, here they are assumed."""
+
+    normal: SafetyLevel
+    reduced: SafetyLevel
+    joint_speed_margin: float
+    """So far above its limit a joint speed violates it, rad/s."""
+    joint_position_margin: float
+    """So far outside its range a joint position violates it, rad."""
+    tracking_error_max: float
+    """Distance of actual from target joint position that stops the arm, rad."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotModel:
+    """One robot model, SI units."""
+
+    name: str
+    type_id: int
+    """Number of the model on the wire."""
+    arm: Arm
+    joints: tuple[JointLimit, ...]
+    """Six joints, base to wrist 3."""
+    payload_max_kg: float
+    reach_m: float
+    """Catalogue reach: upper arm, forearm and the wrist stretched."""
+    links: tuple[Link, ...]
+    """The six links that move."""
+    home: JointVector
+    """Joint angles after power-on, rad."""
+    default_joint_speed: float
+    """rad/s"""
+    default_joint_acceleration: float
+    """rad/s^2"""
+    default_tool_speed: float
+    """m/s"""
+    default_tool_acceleration: float
+    """m/s^2"""
+    max_joint_acceleration: float
+    """Largest of the joints' `qdd_max`, rad/s^2."""
+    planning_joint_acceleration: float
+    """Acceleration with which a move that is only bound by the arm is planned, rad/s^2."""
+    max_tool_speed: float
+    """m/s"""
+    max_tool_acceleration: float
+    """Largest tool acceleration that a command may ask for, m/s^2."""
+    stop_joint_deceleration: float
+    """Along the path when a program stops, rad/s^2."""
+    stop_tool_deceleration: float
+    """m/s^2"""
+    gravity: tuple[float, float, float]
+    """Start value of `set_gravity`: the vector that points away from the earth, m/s^2."""
+    equivalent_radius_m: float
+    """Weighs a rotation against a translation where one number has to stand for both."""
+    joint_temperatures: JointVector
+    """What the joints report, degC; constant, because heat is not simulated."""
+    controller_temperature: float
+    """What the cabinet reports, degC; constant."""
+    safety: SafetyLimits
+    sources: DataFile = field(repr=False, compare=False)
+    """The file entries behind the numbers; ask it through `source`."""
+
+    @property
+    def joint_ranges(self) -> tuple[tuple[float, float], ...]:
+        """(q_min, q_max) of each joint, rad."""
+        return tuple([(joint.q_min, joint.q_max) for joint in self.joints])
+
+    def source(self, path: str) -> Source:
+        """Return where a number comes from.
+
+        Args:
+            path: the number as it is reached from the model: `"joints.elbow.qd_max"`, `"arm.d1"`,
+                `"links.forearm.mass"`, `"safety.normal.power"`, `"home"`.
+
+        Raises:
+            UsageError: the model has no such number.
+        """
+        first, _, rest = path.partition(".")
+        if first == "joints":
+            joint, _, quantity = rest.partition(".")
+            if joint in JOINT_NAMES:
+                path = f"joints.{quantity}"
+        elif path == "max_joint_acceleration":
+            path = "joints.qdd_max"
+        return self.sources.source(path)
+
+    def calibrated(
+        self,
+        a: Sequence[float] | None = None,
+        d: Sequence[float] | None = None,
+        alpha: Sequence[float] | None = None,
+    ) -> RobotModel:
+        """Return the model with the measured link parameters of one robot; see `Arm.calibrated`."""
+        return replace(self, arm=self.arm.calibrated(a, d, alpha))
+
+
+def model_names() -> tuple[str, ...]:
+    """Return the names of the models that come with the package."""
+    return known_names()
+
+
+def load_model(name: str) -> RobotModel:
+    """Return the model of that name; capitals do not matter.
+
+    Raises:
+        UsageError: there is no such model (the text names the nearest one), or its file is wrong.
+    """
+    return load_model_file(known_path(name))
+
+
+def load_model_file(path: str | Path) -> RobotModel:
+    """Return the model that a TOML file describes.
+
+    A file of one's own may be complete, or build on a known model: `based_on = "CS66"` and the
+    entries that differ, for instance a `[calibration]` with the rows `a`, `d`, `alpha`.
+
+    Raises:
+        UsageError: the file cannot be read, or an entry is missing, unknown or wrong; the text
+            names file and key.
+    """
+    data = DataFile(Path(path))
+    data.refuse_other_keys(_KNOWN_KEYS)
+    joints = _joints(data)
+    return RobotModel(
+        name=data.name,
+        type_id=int(data.number("type_id", positive=True)),
+        arm=_arm(data),
+        joints=joints,
+        payload_max_kg=data.number("payload_max_kg", positive=True),
+        reach_m=data.number("reach_m", positive=True),
+        links=tuple([_link(data, name) for name in LINK_NAMES]),
+        home=_home(data, joints),
+        default_joint_speed=data.number("default_joint_speed", positive=True),
+        default_joint_acceleration=data.number("default_joint_acceleration", positive=True),
+        default_tool_speed=data.number("default_tool_speed", positive=True),
+        default_tool_acceleration=data.number("default_tool_acceleration", positive=True),
+        max_joint_acceleration=max([joint.qdd_max for joint in joints]),
+        planning_joint_acceleration=data.number("planning_joint_acceleration", positive=True),
+        max_tool_speed=data.number("max_tool_speed", positive=True),
+        max_tool_acceleration=data.number("max_tool_acceleration", positive=True),
+        stop_joint_deceleration=data.number("stop_joint_deceleration", positive=True),
+        stop_tool_deceleration=data.number("stop_tool_deceleration", positive=True),
+        gravity=data.vector("gravity"),
+        equivalent_radius_m=data.number("equivalent_radius_m", positive=True),
+        joint_temperatures=data.joint_row("joint_temperatures"),
+        controller_temperature=data.number("controller_temperature"),
+        safety=SafetyLimits(
+            normal=_safety_level(data, "normal"),
+            reduced=_safety_level(data, "reduced"),
+            joint_speed_margin=data.number("safety.joint_speed_margin", positive=True),
+            joint_position_margin=data.number("safety.joint_position_margin", positive=True),
+            tracking_error_max=data.number("safety.tracking_error_max", positive=True),
+        ),
+        sources=data,
+    )
+
+
+_LENGTHS: Final = ("d1", "a2", "a3", "d4", "d5", "d6")
+_JOINT_ROWS: Final = ("q_min", "q_max", "qd_max", "qdd_max", "effort_max")
+_SAFETY_LEVEL: Final = (
+    "tool_speed",
+    "elbow_speed",
+    "tool_force",
+    "power",
+    "momentum",
+    "stop_time_s",
+    "stop_distance",
+)
+_KNOWN_KEYS: Final = frozenset(
+    (
+        "type_id",
+        "payload_max_kg",
+        "reach_m",
+        "home",
+        "default_joint_speed",
+        "default_joint_acceleration",
+        "default_tool_speed",
+        "default_tool_acceleration",
+        "planning_joint_acceleration",
+        "max_tool_speed",
+        "max_tool_acceleration",
+        "stop_joint_deceleration",
+        "stop_tool_deceleration",
+        "gravity",
+        "equivalent_radius_m",
+        "joint_temperatures",
+        "controller_temperature",
+        "safety.joint_speed_margin",
+        "safety.joint_position_margin",
+        "safety.tracking_error_max",
+        *(f"arm.{name}" for name in _LENGTHS),
+        *(f"calibration.{name}" for name in ("a", "d", "alpha")),
+        *(f"joints.{name}" for name in _JOINT_ROWS),
+        *(f"links.{link}.{name}" for link in LINK_NAMES for name in ("mass", "com", "inertia")),
+        *(f"safety.{level}.{name}" for level in ("normal", "reduced") for name in _SAFETY_LEVEL),
+    )
+)
+
+
+def _arm(data: DataFile) -> Arm:
+    d1, a2, a3, d4, d5, d6 = (data.number(f"arm.{name}") for name in _LENGTHS)
+    a, d, alpha = (
+        data.joint_row(f"calibration.{name}") if f"calibration.{name}" in data else None for name in ("a", "d", "alpha")
+    )
+    try:
+        arm = Arm(d1, a2, a3, d4, d5, d6)
+        return arm if a is d is alpha is None else arm.calibrated(a, d, alpha)
+    except UsageError as error:
+        raise UsageError(f"{data.file}: arm: {error}") from None
+
+
+def _joints(data: DataFile) -> tuple[JointLimit, ...]:
+    q_min, q_max = data.joint_row("joints.q_min"), data.joint_row("joints.q_max")
+    for name, low, high in zip(JOINT_NAMES, q_min, q_max, strict=True):
+        if not low < high:
+            raise UsageError(
+                f"{data.file}: joints.q_min: {low} rad of {name} is not below its joints.q_max, {high} rad"
+            )
+    rows = [data.joint_row(f"joints.{name}", positive=True) for name in ("qd_max", "qdd_max", "effort_max")]
+    return tuple([JointLimit(*row) for row in zip(JOINT_NAMES, q_min, q_max, *rows, strict=True)])
+
+
+def _home(data: DataFile, joints: tuple[JointLimit, ...]) -> JointVector:
+    home = data.joint_row("home")
+    for angle, joint in zip(home, joints, strict=True):
+        if not joint.q_min <= angle <= joint.q_max:
+            raise UsageError(
+                f"{data.file}: home: {angle} rad of {joint.name} is outside its range "
+                f"[{joint.q_min}, {joint.q_max}] rad"
+            )
+    return home
+
+
+def _link(data: DataFile, name: str) -> Link:
+    return Link(
+        name,
+        data.number(f"links.{name}.mass", positive=True),
+        data.vector(f"links.{name}.com"),
+        data.joint_row(f"links.{name}.inertia"),
+    )
+
+
+def _safety_level(data: DataFile, level: str) -> SafetyLevel:
+    return SafetyLevel(*[data.number(f"safety.{level}.{name}", positive=True) for name in _SAFETY_LEVEL])
