@@ -62,7 +62,7 @@ class DataFile:
 
     def __init__(self, path: Path) -> None:
         self._entries: dict[str, Entry] = {}
-        self._tags: dict[str, tuple[str, dict[str, Any]]] = {}
+        self._tags: dict[str, dict[str, str]] = {}
         self.file: Final = path.name
         self.name = ""
         self._add(MODEL_FOLDER / COMMON_FILE)
@@ -101,7 +101,7 @@ class DataFile:
     def __contains__(self, key: str) -> bool:
         return key in self._entries
 
-    def keys(self) -> tuple[str, ...]:
+    def all_keys(self) -> tuple[str, ...]:
         """Return the keys of all entries, sorted."""
         return tuple(sorted(self._entries))
 
@@ -119,7 +119,7 @@ class DataFile:
         entry = self._entries.get(key)
         if entry is None:
             raise UsageError(f"{self.name} has no number {key!r}{_did_you_mean(key, self._entries)}")
-        _, tag = self._tags[entry.source]
+        tag = self._tags[entry.source]
         return Source(entry.source, tag["evidence"], entry.why, tag["about"], tag["date"], tag["trust"])
 
     def _entry(self, key: str) -> Entry:
@@ -147,15 +147,21 @@ class DataFile:
     def _add_document(self, file: str, document: dict[str, Any]) -> None:
         if "name" in document:
             self.name = _text(file, "name", document.pop("name"))
-        for tag, text in document.pop("sources", {}).items():
+        sources = document.pop("sources", {})
+        if not isinstance(sources, dict):
+            raise UsageError(f"{file}: sources: needs tables [sources.<tag>], has {sources!r}")
+        for tag, text in sources.items():
+            if not isinstance(text, dict):
+                raise UsageError(f"{file}: sources.{tag}: needs a table, has {text!r}")
             for field in ("evidence", "about", "date", "trust"):
                 if field not in text:
                     raise UsageError(f"{file}: sources.{tag}.{field}: missing")
+                _text(file, f"sources.{tag}.{field}", text[field])
             if text["evidence"] not in EVIDENCE:
                 raise UsageError(
                     f"{file}: sources.{tag}.evidence: has {text['evidence']!r}, needs one of {', '.join(EVIDENCE)}"
                 )
-            self._tags[tag] = file, text
+            self._tags[tag] = text
         self._add_table(file, "", document)
 
     def _add_table(self, file: str, prefix: str, table: dict[str, Any]) -> None:

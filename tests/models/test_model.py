@@ -1,0 +1,286 @@
+"""The six models, their sources, and what the loader refuses."""
+
+from __future__ import annotations
+
+from dataclasses import FrozenInstanceError
+from math import hypot, pi, radians
+from pathlib import Path
+
+import pytest
+
+from elitescript.errors import UsageError
+from elitescript.kinematics.jacobian import singularity
+from elitescript.models.datafile import EVIDENCE, MODEL_FOLDER
+from elitescript.models.model import (
+    JOINT_NAMES,
+    LINK_NAMES,
+    RobotModel,
+    load_model,
+    load_model_file,
+    model_names,
+)
+
+NAMES = ("CS63", "CS66", "CS612", "CS616", "CS620", "CS625")
+MODELS = {name: load_model(name) for name in model_names()}
+MINIMAL = 'name = "Mine"\nbased_on = "CS66"\n'
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(params=MODELS)
+def model(request: pytest.FixtureRequest) -> RobotModel:
+    return MODELS[request.param]
+
+
+def test_the_six_models_are_there_small_arms_first() -> None:
+    assert model_names() == NAMES
+
+
+def test_a_model_has_the_name_it_is_found_by(model: RobotModel) -> None:
+    assert load_model(model.name) == load_model(model.name.lower()) == model
+
+
+def test_type_ids_are_those_of_the_simulator() -> None:
+    assert [MODELS[name].type_id for name in NAMES] == [6203, 6206, 6212, 6216, 6220, 6225]
+
+
+def test_reach_is_upper_arm_and_forearm_and_wrist(model: RobotModel) -> None:
+    # Catalogues print whole centimetres or millimetres.
+    assert model.reach_m == pytest.approx(-model.arm.a2 - model.arm.a3 + model.arm.d5, abs=1e-6)
+
+
+def test_joints_are_named_and_their_limits_ordered(model: RobotModel) -> None:
+    assert tuple(joint.name for joint in model.joints) == JOINT_NAMES
+    for joint in model.joints:
+        assert joint.q_min < 0 < joint.q_max
+        assert radians(90) <= joint.qd_max <= radians(360)
+        assert model.planning_joint_acceleration < joint.qdd_max <= model.max_joint_acceleration
+        assert joint.effort_max > 0
+    assert model.joint_ranges == ((-2 * pi, 2 * pi),) * 6
+
+
+def test_stronger_joints_sit_nearer_the_base(model: RobotModel) -> None:
+    efforts = [joint.effort_max for joint in model.joints]
+    assert efforts == sorted(efforts, reverse=True)
+
+
+def test_quoted_joint_speeds_of_the_cs66() -> None:
+    speeds = [joint.qd_max for joint in MODELS["CS66"].joints]
+    assert speeds == [radians(deg) for deg in (150, 150, 180, 230, 230, 230)]
+
+
+def test_defaults_fit_into_the_limits(model: RobotModel) -> None:
+    assert model.default_joint_speed < min(joint.qd_max for joint in model.joints)
+    assert model.default_joint_acceleration < model.planning_joint_acceleration
+    assert model.default_tool_speed < model.max_tool_speed
+    assert model.default_tool_acceleration < model.max_tool_acceleration
+
+
+def test_safety_limits_of_the_reduced_mode_are_the_tighter_ones(model: RobotModel) -> None:
+    normal, reduced = model.safety.normal, model.safety.reduced
+    for name in ("tool_speed", "elbow_speed", "tool_force", "power", "momentum", "stop_time_s", "stop_distance"):
+        assert 0 < getattr(reduced, name) < getattr(normal, name)
+    assert model.default_tool_speed < reduced.tool_speed
+
+
+def test_home_is_inside_the_ranges_and_far_from_every_singularity(model: RobotModel) -> None:
+    assert model.home == pytest.approx((0, -pi / 2, -pi / 2, -pi / 2, pi / 2, 0))
+    assert min(singularity(model.arm, model.home)) > 0.2
+    # Tool down.
+    assert model.arm.forward(model.home)[8] == pytest.approx(-1.0)
+
+
+def test_moving_mass_adds_up() -> None:
+    masses = [sum(link.mass for link in MODELS[name].links) for name in NAMES]
+    assert masses == pytest.approx([14.099, 18.569, 29.820, 29.656, 59.422, 58.468])
+
+
+def test_inertia_is_one_that_a_body_can_have(model: RobotModel) -> None:
+    assert tuple(link.name for link in model.links) == LINK_NAMES
+    for link in model.links:
+        xx, yy, zz, xy, xz, yz = link.inertia
+        minor = xx * yy - xy * xy
+        determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+        assert xx > 0
+        assert minor > 0
+        assert determinant > 0
+        assert xx + yy > zz
+        assert yy + zz > xx
+        assert zz + xx > yy
+        assert hypot(*link.com) < model.reach_m / 2
+
+
+def test_arms_differ_only_where_their_files_do() -> None:
+    one, other = MODELS["CS612"], MODELS["CS616"]
+    assert one.arm != other.arm
+    assert one.safety == other.safety
+    assert one.home == other.home
+
+
+def test_models_are_frozen(model: RobotModel) -> None:
+    with pytest.raises(FrozenInstanceError):
+        model.payload_max_kg = 99.0  # type: ignore[misc]
+
+
+def test_every_number_has_a_source_that_says_how_it_knows(model: RobotModel) -> None:
+    assert len(model.sources.all_keys()) > 50
+    for key in model.sources.all_keys():
+        source = model.source(key)
+        assert source.evidence in EVIDENCE
+        assert source.about
+        assert source.date
+        assert source.trust
+
+
+def test_sources_are_asked_for_by_the_path_of_the_number() -> None:
+    cs66 = MODELS["CS66"]
+    assert cs66.source("joints.elbow.qd_max")[:2] == ("datasheet-quoted", "documented")
+    assert "180" in cs66.source("joints.elbow.qd_max").why
+    assert cs66.source("arm.d1").source == "ros-kinematics"
+    assert cs66.source("links.forearm.mass").source == "ros-masses"
+    assert cs66.source("home").evidence == "assumed"
+    assert cs66.source("safety.normal.power").evidence == "assumed"
+    assert cs66.source("max_joint_acceleration") == cs66.source("joints.wrist3.qdd_max")
+    assert MODELS["CS63"].source("joints.elbow.qd_max").source == "ros-limits"
+
+
+def test_asking_for_the_source_of_nothing_names_the_nearest_number() -> None:
+    with pytest.raises(UsageError, match=r"CS66 has no number 'joints.qdmax'; did you mean 'joints.qd_max'\?"):
+        MODELS["CS66"].source("joints.elbow.qdmax")
+
+
+@pytest.mark.parametrize(("name", "nearest"), [("CS6 6", "CS66"), ("CS67", "CS6"), ("cs621", "CS62"), ("UR5", None)])
+def test_unknown_model_names_the_nearest_and_all(name: str, nearest: str | None) -> None:
+    with pytest.raises(UsageError, match="there is no robot model") as caught:
+        load_model(name)
+    assert "CS63, CS66, CS612, CS616, CS620, CS625" in str(caught.value)
+    assert ("did you mean" in str(caught.value)) == (nearest is not None)
+    assert nearest is None or f"did you mean '{nearest}" in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["", "common", "../cs66", "cs66.toml", "/etc/passwd"])
+def test_a_name_is_not_a_path(name: str) -> None:
+    with pytest.raises(UsageError, match="there is no robot model"):
+        load_model(name)
+
+
+def test_a_model_is_one_file(tmp_path: Path) -> None:
+    text = (MODEL_FOLDER / "cs66.toml").read_text(encoding="utf-8").replace('"CS66"', '"CS68"')
+    text = text.replace("value = 6206", "value = 6208")
+    found = load_model_file(write(tmp_path, text))
+    assert (found.name, found.type_id) == ("CS68", 6208)
+    assert found.arm == MODELS["CS66"].arm
+
+
+def test_a_file_may_build_on_a_model_and_bring_its_own_sources(tmp_path: Path) -> None:
+    found = load_model_file(
+        write(
+            tmp_path,
+            MINIMAL
+            + 'payload_max_kg = { value = 5.0, source = "name-plate", why = "long gripper" }\n'
+            + 'home = { deg = [90, -90, -90, -90, 90, 0], source = "name-plate" }\n'
+            + '[sources.name-plate]\nabout = "cell 3"\ndate = "2025"\nevidence = "observed"\ntrust = "certain"\n',
+        )
+    )
+    assert found.name == "Mine"
+    assert found.payload_max_kg == 5.0
+    assert found.home[0] == pytest.approx(pi / 2)
+    assert found.links == MODELS["CS66"].links
+    assert found.source("payload_max_kg") == ("name-plate", "observed", "long gripper", "cell 3", "2025", "certain")
+    assert found.source("reach_m") == MODELS["CS66"].source("reach_m")
+
+
+def test_a_file_may_hold_the_calibration_of_one_robot(tmp_path: Path) -> None:
+    a, d, alpha = MODELS["CS66"].arm.modified_dh
+    measured = [*d[:3], d[3] + 2e-4, *d[4:]]
+    found = load_model_file(
+        write(tmp_path, f'{MINIMAL}[calibration]\nd = {{ value = {measured}, source = "chosen" }}\n')
+    )
+    assert found.arm.modified_dh == (a, tuple(measured), alpha)
+    assert found.arm.calibration is not None
+    assert MODELS["CS66"].calibrated(d=measured).arm == found.arm
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("name = ", r"mine\.toml: not TOML"),
+        ('based_on = "CS66"\n', ""),
+        ("", r"mine\.toml: name: missing"),
+        ("name = 3\n", r"mine\.toml: name: needs a text, has 3"),
+        ('name = "Mine"\n', r"mine\.toml: joints\.qd_max: missing"),
+        ('name = "Mine"\nbased_on = "CS67"\n', "there is no robot model 'CS67'"),
+        (MINIMAL + "payload_max_kg = 5\n", r"mine\.toml: payload_max_kg: needs the form \{ value = "),
+        (MINIMAL + "payload_max_kg = { value = 5 }\n", r"mine\.toml: payload_max_kg: no source"),
+        (
+            MINIMAL + 'payload_max_kg = { value = 5, source = "choosen" }\n',
+            r"mine\.toml: payload_max_kg: unknown source 'choosen'; did you mean 'chosen'\?",
+        ),
+        (MINIMAL + 'payload_max_kg = { value = "5", source = "sdk" }\n', r"payload_max_kg: needs a number, has '5'"),
+        (MINIMAL + 'payload_max_kg = { value = true, source = "sdk" }\n', "payload_max_kg: needs a number, has True"),
+        (MINIMAL + 'payload_max_kg = { value = -5, source = "sdk" }\n', "payload_max_kg: needs a number above 0"),
+        (MINIMAL + 'payload_max_kg = { value = inf, source = "sdk" }\n', "payload_max_kg: needs a finite number"),
+        (MINIMAL + 'payload_max_kg = { source = "sdk" }\n', "payload_max_kg: needs `value` or `deg`"),
+        (MINIMAL + 'payload_max_kg = { value = 5, deg = 5, source = "sdk" }\n', "payload_max_kg: needs `value` or"),
+        (MINIMAL + 'payload_max_kg = { value = 5, unit = "kg", source = "sdk" }\n', "payload_max_kg: needs `value`"),
+        (
+            MINIMAL + 'payload_max = { value = 5, source = "sdk" }\n',
+            r"mine\.toml: payload_max: unknown key; did you mean 'payload_max_kg'\?",
+        ),
+        (MINIMAL + 'home = { value = 5, source = "sdk" }\n', r"mine\.toml: home: needs 6 numbers in brackets, has 5"),
+        (MINIMAL + 'home = { value = [0, 0], source = "sdk" }\n', r"mine\.toml: home: needs 6 numbers, has 2"),
+        (
+            MINIMAL + 'home = { deg = [0, 0, 0, 0, 0, 400], source = "sdk" }\n',
+            r"mine\.toml: home: 6\.98.* rad of wrist3 is outside its range",
+        ),
+        (
+            MINIMAL + '[joints]\nq_min = { deg = [360, 0, 0, 0, 0, 0], source = "sdk" }\n',
+            r"mine\.toml: joints\.q_min: 6\.28.* rad of base is not below its joints\.q_max",
+        ),
+        (MINIMAL + '[arm]\na2 = { value = 0.4, source = "sdk" }\n', r"mine\.toml: arm: a2 of the arm is 0\.4 m"),
+        (
+            MINIMAL + '[calibration]\nd = { value = [0, 0, 0, 0, 0, 0], source = "sdk" }\n',
+            r"mine\.toml: arm: d\[0\] of the calibration is 0 m, nominal is 0\.1625 m",
+        ),
+        (MINIMAL + '[sources.mine]\nabout = "x"\n', r"mine\.toml: sources\.mine\.evidence: missing"),
+        (
+            MINIMAL + '[sources.mine]\nabout = "x"\ndate = "x"\ntrust = "x"\nevidence = "guessed"\n',
+            r"mine\.toml: sources\.mine\.evidence: has 'guessed', needs one of documented, observed, assumed",
+        ),
+        (MINIMAL + "sources = 3\n", r"mine\.toml: sources: needs tables"),
+        (MINIMAL + "[sources]\nmine = 3\n", r"mine\.toml: sources\.mine: needs a table"),
+        (
+            MINIMAL + '[sources.mine]\nabout = 3\ndate = "x"\ntrust = "x"\nevidence = "observed"\n',
+            r"mine\.toml: sources\.mine\.about: needs a text, has 3",
+        ),
+    ],
+)
+def test_a_wrong_file_is_refused_with_file_and_key(tmp_path: Path, text: str, complaint: str) -> None:
+    path = write(tmp_path, text)
+    if not complaint:
+        assert load_model_file(path).name == "CS66"
+        return
+    with pytest.raises(UsageError, match=complaint):
+        load_model_file(path)
+
+
+def test_a_file_that_cannot_be_read_is_refused_by_its_path(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"absent\.toml: cannot be read: No such file"):
+        load_model_file(tmp_path / "absent.toml")
+
+
+def test_a_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(UsageError, match=r"mine\.toml: not UTF-8 at byte 0"):
+        load_model_file(path)
+
+
+def test_a_huge_file_is_refused_unread(tmp_path: Path) -> None:
+    path = write(tmp_path, "#" * 1_000_001)
+    with pytest.raises(UsageError, match="larger than 1000000 bytes"):
+        load_model_file(path)
