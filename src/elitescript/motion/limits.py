@@ -1,0 +1,93 @@
+"""What an arm can do: the numbers that the planner needs, and the names of the joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import degrees, isfinite
+from typing import Final
+
+from elitescript.errors import MotionError, UsageError
+from elitescript.messages.motion import Six
+
+JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
+
+RANGE_TOLERANCE_RAD: Final = 1e-9
+"""A joint this little outside its range is rounding, not a mistake."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotionLimits:
+    """Limits of one arm.
+
+    Args:
+        q_min: lower end of each joint's range, rad.
+        q_max: upper end, rad.
+        qd_max: highest speed of each joint, rad/s.
+        qdd_max: highest acceleration of each joint, rad/s^2. *Assumed*: the maker publishes none.
+        tool_speed_max: highest TCP speed of a Cartesian move, m/s. *Assumed.*
+        tool_acceleration_max: highest TCP acceleration of a Cartesian move, m/s^2. *Assumed.*
+        equivalent_radius_m: what a radian of tool rotation counts for against a metre of
+            translation. *Assumed.*
+
+    Raises:
+        UsageError: a range without width, or a limit that is not a positive number.
+    """
+
+    q_min: Six
+    q_max: Six
+    qd_max: Six
+    qdd_max: Six
+    tool_speed_max: float
+    tool_acceleration_max: float
+    equivalent_radius_m: float
+
+    def __post_init__(self) -> None:
+        for joint, low, high in zip(JOINT_NAMES, self.q_min, self.q_max, strict=True):
+            if not low < high:
+                raise UsageError(f"the range of joint {joint} is empty: {low} to {high} rad")
+        for name in ("qd_max", "qdd_max"):
+            for joint, limit in zip(JOINT_NAMES, getattr(self, name), strict=True):
+                _require_positive(f"{name} of joint {joint}", limit)
+        for name in ("tool_speed_max", "tool_acceleration_max", "equivalent_radius_m"):
+            _require_positive(name, getattr(self, name))
+
+    @property
+    def tool_turn_speed_max(self) -> float:
+        """Highest angular speed of a pure tool rotation, rad/s: the tool speed at the equivalent radius."""
+        return self.tool_speed_max / self.equivalent_radius_m
+
+    @property
+    def tool_turn_acceleration_max(self) -> float:
+        """Highest angular acceleration of a pure tool rotation, rad/s^2."""
+        return self.tool_acceleration_max / self.equivalent_radius_m
+
+
+def joint_outside(limits: MotionLimits, q: Sequence[float]) -> int | None:
+    """Return the index of the first joint of q (rad) that is outside its range, or None."""
+    for index, (angle, low, high) in enumerate(zip(q, limits.q_min, limits.q_max, strict=True)):
+        # Written so that an angle that is not a number counts as outside.
+        if not low - RANGE_TOLERANCE_RAD <= angle <= high + RANGE_TOLERANCE_RAD:
+            return index
+    return None
+
+
+def joint_range_error(
+    limits: MotionLimits, joint: int, angle: float, place: str, hint: str | None = None
+) -> MotionError:
+    """Return the R110 refusal for a joint that would leave its range; `place` says where on the move."""
+    low, high = limits.q_min[joint], limits.q_max[joint]
+    return MotionError(
+        f"{place}, joint {JOINT_NAMES[joint]} would be at {angle:.4f} rad ({degrees(angle):.1f} deg); "
+        f"its range is {low:.4f} to {high:.4f} rad ({degrees(low):.1f} to {degrees(high):.1f} deg)",
+        code="R110",
+        value=angle,
+        limit=f"[{low:.6g}, {high:.6g}]",
+        unit="rad",
+        hint=hint,
+    )
+
+
+def _require_positive(name: str, value: float) -> None:
+    if not (isfinite(value) and value > 0.0):
+        raise UsageError(f"{name} is {value}; it has to be a positive number")

@@ -1,0 +1,269 @@
+"""From a request to a segment, or a refusal in plain words.
+
+A move is checked whole when it is accepted: numbers, joint ranges, reach, singularities. A
+refusal raises `MotionError` and changes nothing. What a request asks beyond the capability of
+the arm is lowered to it (documented) and reported as a note where a user would want to know.
+
+Laws, with v, a the wanted speed and acceleration and d the length of the path:
+
+- one trapezoid on the path; it lasts `d / v + v / a`, or `2 sqrt(d / a)` when the path is too
+  short to reach v (*assumed*: the manual describes the phases, not the law);
+- `movej`: straight in joint space, all joints start and end together (documented); v and a hold
+  for the joint with the largest displacement (*assumed*) and are lowered so that no joint passes
+  its own limits (documented);
+- `movel`, `movec`: v and a hold for the TCP on its line or circle (documented); the orientation
+  takes the shortest rotation in step with the path (*assumed*); a pure rotation uses v and a as
+  rad/s and rad/s^2 (*assumed*); where a joint would pass its limits, as near singularities, the
+  tool is slowed down for as long as needed and stays on its path (*assumed*);
+- a duration t > 0 replaces v and a (documented) and is kept exactly; when the limits of the arm
+  do not allow it the move takes the shortest possible time (*assumed*);
+- a move whose target is where the arm stands takes no time, whatever t (*assumed*).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from math import inf, isfinite, sqrt
+from typing import Final
+
+from elitescript.errors import MotionError
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.jacobian import singularity
+from elitescript.kinematics.transforms import IDENTITY, Transform, compose, transform_from_pose
+from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveRequest, Six
+from elitescript.motion.jointline import JointLine
+from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error
+from elitescript.motion.path import CartesianPath, arc, line
+from elitescript.motion.profile import REST, Profile, trapezoid, trapezoid_lasting
+from elitescript.motion.retiming import SlowPlace, keeps_limits, retimed
+from elitescript.motion.segment import Segment
+from elitescript.motion.track import JointTrack, follow
+
+NEAR_WRIST_SINE: Final = 0.2
+"""A slow place with |sin q5| below this is blamed on the wrist singularity: at ordinary tool
+speeds the joints reach their limits there."""
+
+NEAR_ELBOW_SINE: Final = 0.4
+"""The same for |sin q3|."""
+
+NEAR_SHOULDER_M: Final = 0.12
+"""The same for the distance of the wrist centre from passing beside the base axis."""
+
+NOTEWORTHY: Final = 1e-3
+"""A move that lasts longer than wanted by a smaller share than this needs no note."""
+
+
+class NoteKind(StrEnum):
+    """Why a move is not quite what was asked for."""
+
+    T_TOO_SHORT = "t_too_short"
+    SPEED_LOWERED_NEAR_SINGULARITY = "speed_lowered_near_singularity"
+    SPEED_LOWERED_FOR_JOINT_LIMITS = "speed_lowered_for_joint_limits"
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """Something the author of the program should know about an accepted move."""
+
+    kind: NoteKind
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """An accepted move."""
+
+    segment: Segment
+    notes: tuple[Note, ...] = ()
+
+
+def plan(arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Transform, request: MoveRequest) -> Plan:
+    """Plan any move from standstill at q_start (rad); see the function of its kind."""
+    if isinstance(request, MoveJ):
+        return plan_movej(arm, limits, q_start, request, T_flange_tcp)
+    if isinstance(request, MoveL):
+        return plan_movel(arm, limits, q_start, T_flange_tcp, request)
+    return plan_movec(arm, limits, q_start, T_flange_tcp, request)
+
+
+def plan_movej(
+    arm: Arm, limits: MotionLimits, q_start: Six, request: MoveJ, T_flange_tcp: Transform = IDENTITY
+) -> Plan:
+    """Plan a straight line in joint space.
+
+    Args:
+        arm: the arm.
+        limits: its limits.
+        q_start: joint angles at the start, rad.
+        request: the move.
+        T_flange_tcp: TCP offset; only for the poses that the segment reports.
+
+    Raises:
+        MotionError: R102 a number without sense, R110 the target is outside the joint ranges.
+    """
+    _check_numbers("q", request.q_target, request.a, request.v, request.t_s, request.r)
+    joint = joint_outside(limits, request.q_target)
+    if joint is not None:
+        raise joint_range_error(limits, joint, request.q_target[joint], "at the target", "choose a target in the range")
+    path = JointLine(arm, T_flange_tcp, q_start, request.q_target)
+    if path.length == 0.0:
+        return Plan(Segment(path, REST))
+    # The limits of every joint, as limits of the leading one.
+    v_max = min(limit / abs(share) for limit, share in zip(limits.qd_max, path.slope, strict=True) if share)
+    a_max = min(limit / abs(share) for limit, share in zip(limits.qdd_max, path.slope, strict=True) if share)
+    if request.t_s == 0.0:
+        profile = trapezoid(path.length, min(request.v, v_max), min(request.a, a_max))
+        _check_end(profile, request.a, request.v)
+        return Plan(Segment(path, profile))
+    lasting = trapezoid_lasting(path.length, request.t_s, v_max, a_max)
+    if lasting is not None:
+        return Plan(Segment(path, lasting))
+    profile = trapezoid(path.length, v_max, a_max)
+    return Plan(Segment(path, profile), (_t_too_short(request.t_s, profile),))
+
+
+def plan_movel(arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Transform, request: MoveL) -> Plan:
+    """Plan a straight line of the TCP.
+
+    Args:
+        arm: the arm.
+        limits: its limits.
+        q_start: joint angles at the start, rad.
+        T_flange_tcp: TCP offset.
+        request: the move.
+
+    Raises:
+        MotionError: R102 a number without sense, R110 a joint would leave its range, R111 a point
+            is out of reach, R112 the line meets a singularity; the text says where on the line.
+    """
+    _check_numbers("p", request.p_target, request.a, request.v, request.t_s, request.r)
+    T_base_flange = arm.forward(q_start)
+    T_base_tcp = compose(T_base_flange, T_flange_tcp)
+    path = line(T_base_flange, T_base_tcp, transform_from_pose(request.p_target), limits.equivalent_radius_m)
+    if path.unit == "rad":
+        v_max, a_max = limits.tool_turn_speed_max, limits.tool_turn_acceleration_max
+    else:
+        v_max, a_max = limits.tool_speed_max, limits.tool_acceleration_max
+    return _plan_cartesian(arm, limits, q_start, path, request.v, request.a, request.t_s, v_max, a_max)
+
+
+def plan_movec(arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Transform, request: MoveC) -> Plan:
+    """Plan an arc of the TCP through `p_via` to `p_target`; arguments and errors as `plan_movel`.
+
+    The speed is also held so low that the acceleration towards the centre of the circle, v^2 / R,
+    stays within the highest tool acceleration (*assumed*).
+
+    Raises:
+        MotionError: besides those of `plan_movel` R113, the three points have no circle.
+    """
+    _check_numbers("p_via", request.p_via, request.a, request.v, 0.0, request.r)
+    _check_numbers("p_target", request.p_target, request.a, request.v, 0.0, request.r)
+    T_base_flange = arm.forward(q_start)
+    path = arc(
+        T_base_flange,
+        compose(T_base_flange, T_flange_tcp),
+        transform_from_pose(request.p_via),
+        transform_from_pose(request.p_target),
+        request.is_orientation_fixed,
+    )
+    v_max = min(limits.tool_speed_max, sqrt(limits.tool_acceleration_max * path.radius))
+    return _plan_cartesian(arm, limits, q_start, path, request.v, request.a, 0.0, v_max, limits.tool_acceleration_max)
+
+
+def _plan_cartesian(
+    arm: Arm,
+    limits: MotionLimits,
+    q_start: Six,
+    path: CartesianPath,
+    v: float,
+    a: float,
+    t_s: float,
+    v_max: float,
+    a_max: float,
+) -> Plan:
+    """Solve the path and find its profile; v_max and a_max are the limits of the tool on it."""
+    if path.length == 0.0:
+        return Plan(Segment(follow(arm, limits, path, q_start, 0.0, 0.0), REST))
+    if t_s > 0.0:
+        profile = trapezoid_lasting(path.length, t_s, v_max, a_max)
+        if profile is not None:
+            track = follow(arm, limits, path, q_start, profile.peak_speed, profile.acceleration(0.0))
+            if keeps_limits(track, limits, profile):
+                return Plan(Segment(track, profile))
+        v, a = v_max, a_max
+    else:
+        v, a = min(v, v_max), min(a, a_max)
+    wanted = trapezoid(path.length, v, a)
+    _check_end(wanted, a, v)
+    track = follow(arm, limits, path, q_start, wanted.peak_speed, a)
+    result = retimed(track, limits, wanted)
+    if t_s > 0.0:
+        if result.profile.duration_s <= t_s:
+            return Plan(Segment(track, result.profile.stretched(t_s)))
+        return Plan(Segment(track, result.profile), (_t_too_short(t_s, result.profile),))
+    if result.slow_place is None or result.profile.duration_s <= (1.0 + NOTEWORTHY) * wanted.duration_s:
+        return Plan(Segment(track, result.profile))
+    return Plan(
+        Segment(track, result.profile),
+        (_speed_lowered(arm, limits, track, result.profile, wanted, result.slow_place),),
+    )
+
+
+def _check_numbers(name: str, numbers: Six, a: float, v: float, t_s: float, r: float) -> None:
+    """Refuse what is not a finite number or has the wrong sign."""
+    for index, number in enumerate(numbers):
+        if not isfinite(number):
+            raise MotionError(f"{name}[{index}] is {number}, not a finite number", code="R102", value=number)
+    for symbol, value, unit, low in (("t", t_s, "s", 0.0), ("r", r, "m", 0.0)):
+        if not low <= value < inf:
+            raise MotionError(
+                f"{symbol} is {value} {unit}; it has to be 0 or more", code="R102", value=value, limit=">= 0", unit=unit
+            )
+    for symbol, value, unit in (("a", a, "per s^2"), ("v", v, "per s")):
+        # A given duration makes both meaningless.
+        if t_s == 0.0 and not 0.0 < value < inf:
+            raise MotionError(
+                f"{symbol} is {value}; it has to be more than 0 (m or rad {unit})",
+                code="R102",
+                value=value,
+                limit="> 0",
+            )
+
+
+def _check_end(profile: Profile, a: float, v: float) -> None:
+    """Refuse speeds so small that the duration is not a number any more."""
+    if not isfinite(profile.duration_s):
+        raise MotionError(
+            f"with a = {a} and v = {v} the move would never end", code="R102", value=min(a, v), limit="> 0"
+        )
+
+
+def _t_too_short(t_s: float, profile: Profile) -> Note:
+    return Note(
+        NoteKind.T_TOO_SHORT,
+        f"t = {t_s:.4g} s is too short for the limits of the arm; "
+        f"the move takes {profile.duration_s:.4f} s, the shortest possible time",
+    )
+
+
+def _speed_lowered(
+    arm: Arm, limits: MotionLimits, track: JointTrack, profile: Profile, wanted: Profile, place: SlowPlace
+) -> Note:
+    """Return the note for a move that joint limits slow down; names joint, place and numbers."""
+    distance = singularity(arm, track.q(place.s))
+    nearness = {
+        "wrist": distance.wrist / NEAR_WRIST_SINE,
+        "elbow": distance.elbow / NEAR_ELBOW_SINE,
+        "shoulder": distance.shoulder / NEAR_SHOULDER_M,
+    }
+    name = min(nearness, key=nearness.__getitem__)
+    slowed = (
+        f"the move takes {profile.duration_s:.3f} s instead of {wanted.duration_s:.3f} s: "
+        f"{track.path.place(place.s)} the tool moves at {place.speed:.4f} instead of {place.speed_wanted:.4f} "
+        f"{track.unit}/s, because of the limits of joint {JOINT_NAMES[place.joint]} "
+        f"({limits.qd_max[place.joint]:.4g} rad/s, {limits.qdd_max[place.joint]:.4g} rad/s^2)"
+    )
+    if nearness[name] < 1.0:
+        return Note(NoteKind.SPEED_LOWERED_NEAR_SINGULARITY, f"{slowed}; the {name} singularity is near")
+    return Note(NoteKind.SPEED_LOWERED_FOR_JOINT_LIMITS, slowed)

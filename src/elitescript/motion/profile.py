@@ -1,0 +1,156 @@
+"""Time laws: the path position s as a function of time.
+
+A profile starts and ends at rest and is made of pieces of constant acceleration. The trapezoid
+(accelerate, keep the speed, brake) has three pieces, or two when the path is too short to reach
+the speed; a path that has to be slowed down in places has more.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from math import sqrt
+from typing import Final
+
+from elitescript.errors import InternalError
+
+RAMP_SHARE: Final = 1.0 / 3.0
+"""Share of a prescribed duration that each of the two ramps gets (*assumed*: the manual only says
+that speed and acceleration are then ignored). A third keeps the peak speed at 1.5 times and the
+acceleration at 4.5 times what the shortest possible figures, L/t and L/t^2, would ask for."""
+
+
+class Profile:
+    """s(t) from 0 to `length` in `duration_s`, at rest at both ends; immutable.
+
+    `length` is in the path's own unit (m or rad), speeds and accelerations in that unit per s
+    and s^2.
+    """
+
+    __slots__ = ("_acceleration", "_position", "_speed", "_start_s", "duration_s", "length", "peak_speed")
+
+    def __init__(
+        self,
+        length: float,
+        duration_s: float,
+        start_s: Sequence[float],
+        position: Sequence[float],
+        speed: Sequence[float],
+        acceleration: Sequence[float],
+    ) -> None:
+        """Take the pieces: time, position and speed at the start of each, and its acceleration."""
+        self.length = length
+        self.duration_s = duration_s
+        self.peak_speed = max(speed)
+        self._start_s = tuple(start_s)
+        self._position = tuple(position)
+        self._speed = tuple(speed)
+        self._acceleration = tuple(acceleration)
+
+    def at(self, t_s: float) -> tuple[float, float]:
+        """Return (position, speed) at a time; before the start and after the end it rests there."""
+        if t_s <= 0.0:
+            return 0.0, 0.0
+        if t_s >= self.duration_s:
+            return self.length, 0.0
+        piece = bisect_right(self._start_s, t_s) - 1
+        elapsed_s = t_s - self._start_s[piece]
+        gained = self._acceleration[piece] * elapsed_s
+        speed = self._speed[piece]
+        position = self._position[piece] + elapsed_s * (speed + 0.5 * gained)
+        # Rounding in the last piece must neither overshoot nor turn back.
+        return (position if position < self.length else self.length), (speed + gained if speed + gained > 0.0 else 0.0)
+
+    def acceleration(self, t_s: float) -> float:
+        """Return the acceleration at a time; at a corner that of the piece that begins, 0 at rest."""
+        if t_s < 0.0 or t_s >= self.duration_s:
+            return 0.0
+        return self._acceleration[bisect_right(self._start_s, t_s) - 1]
+
+    def speed_at_position(self, position: float) -> float:
+        """Return the speed with which a position is passed; 0 outside the path."""
+        if not 0.0 <= position <= self.length or not self._position:
+            return 0.0
+        piece = bisect_right(self._position, position) - 1
+        speed = self._speed[piece]
+        return sqrt(max(0.0, speed * speed + 2.0 * self._acceleration[piece] * (position - self._position[piece])))
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Positions at which the acceleration changes, without start and end."""
+        return self._position[1:]
+
+    def stretched(self, duration_s: float) -> Profile:
+        """Return the same motion, slower throughout, in a longer time."""
+        if duration_s < self.duration_s:
+            raise InternalError(f"a profile of {self.duration_s} s cannot be stretched to {duration_s} s")
+        if self.duration_s == 0.0:
+            return self
+        rate = self.duration_s / duration_s
+        return Profile(
+            self.length,
+            duration_s,
+            [start / rate for start in self._start_s],
+            self._position,
+            [speed * rate for speed in self._speed],
+            [acceleration * rate * rate for acceleration in self._acceleration],
+        )
+
+
+REST: Final = Profile(0.0, 0.0, (0.0,), (0.0,), (0.0,), (0.0,))
+"""The profile of a path without length."""
+
+
+def trapezoid(length: float, v: float, a: float) -> Profile:
+    """Return the quickest profile for a length under a speed v and an acceleration a.
+
+    The duration is `length / v + v / a` when the speed is reached, else `2 sqrt(length / a)`.
+    """
+    if length == 0.0:
+        return REST
+    ramp = 0.5 * v * v / a
+    if 2.0 * ramp >= length:
+        half_s = sqrt(length / a)
+        return Profile(length, 2.0 * half_s, (0.0, half_s), (0.0, 0.5 * length), (0.0, a * half_s), (a, -a))
+    ramp_s = v / a
+    cruise_s = length / v - ramp_s
+    return Profile(
+        length,
+        2.0 * ramp_s + cruise_s,
+        (0.0, ramp_s, ramp_s + cruise_s),
+        (0.0, ramp, length - ramp),
+        (0.0, v, v),
+        (a, 0.0, -a),
+    )
+
+
+def trapezoid_lasting(length: float, duration_s: float, v_max: float, a_max: float) -> Profile | None:
+    """Return a trapezoid of exactly this duration, or None when the limits do not allow it.
+
+    Each ramp takes `RAMP_SHARE` of the time. Where that would pass the speed limit the ramps get
+    shorter, where it would pass the acceleration limit they get longer.
+    """
+    if length == 0.0:
+        return REST
+    mean = length / duration_s
+    # Ramps of a share f each give the speed mean / (1 - f) and the acceleration mean / (duration f (1 - f)).
+    least_product = mean / (duration_s * a_max)
+    longest_share = 1.0 - mean / v_max
+    if least_product > 0.25 or longest_share <= 0.0:
+        return None
+    shortest_share = 0.5 - sqrt(0.25 - least_product)
+    share = min(max(RAMP_SHARE, shortest_share), longest_share)
+    if share < shortest_share:
+        return None
+    v = mean / (1.0 - share)
+    ramp_s = share * duration_s
+    ramp = 0.5 * v * ramp_s
+    a = v / ramp_s
+    return Profile(
+        length,
+        duration_s,
+        (0.0, ramp_s, duration_s - ramp_s),
+        (0.0, ramp, length - ramp),
+        (0.0, v, v),
+        (a, 0.0, -a),
+    )

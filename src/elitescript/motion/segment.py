@@ -1,0 +1,120 @@
+"""A planned move: a path and its profile, sampled at any time and in any order."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+from elitescript.kinematics.transforms import Transform
+from elitescript.messages.motion import Six
+from elitescript.motion.profile import Profile
+
+
+class Setpoint(NamedTuple):
+    """Target state of the joints."""
+
+    q: Six
+    """rad"""
+    qd: Six
+    """rad/s"""
+
+
+class JointPath(Protocol):
+    """Joint angles over the path position: a straight line in joint space, or a followed Cartesian path."""
+
+    @property
+    def kind(self) -> str:
+        """`joint`, `line` or `arc`."""
+
+    @property
+    def unit(self) -> str:
+        """Unit of the path position: `rad` of the leading joint or of the tool, or `m` of the TCP."""
+
+    @property
+    def length(self) -> float:
+        """Path position at the end."""
+
+    @property
+    def q_start(self) -> Six:
+        """Joint angles at the start, rad."""
+
+    @property
+    def q_end(self) -> Six:
+        """Joint angles at the end, rad."""
+
+    @property
+    def T_base_tcp_end(self) -> Transform:
+        """TCP pose at the end."""
+
+    def q(self, s: float) -> Six:
+        """Return the joint angles at a path position, rad; exact at both ends."""
+
+    def q_and_slope(self, s: float) -> tuple[Six, Six]:
+        """Return the joint angles and their derivatives by the path position."""
+
+    def tool_rates(self, s: float) -> tuple[float, float]:
+        """Return way (m) and rotation (rad) of the tool per unit of path position."""
+
+
+class Segment:
+    """Joint targets as a function of the time since the start of the move; immutable.
+
+    Times outside [0, duration_s] give the start or the end, at rest.
+    """
+
+    __slots__ = ("duration_s", "path", "profile")
+
+    def __init__(self, path: JointPath, profile: Profile) -> None:
+        self.path = path
+        self.profile = profile
+        self.duration_s = profile.duration_s
+
+    @property
+    def kind(self) -> str:
+        """`joint`, `line` or `arc`."""
+        return self.path.kind
+
+    @property
+    def q_start(self) -> Six:
+        """Joint angles at the start, rad."""
+        return self.path.q_start
+
+    @property
+    def q_end(self) -> Six:
+        """Joint angles at the end, rad; what `sample(duration_s)` returns, to the last bit."""
+        return self.path.q_end
+
+    @property
+    def T_base_tcp_end(self) -> Transform:
+        """TCP pose at the end: the waypoint of the move."""
+        return self.path.T_base_tcp_end
+
+    def sample(self, t_s: float) -> Six:
+        """Return the joint angles at a time, rad."""
+        if t_s <= 0.0:
+            return self.path.q_start
+        if t_s >= self.duration_s:
+            return self.path.q_end
+        return self.path.q(self.profile.at(t_s)[0])
+
+    def sample_speed(self, t_s: float) -> Six:
+        """Return the joint speeds at a time, rad/s."""
+        return self.setpoint(t_s).qd
+
+    def setpoint(self, t_s: float) -> Setpoint:
+        """Return joint angles and speeds at a time; cheaper than asking for them one by one."""
+        if t_s <= 0.0:
+            return Setpoint(self.path.q_start, _REST)
+        if t_s >= self.duration_s:
+            return Setpoint(self.path.q_end, _REST)
+        position, speed = self.profile.at(t_s)
+        q, (d1, d2, d3, d4, d5, d6) = self.path.q_and_slope(position)
+        return Setpoint(q, (d1 * speed, d2 * speed, d3 * speed, d4 * speed, d5 * speed, d6 * speed))
+
+    def tool_speed(self, t_s: float) -> tuple[float, float]:
+        """Return the speed of the TCP, m/s, and of the tool's rotation, rad/s, at a time."""
+        position, speed = self.profile.at(t_s)
+        way, turn = self.path.tool_rates(position)
+        return way * speed, turn * speed
+
+
+_REST: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -1,0 +1,196 @@
+"""How fast planned time passes: speed percentage, pause, resume, stop.
+
+A segment is a function of its own time, the *path time*. A `TimeScale` gives path time as a
+function of real time; its derivative, the *rate*, is the speed percentage as a fraction: 1 runs
+the move as planned, 0 stands still on the path. The rate changes along linear ramps, so that the
+target positions stay on the planned path and never jump, and their speeds (rate times planned
+speed) are continuous. Pause and stop are ramps to 0, resume is a ramp up again.
+
+That the percentage acts by scaling time along the path is *assumed*, as is the linear ramp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, isfinite, sqrt
+from typing import Final
+
+from elitescript.errors import UsageError
+from elitescript.motion.segment import Segment
+
+
+@dataclass(frozen=True, slots=True)
+class TimeScale:
+    """Path time from real time `t_start_s` on: a ramp of `ramp_s` to `rate_target`, then constant.
+
+    Immutable; `with_target` returns the scale that takes over at a later time. A scale knows
+    nothing about the time before its own start.
+    """
+
+    t_start_s: float
+    s_start_s: float
+    """Path time at `t_start_s`."""
+    rate_start: float
+    rate_target: float
+    ramp_s: float
+
+    @classmethod
+    def start(cls, t_start_s: float, rate: float, s_start_s: float = 0.0) -> TimeScale:
+        """Return a scale of constant rate that begins at a path time.
+
+        Raises:
+            UsageError: a rate that is negative or not finite.
+        """
+        _check_rate(rate)
+        return cls(t_start_s, s_start_s, rate, rate, 0.0)
+
+    def with_target(self, t_s: float, rate: float, ramp_s: float) -> TimeScale:
+        """Return the scale that from t_s on ramps to another rate within ramp_s.
+
+        A ramp of 0 s changes the rate at once, which is smooth only at standstill.
+
+        Raises:
+            UsageError: a time before this scale began, a rate or a ramp that is negative or not finite.
+        """
+        _check_rate(rate)
+        if not (isfinite(ramp_s) and ramp_s >= 0.0):
+            raise UsageError(f"a ramp of {ramp_s} s makes no sense; it has to be 0 or more")
+        return TimeScale(t_s, self.path_time(t_s), self.rate(t_s), rate, ramp_s)
+
+    def rate(self, t_s: float) -> float:
+        """Return the fraction at which path time passes at a real time.
+
+        Raises:
+            UsageError: a time before this scale began.
+        """
+        elapsed_s = self._elapsed_s(t_s)
+        if elapsed_s >= self.ramp_s:
+            return self.rate_target
+        return self.rate_start + (self.rate_target - self.rate_start) * (elapsed_s / self.ramp_s)
+
+    def path_time(self, t_s: float) -> float:
+        """Return the path time, s, at a real time.
+
+        Raises:
+            UsageError: a time before this scale began.
+        """
+        elapsed_s = self._elapsed_s(t_s)
+        if elapsed_s >= self.ramp_s:
+            return self.s_start_s + self._ramp_gain_s + self.rate_target * (elapsed_s - self.ramp_s)
+        gained = 0.5 * (self.rate_target - self.rate_start) * (elapsed_s / self.ramp_s)
+        return self.s_start_s + elapsed_s * (self.rate_start + gained)
+
+    def time_of(self, path_time_s: float) -> float:
+        """Return the real time at which a path time is reached, inf when it never is.
+
+        A path time that was reached before this scale began gives `t_start_s`. The answer is
+        exact up to rounding: `path_time(time_of(s))` may differ from s in the last digits.
+        """
+        way_s = path_time_s - self.s_start_s
+        if way_s <= 0.0:
+            return self.t_start_s
+        rest_s = way_s - self._ramp_gain_s
+        if rest_s >= 0.0:
+            if rest_s == 0.0:
+                return self.t_start_s + self.ramp_s
+            return self.t_start_s + self.ramp_s + rest_s / self.rate_target if self.rate_target > 0.0 else inf
+        # Inside the ramp: rate_start t + slope t^2 / 2 = way, in the form that does not cancel.
+        slope = (self.rate_target - self.rate_start) / self.ramp_s
+        root = sqrt(max(0.0, self.rate_start * self.rate_start + 2.0 * slope * way_s))
+        return self.t_start_s + min(self.ramp_s, 2.0 * way_s / (self.rate_start + root))
+
+    @property
+    def settled_s(self) -> float:
+        """Real time from which the rate is constant."""
+        return self.t_start_s + self.ramp_s
+
+    @property
+    def _ramp_gain_s(self) -> float:
+        """Path time that passes during the ramp."""
+        return 0.5 * (self.rate_start + self.rate_target) * self.ramp_s
+
+    def _elapsed_s(self, t_s: float) -> float:
+        elapsed_s = t_s - self.t_start_s
+        # Written so that a time that is not a number is refused too.
+        if not elapsed_s >= 0.0:
+            raise UsageError(f"the time {t_s} s is before this time scale began, at {self.t_start_s} s")
+        return elapsed_s
+
+
+def stop_ramp(segment: Segment, path_time_s: float, rate: float, deceleration: float) -> float:
+    """Return the ramp, s, that brings a running segment to rest with a joint deceleration, rad/s^2.
+
+    For `stopj`, pause and stop. No joint brakes harder than asked while the rate goes from
+    `rate` to 0. The braking that is planned in the segment counts: only what it leaves of the
+    deceleration is used, at least half (so that a stop during a braking harder than that still
+    takes effect; the sum is then up to half the deceleration above the planned).
+
+    Args:
+        segment: the move under way.
+        path_time_s: path time at which the ramp begins.
+        rate: rate at that time.
+        deceleration: rad/s^2, more than 0.
+
+    Raises:
+        UsageError: a deceleration that is not a positive number.
+    """
+    return _braking_ramp(segment.sample_speed, segment.duration_s, path_time_s, rate, deceleration)
+
+
+def stop_ramp_tool(segment: Segment, path_time_s: float, rate: float, deceleration: float) -> float:
+    """Return the ramp, s, that brings a running segment to rest with a tool deceleration.
+
+    For `stopl`. The deceleration holds for the TCP in m/s^2 and for the rotation of the tool in
+    rad/s^2 (*assumed*, after the rule of `speedl` for its angular acceleration). Otherwise as
+    `stop_ramp`.
+    """
+    return _braking_ramp(segment.tool_speed, segment.duration_s, path_time_s, rate, deceleration)
+
+
+_BRAKING_POINTS: Final = 12
+"""Points of the braking distance at which the deceleration is looked at."""
+
+_BRAKING_ROUNDS: Final = 12
+"""A longer ramp reaches further ahead, where speeds may be higher; this settles it."""
+
+_RAMP_TOLERANCE: Final = 1e-3
+"""Relative accuracy of a ramp."""
+
+_DIFFERENCE_S: Final = 1e-4
+"""Step of the difference that gives the planned deceleration, s of path time."""
+
+
+def _braking_ramp(
+    speeds_at: Callable[[float], tuple[float, ...]],
+    duration_s: float,
+    path_time_s: float,
+    rate: float,
+    deceleration: float,
+) -> float:
+    if not (isfinite(deceleration) and deceleration > 0.0):
+        raise UsageError(f"a deceleration of {deceleration} makes no sense; it has to be more than 0")
+    _check_rate(rate)
+    ramp_s = 0.0
+    for _ in range(_BRAKING_ROUNDS):
+        full_window_s = 0.5 * rate * ramp_s
+        window_s = min(full_window_s, max(0.0, duration_s - path_time_s))
+        needed_s = 0.0
+        for point in range(_BRAKING_POINTS if window_s else 1):
+            ahead_s = window_s * point / (_BRAKING_POINTS - 1)
+            speeds = speeds_at(path_time_s + ahead_s)
+            later = speeds_at(path_time_s + ahead_s + _DIFFERENCE_S)
+            # On a linear ramp the rate squared falls linearly with the path time.
+            rate_squared = rate * rate * (1.0 - ahead_s / full_window_s) if full_window_s else rate * rate
+            for speed, speed_later in zip(map(abs, speeds), map(abs, later), strict=True):
+                planned = max(0.0, rate_squared * (speed - speed_later) / _DIFFERENCE_S)
+                needed_s = max(needed_s, rate * speed / max(deceleration - planned, 0.5 * deceleration))
+        if needed_s <= ramp_s * (1.0 + _RAMP_TOLERANCE):
+            break
+        ramp_s = needed_s
+    return ramp_s
+
+
+def _check_rate(rate: float) -> None:
+    if not (isfinite(rate) and rate >= 0.0):
+        raise UsageError(f"a speed fraction of {rate} makes no sense; it has to be 0 or more")
