@@ -218,7 +218,7 @@ class VirtualRobot:
                 raise UsageError(
                     f"joint {limit.name} must be in [{limit.q_min:.4f}, {limit.q_max:.4f}] rad, got {value:g}"
                 )
-        return values  # type: ignore[return-value]
+        return values
 
     # ---------------------------------------------------------------- reading
 

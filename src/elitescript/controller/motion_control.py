@@ -9,21 +9,20 @@ never jumps.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, isinf
+from math import isinf
 from typing import Final
 
-from elitescript.errors import MotionError, ScriptStateError
+from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
-from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, pose_from_transform
 from elitescript.messages.events import Event, MotionEnded, MotionStarted, Warned
-from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, Six, StopJ, StopL
+from elitescript.messages.motion import MotionRequest, MoveJ, Six, StopJ, StopL
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
 from elitescript.motion.limits import MotionLimits
-from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
+from elitescript.motion.planner import plan
 from elitescript.motion.segment import Segment
-from elitescript.motion.timescale import TimeScale, stop_ramp
+from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
 
 SPEED_RAMP_S: Final = 0.2
 """Time in which a new speed percentage takes hold (*assumed*)."""
@@ -171,7 +170,7 @@ class MotionControl:
             MotionError: refused; nothing has changed.
         """
         if isinstance(request, StopJ | StopL):
-            return self._brake(request, tick, T_flange_tcp)
+            return self._brake(request, tick)
         move = self._move
         if move is not None and (self._next is not None or not move.is_stopping):
             other = (self._next or move).thread
@@ -182,19 +181,19 @@ class MotionControl:
             )
         start_tick = tick if move is None else move.end_tick
         q_start = self._q_rest if move is None else self._rest_of(move)
-        plan = self._plan(request, q_start, T_flange_tcp)
+        accepted_plan = plan(self._arm, self._limits, q_start, T_flange_tcp, request)
         self._count += 1
         scale = TimeScale.start(start_tick * PERIOD_S, 0.0 if self._is_paused else self._speed_scale)
         waypoint = self._pose_of(request.q_target, T_flange_tcp) if isinstance(request, MoveJ) else request.p_target
-        accepted = Move(self._count, plan.segment, start_tick, scale, thread, waypoint)
+        accepted = Move(self._count, accepted_plan.segment, start_tick, scale, thread, waypoint)
         if move is None:
             self._move = accepted
             self._sampled_tick = -1
         else:
             self._next = accepted
         self.waypoint = waypoint
-        self._on_event(MotionStarted(tick, request, line, thread, plan.segment.duration_s))
-        for note in plan.notes:
+        self._on_event(MotionStarted(tick, request, line, thread, accepted_plan.segment.duration_s))
+        for note in accepted_plan.notes:
             self._on_event(Warned(tick, note.text, thread, line))
         return accepted.number
 
@@ -217,7 +216,7 @@ class MotionControl:
             self._next = None
         move = self._move
         if move is not None and not move.is_stopping:
-            self._stop_move(move, tick, self._stop_joint_deceleration)
+            move.stop(tick, self._program_stop_ramp_s(move, tick))
 
     def set_speed_scale(self, fraction: float, tick: int) -> None:
         """New speed percentage, taken on in a ramp."""
@@ -230,9 +229,7 @@ class MotionControl:
         self._is_paused = True
         move = self._move
         if move is not None and not move.is_stopping:
-            rate = move.scale.rate(tick * PERIOD_S)
-            ramp_s = stop_ramp(move.segment, move.path_time_s(tick), rate, self._stop_joint_deceleration)
-            move.set_rate(tick, 0.0, max(ramp_s, PERIOD_S))
+            move.set_rate(tick, 0.0, self._program_stop_ramp_s(move, tick))
 
     def resume(self, tick: int) -> None:
         """Go on after a pause, with the speed percentage of now."""
@@ -258,7 +255,7 @@ class MotionControl:
             if move is not None and not move.is_stopping:
                 move.set_rate(max(tick, move.start_tick), rate, ramp_s)
 
-    def _brake(self, request: StopJ | StopL, tick: int, T_flange_tcp: Transform) -> int:
+    def _brake(self, request: StopJ | StopL, tick: int) -> int:
         move = self._move
         if move is None:
             return 0
@@ -266,33 +263,14 @@ class MotionControl:
             self._end(self._next, tick, is_complete=False)
             self._next = None
         if not move.is_stopping:
-            deceleration = (
-                request.a if isinstance(request, StopJ) else self._as_joint(request.a, move, tick, T_flange_tcp)
-            )
-            self._stop_move(move, tick, deceleration)
+            path_time_s, rate = move.path_time_s(tick), move.scale.rate(tick * PERIOD_S)
+            ramp = stop_ramp if isinstance(request, StopJ) else stop_ramp_tool
+            move.stop(tick, max(ramp(move.segment, path_time_s, rate, request.a), PERIOD_S))
         return move.number
 
-    def _as_joint(self, tool_deceleration: float, move: Move, tick: int, T_flange_tcp: Transform) -> float:
-        """Joint deceleration that brakes the tool's present speed at `tool_deceleration`."""
-        qd = self.qd(tick)
-        twist = tcp_twist(self._arm, self.q(tick), qd, T_flange_tcp)
-        tool_speed = (twist[0] ** 2 + twist[1] ** 2 + twist[2] ** 2) ** 0.5
-        joint_speed = max(abs(speed) for speed in qd)
-        return inf if tool_speed == 0.0 else tool_deceleration * joint_speed / tool_speed
-
-    def _stop_move(self, move: Move, tick: int, deceleration: float) -> None:
+    def _program_stop_ramp_s(self, move: Move, tick: int) -> float:
         rate = move.scale.rate(tick * PERIOD_S)
-        ramp_s = stop_ramp(move.segment, move.path_time_s(tick), rate, deceleration)
-        move.stop(tick, max(ramp_s, PERIOD_S))
-
-    def _plan(self, request: MotionRequest, q_start: Six, T_flange_tcp: Transform) -> Plan:
-        if isinstance(request, MoveJ):
-            return plan_movej(self._arm, self._limits, q_start, request)
-        if isinstance(request, MoveL):
-            return plan_movel(self._arm, self._limits, q_start, T_flange_tcp, request)
-        if isinstance(request, MoveC):
-            return plan_movec(self._arm, self._limits, q_start, T_flange_tcp, request)
-        raise ScriptStateError(f"no motion source handles {type(request).__name__}")
+        return max(stop_ramp(move.segment, move.path_time_s(tick), rate, self._stop_joint_deceleration), PERIOD_S)
 
     def _pose_of(self, q: Six, T_flange_tcp: Transform) -> Six:
         return pose_from_transform(self._arm.forward_tcp(q, T_flange_tcp))
