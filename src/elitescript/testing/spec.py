@@ -183,7 +183,9 @@ def _words(number: int, info: str, known: frozenset[str]) -> dict[str, str]:
     for word in info.split()[1:]:
         name, _, value = word.partition("=")
         if name not in known:
-            raise UsageError(f"line {number}: the word {name!r} is not known here; there are {', '.join(sorted(known))}")
+            raise UsageError(
+                f"line {number}: the word {name!r} is not known here; there are {', '.join(sorted(known))}"
+            )
         words[name] = value or name
     return words
 
@@ -227,11 +229,16 @@ def _matches(wanted: str, had: str) -> bool:
     if wanted == had:
         return True
     words = had.split(" ")
-    return had.startswith("R") and len(words) == 4 and wanted.split(" ") in (
-        [words[0]],
-        [words[1]],
-        [words[0], *words[2:]],
-        [words[1], *words[2:]],
+    return (
+        had.startswith("R")
+        and len(words) == 4
+        and wanted.split(" ")
+        in (
+            [words[0]],
+            [words[1]],
+            [words[0], *words[2:]],
+            [words[1], *words[2:]],
+        )
     )
 
 

@@ -1,0 +1,67 @@
+"""Whole programs: from process start to exit, and simulated time per wall time."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+
+ROOT = Path(__file__).resolve().parent.parent
+RUNS = 10
+PICK_AND_PLACE = ROOT / "examples" / "pick_and_place.script"
+
+
+def _process_s(command: list[str], runs: int = RUNS) -> float:
+    """Median wall time of a process, s."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+    times = []
+    for _ in range(runs + 1):
+        began = perf_counter()
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment)
+        times.append(perf_counter() - began)
+    return median(times[1:])
+
+
+def _start_rows() -> list[tuple[str, str, str, str]]:
+    with tempfile.TemporaryDirectory() as folder:
+        program = Path(folder) / "hello.script"
+        program.write_text('textmsg("hello")\n')
+        ours = _process_s([sys.executable, "-m", "elitescript", "run", str(program)])
+    python = _process_s([sys.executable, "-c", "pass"])
+    return [
+        (
+            "start to exit, one-line program",
+            f"{ours * 1e3:.0f} ms",
+            f"{python * 1e3:.0f} ms (python -c pass)",
+            f"{ours / python:.1f}",
+        )
+    ]
+
+
+def _free_run_rows() -> list[tuple[str, str, str, str]]:
+    from elitescript import VirtualRobot
+
+    rows = []
+    for what, has_trace in (("pick and place, free run", False), ("the same with a trace row every 4 ms", True)):
+        times = []
+        simulated = 0.0
+        for _ in range(RUNS):
+            robot = VirtualRobot("CS66")
+            began = perf_counter()
+            run = robot.run(PICK_AND_PLACE, trace=has_trace).check()
+            times.append(perf_counter() - began)
+            simulated = run.time_s
+        wall = median(times)
+        rows.append(
+            (what, f"{wall * 1e3:.1f} ms", f"{simulated:.1f} s (the robot)", f"{simulated / wall:.0f} x real time")
+        )
+    return rows
+
+
+def rows() -> list[tuple[str, str, str, str]]:
+    """What, ours, the other, ratio."""
+    return _start_rows() + _free_run_rows()
