@@ -1,0 +1,258 @@
+"""Text in, code out.
+
+`compile_unit` makes of a text one function; calling it runs the program. The body is compiled as
+the body of a function, whatever the text looks like: names are local to it and visible to the
+functions inside it, and `global` makes them program globals, which the variable monitor shows.
+"""
+
+from __future__ import annotations
+
+import ast
+import warnings
+from dataclasses import dataclass
+from types import CodeType
+from typing import Final
+
+from elitescript.errors import ProgramError
+from elitescript.language.checkpoints import insert_checkpoints
+from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
+from elitescript.language.hooks import HOOKS, MAIN
+from elitescript.language.nodes import FUNCTIONS, Census
+from elitescript.language.options import DEFAULT, Options
+from elitescript.language.parser import Parsed, character_offset, parse, parse_without, syntax_tree
+from elitescript.language.policy import guard_formats, review
+from elitescript.language.source import SourceFile
+from elitescript.language.syntax_errors import explain
+
+__all__ = [
+    "HOOKS",
+    "MAIN",
+    "CompiledUnit",
+    "Options",
+    "check_unit",
+    "column_of",
+    "compile_expression",
+    "compile_parsed",
+    "compile_unit",
+]
+
+_SCRIPT_NAME: Final = "main"
+"""What a program without a name is called in qualified names and stack listings."""
+
+
+@dataclass(frozen=True, slots=True)
+class CompiledUnit:
+    """A program that can run.
+
+    Attributes:
+        source: the text.
+        kind: `program`, `secondary`, `script` or `line`.
+        name: the name behind `def` or `sec`; empty for a script or a line.
+        code: module code; executing it in a dict binds one function, `MAIN`, and nothing else.
+            Names of `HOOKS` must be among the builtins. Default values of the program's
+            parameters are computed while it executes.
+        global_names: names that the text declares `global`, anywhere.
+        diagnostics: warnings, in the order of the text.
+        has_line_marks: it calls the `@line` hook.
+    """
+
+    source: SourceFile
+    kind: str
+    name: str
+    code: CodeType
+    global_names: frozenset[str]
+    diagnostics: tuple[Diagnostic, ...]
+    has_line_marks: bool
+
+
+def compile_unit(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit:
+    """Compile a text.
+
+    Raises:
+        ProgramError: it is not a program; holds all findings, errors and warnings, in the order
+            of the text.
+    """
+    return compile_parsed(parse(source, options))
+
+
+def compile_parsed(parsed: Parsed) -> CompiledUnit:
+    """Compile a text that was read. Uses up the tree: analyse it before.
+
+    Raises:
+        ProgramError: as `compile_unit`.
+    """
+    code, global_names, problems = _compile(parsed)
+    if code is None or any(problem.is_error for problem in problems):
+        raise ProgramError(problems)
+    return CompiledUnit(parsed.source, parsed.kind, parsed.name, code, global_names, problems, parsed.has_line_marks)
+
+
+def check_unit(source: SourceFile, options: Options = DEFAULT) -> tuple[Diagnostic, ...]:
+    """All findings about a text, errors and warnings, in its order; never raises `ProgramError`."""
+    return _compile(parse(source, options))[2]
+
+
+def compile_expression(source: SourceFile) -> CodeType:
+    """Compile one expression under the same policy, with checkpoints, for `eval`.
+
+    Raises:
+        ProgramError: it is not an expression, or names what programs may not use.
+    """
+    text = source.text.strip(" \t\n")
+    stripped = SourceFile(source.name, text)
+    problems: list[Diagnostic] = []
+    try:
+        tree = syntax_tree(text, source.name, "eval")
+        census = Census(tree)
+        problems = review(stripped, census)
+        if not problems:
+            insert_checkpoints(census)
+            guard_formats(tree, census)
+            return _python(tree, source.name, "eval")
+    except SyntaxError as error:
+        problems = [_syntax_problem(error, stripped)]
+    except (RecursionError, MemoryError, ValueError, OverflowError):
+        problems = [diagnostic("E001", 1, 1, "the expression cannot be read")]
+    raise ProgramError(in_order(problems))
+
+
+def column_of(source: SourceFile, line: int, byte_offset: int) -> int:
+    """Column, from 1, in characters, of a UTF-8 offset in a line, as code objects and tracebacks count."""
+    return character_offset(source.line(line), byte_offset) + 1
+
+
+# The steps
+
+
+def _compile(parsed: Parsed) -> tuple[CodeType | None, frozenset[str], tuple[Diagnostic, ...]]:
+    """The code, or None if there is none; the names declared global; all findings."""
+    problems = list(parsed.diagnostics)
+    if not parsed.is_complete:
+        return None, frozenset(), in_order(problems)
+    census = Census(parsed.tree)
+    global_names = frozenset(name for node in census.of(ast.Global) for name in node.names)
+    problems += review(parsed.source, census)
+    problems += _header_problems(parsed)
+    if census.by_kind[ast.Yield] or census.by_kind[ast.YieldFrom]:
+        problems += _own_yields(parsed)
+    if not any(problem.is_error for problem in problems):
+        insert_checkpoints(census)
+        guard_formats(parsed.tree, census)
+    code = _code(parsed, problems)
+    return code, global_names, in_order(problems)
+
+
+def _header_problems(parsed: Parsed) -> list[Diagnostic]:
+    """Parameters of a unit that nobody could give a value."""
+    if parsed.unit is None:
+        return []
+    args = parsed.unit.args
+    positional = [*args.posonlyargs, *args.args]
+    missing = positional[: len(positional) - len(args.defaults)]
+    missing += [arg for arg, default in zip(args.kwonlyargs, args.kw_defaults, strict=True) if default is None]
+    problems = []
+    for argument in missing:
+        column = column_of(parsed.source, argument.lineno, argument.col_offset)
+        problems.append(
+            diagnostic(
+                "E107",
+                argument.lineno,
+                column,
+                f"the parameter `{argument.arg}` of the program has no default value",
+                end_column=column + len(argument.arg),
+                hint=f"nobody passes arguments to a program; remove it or write {argument.arg}=...",
+            )
+        )
+    return problems
+
+
+def _own_yields(parsed: Parsed) -> list[Diagnostic]:
+    """`yield` in the body of the program, which would make it a generator that never runs."""
+    problems = []
+    stack: list[ast.AST] = list(parsed.body)
+    while stack:
+        node = stack.pop()
+        if isinstance(node, (ast.Yield, ast.YieldFrom)):
+            column = column_of(parsed.source, node.lineno, node.col_offset)
+            text = "`yield` cannot stand in the body of the program itself"
+            problems.append(
+                diagnostic("E001", node.lineno, column, text, end_column=column + 5, hint="put it into a function")
+            )
+        if not isinstance(node, (*FUNCTIONS, ast.ClassDef)):
+            stack.extend(ast.iter_child_nodes(node))
+    return problems
+
+
+def _code(parsed: Parsed, problems: list[Diagnostic]) -> CodeType | None:
+    """Compile; a mistake that only Python's compiler finds is reported and left out, to find the next."""
+    known = {(problem.code, problem.line, problem.column) for problem in problems}
+    damaged = bool(parsed.hidden)
+    current: Parsed | None = parsed
+    while current is not None and current.is_complete:
+        module = _wrapped(current)
+        try:
+            return _named(_python(module, parsed.source.name, "exec"), parsed.name or _SCRIPT_NAME)
+        except SyntaxError as error:
+            from elitescript.language.hoisting import hoist_late_globals
+
+            late = hoist_late_globals(current)
+            fresh = [item for item in late if (item.code, item.line, item.column) not in known]
+            problems += fresh
+            known.update((item.code, item.line, item.column) for item in fresh)
+            if late:
+                continue
+            # A variable may be missing only because the line that makes it is left out.
+            if not (damaged and error.msg.startswith("no binding for nonlocal")):
+                problems.append(_syntax_problem(error, parsed.source))
+            current = parse_without(current, error.lineno or 1)
+            damaged = True
+        except (RecursionError, MemoryError, ValueError, OverflowError):
+            problems.append(diagnostic("E001", 1, 1, "the program is nested too deeply to be compiled"))
+            return None
+    return None
+
+
+def _python(tree: ast.AST, name: str, mode: str) -> CodeType:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        code = compile(tree, name, mode, dont_inherit=True, optimize=0)  # type: ignore[call-overload]
+    assert isinstance(code, CodeType)
+    return code
+
+
+def _wrapped(parsed: Parsed) -> ast.Module:
+    """A module that defines the program as the function `MAIN`."""
+    unit = parsed.unit
+    if unit is None:
+        template = syntax_tree("def main(): pass", "")
+        assert isinstance(template, ast.Module)
+        definition = template.body[0]
+        assert isinstance(definition, ast.FunctionDef)
+        if parsed.tree.body:
+            definition.body = parsed.tree.body
+        unit = definition
+    unit.name = MAIN
+    return ast.Module(body=[unit], type_ignores=[])
+
+
+def _named(code: CodeType, name: str) -> CodeType:
+    """Give the program its own name back wherever Python shows one."""
+    constants = tuple(_named(item, name) if isinstance(item, CodeType) else item for item in code.co_consts)
+    qualified = code.co_qualname
+    if qualified != MAIN and not qualified.startswith(f"{MAIN}."):
+        return code.replace(co_consts=constants)
+    own = name + qualified[len(MAIN) :]
+    # The body of a class carries its qualified name as a constant.
+    constants = tuple(own if item == qualified else item for item in constants)
+    return code.replace(co_consts=constants, co_qualname=own, co_name=name if code.co_name == MAIN else code.co_name)
+
+
+def _syntax_problem(error: SyntaxError, source: SourceFile) -> Diagnostic:
+    line = min(max(1, error.lineno or 1), len(source.lines))
+    row = source.line(line)
+    column = min(column_of(source, line, max(0, (error.offset or 1) - 1)), len(row) + 1)
+    text, hint = explain(error.msg, row)
+    end = None
+    if error.end_lineno == line and error.end_offset:
+        end = max(column + 1, column_of(source, line, max(0, error.end_offset - 1)))
+    return diagnostic("E001", line, column, text, end_column=end, hint=hint)

@@ -1,0 +1,158 @@
+"""One finding about a text: where it is, what is wrong, what to do, and how to repair it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from elitescript.errors import CODES
+
+if TYPE_CHECKING:
+    from elitescript.language.source import SourceFile
+
+
+class Severity(StrEnum):
+    """Whether a finding keeps the program from starting."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+class Edit(NamedTuple):
+    """Replace the text from (line, column) up to, not including, (end_line, end_column).
+
+    Lines and columns count from 1, columns in characters.
+    """
+
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+    text: str
+
+
+class Fix(NamedTuple):
+    """A repair that a tool can make.
+
+    `safe` says that the repaired text certainly means what the author meant.
+    """
+
+    title: str
+    edits: tuple[Edit, ...]
+    safe: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """A finding.
+
+    Lines and columns count from 1, columns in characters; the end is exclusive. `hint` is
+    empty when there is nothing to advise.
+    """
+
+    code: str
+    severity: Severity
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+    text: str
+    hint: str = ""
+    fix: Fix | None = None
+
+    @property
+    def is_error(self) -> bool:
+        return self.severity is Severity.ERROR
+
+    def __str__(self) -> str:
+        return f"line {self.line}, column {self.column}: {self.severity} {self.code}: {self.text}"
+
+
+def diagnostic(
+    code: str,
+    line: int,
+    column: int,
+    text: str,
+    *,
+    end_line: int | None = None,
+    end_column: int | None = None,
+    hint: str = "",
+    fix: Fix | None = None,
+    severity: Severity | None = None,
+) -> Diagnostic:
+    """Make a `Diagnostic` whose severity is that of its row in `errors.CODES`.
+
+    Without an end it covers one character.
+    """
+    if severity is None:
+        severity = Severity(CODES[code].severity)
+    if end_line is None:
+        end_line = line
+    if end_column is None:
+        end_column = column + 1
+    return Diagnostic(code, severity, line, column, end_line, end_column, text, hint, fix)
+
+
+def in_order(diagnostics: tuple[Diagnostic, ...] | list[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Sort by place in the text; of two findings in one place the error comes first."""
+    return tuple(sorted(diagnostics, key=lambda d: (d.line, d.column, d.severity, d.code)))
+
+
+def render(diagnostic: Diagnostic, source: SourceFile) -> str:
+    """The finding as people read it: place, text, the line with a caret under it, the hint."""
+    place = f"{source.name}:{diagnostic.line}:{diagnostic.column}"
+    rows = [f"{place}: {diagnostic.severity} {diagnostic.code}: {diagnostic.text}"]
+    line = source.line(diagnostic.line)
+    if line.strip():
+        rows.append(f"    {line.rstrip()}")
+        rows.append(f"    {_carets(diagnostic, line.rstrip())}")
+    if diagnostic.hint:
+        rows.append(f"hint: {diagnostic.hint}")
+    return "\n".join(rows)
+
+
+def to_json(diagnostic: Diagnostic) -> dict[str, Any]:
+    """The `problem` object that the command line prints with `--json`."""
+    return {
+        "type": "problem",
+        "severity": str(diagnostic.severity),
+        "code": diagnostic.code,
+        "line": diagnostic.line,
+        "column": diagnostic.column,
+        "text": diagnostic.text,
+        "hint": diagnostic.hint,
+    }
+
+
+def apply_fix(text: str, fix: Fix) -> str:
+    """Return `text` with the edits of `fix` made.
+
+    Args:
+        text: the text that was examined, with LF line ends.
+        fix: edits that do not overlap.
+    """
+    starts = [0]
+    for line in text.split("\n"):
+        starts.append(starts[-1] + len(line) + 1)
+    for edit in sorted(fix.edits, reverse=True):
+        start = starts[edit.line - 1] + edit.column - 1
+        end = starts[edit.end_line - 1] + edit.end_column - 1
+        text = text[:start] + edit.text + text[end:]
+    return text
+
+
+def _carets(diagnostic: Diagnostic, line: str) -> str:
+    start = diagnostic.column - 1
+    end = diagnostic.end_column - 1 if diagnostic.end_line == diagnostic.line else len(line)
+    width = max(1, sum(map(_cells, line[start:end])))
+    return "".join("\t" if c == "\t" else " " * _cells(c) for c in line[:start]) + "^" * width
+
+
+def _cells(character: str) -> int:
+    """Terminal cells of one character: wide East Asian ones take two."""
+    if character.isascii():
+        return 1
+    import unicodedata
+
+    return 2 if unicodedata.east_asian_width(character) in "WF" else 1

@@ -1,0 +1,29 @@
+"""Names that compiled programs use and no program can spell.
+
+The runtime puts them into the builtins of a run. They start with `@`, which no identifier can;
+a leading `__` would be mangled inside classes.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+MAIN: Final = "@main"
+TICK: Final = "@tick"
+CHECKPOINT: Final = "@cp"
+STOP: Final = "@stop"
+LINE: Final = "@line"
+FORMAT: Final = "@format"
+
+HOOKS: Final[dict[str, str]] = {
+    TICK: "`() -> bool`: uses up one unit of work; False when there is none left, and then `@cp` is called",
+    CHECKPOINT: "`() -> True`: the thread's budget is used up; may switch, wait or raise a stop. Must return True, "
+    "because comprehensions and lambdas go on with `@tick() or @cp()` as a condition",
+    STOP: "exception class (a BaseException), or a tuple of them, that ends a thread; every `try` lets it pass",
+    LINE: '`(number, label, after=None) -> None`: the program reached a `$ LINE: (number, "label")` mark',
+    FORMAT: "`(object, name) -> value`: stands for `object.format` and `object.format_map`, with `name` one of the two",
+}
+"""What the builtins of a run must hold besides what scripts may call.
+
+Python itself also takes `__build_class__`, `__import__` and `__name__` from there.
+"""

@@ -1,0 +1,37 @@
+"""Which kind of program a text is."""
+
+from __future__ import annotations
+
+import ast
+
+from elitescript.language.options import PROGRAM, SCRIPT, SECONDARY
+
+
+def outer_definition(tree: ast.Module) -> ast.FunctionDef | None:
+    """The only statement of a text, if that is an undecorated `def`; texts in quotes do not count."""
+    found = None
+    for statement in tree.body:
+        if isinstance(statement, ast.FunctionDef) and not statement.decorator_list and found is None:
+            found = statement
+        elif not is_text(statement):
+            return None
+    return found
+
+
+def kind_of(tree: ast.Module, secondaries: frozenset[int]) -> str:
+    """`program`, `secondary` or `script`.
+
+    Args:
+        tree: the syntax tree of the whole text.
+        secondaries: lines on which the text says `sec` where the tree says `def`.
+    """
+    definition = outer_definition(tree)
+    if definition is None:
+        return SCRIPT
+    return SECONDARY if definition.lineno in secondaries else PROGRAM
+
+
+def is_text(statement: ast.stmt) -> bool:
+    """Whether a statement is only a text in quotes: a docstring, or a comment in that form."""
+    value = statement.value if isinstance(statement, ast.Expr) else None
+    return isinstance(value, ast.Constant) and isinstance(value.value, str)

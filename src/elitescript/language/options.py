@@ -1,0 +1,36 @@
+"""What a text is to be: its kind, and how it is read and compiled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+PROGRAM: Final = "program"
+"""`def name(): ... end`: the body runs, the name is a label."""
+SECONDARY: Final = "secondary"
+"""`sec name(): ... end`: runs beside the program."""
+SCRIPT: Final = "script"
+"""Statements without a `def` around them; they run as if they had one."""
+LINE: Final = "line"
+"""One statement, as network clients send them."""
+
+KINDS: Final = (PROGRAM, SECONDARY, SCRIPT, LINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Choices of the caller.
+
+    Args:
+        strict: refuse what only this implementation accepts (remains of Python 2, late `global`).
+        kind: one of `KINDS` when the caller knows what the text must be; None to find out.
+        one_line_blocks: accept `def f(): ; a() ; end` on a single line, as the interpreter
+            channel does.
+    """
+
+    strict: bool = False
+    kind: str | None = None
+    one_line_blocks: bool = False
+
+
+DEFAULT: Final = Options()

@@ -1,0 +1,387 @@
+"""Text to syntax tree, with as many mistakes as possible found in one pass.
+
+Python's parser stops at the first mistake. Here the logical line with the mistake is replaced by
+a harmless one and the rest is read again. Line and column of every node and every finding are
+those of the author's text.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import warnings
+from bisect import bisect_right
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
+from elitescript.language.dialect import Translation, translate
+from elitescript.language.hooks import LINE as LINE_HOOK
+from elitescript.language.kinds import kind_of, outer_definition
+from elitescript.language.lexer import LogicalLine
+from elitescript.language.options import DEFAULT, KINDS, LINE, PROGRAM, SCRIPT, SECONDARY, Options
+from elitescript.language.rewriting import PositionMap
+from elitescript.language.source import SourceFile
+from elitescript.language.syntax_errors import explain
+
+MAX_SYNTAX_ERRORS = 20
+
+_PLACEHOLDERS = {
+    "if": "if 1:",
+    "elif": "elif 1:",
+    "else": "else:",
+    "while": "while 1:",
+    "for": "for _ in ():",
+    "with": "with 0:",
+    "try": "try:",
+    "except": "except Exception:",
+    "finally": "finally:",
+    "def": "def _():",
+    "sec": "def _():",
+    "thread": "def _():",
+    "class": "class _:",
+    "match": "match 0:",
+    "case": "case 0:",
+}
+
+
+class Parsed(NamedTuple):
+    """A text that was read.
+
+    Attributes:
+        source: the text.
+        tree: what was written, with mistaken lines left out.
+        kind: `program`, `secondary`, `script` or `line`.
+        name: the name behind `def` or `sec`; empty for a script or a line.
+        unit: the outer definition of a program or secondary program, else None.
+        diagnostics: findings, in the order of the text.
+        has_line_marks: it holds `$ LINE` marks.
+        is_complete: the tree is that of the whole text; False if the reader gave up.
+        translation: the text as Python saw it.
+        options: how it was read.
+        hidden: logical lines that are not in the tree, by index, with how often each was replaced.
+    """
+
+    source: SourceFile
+    tree: ast.Module
+    kind: str
+    name: str
+    unit: ast.FunctionDef | None
+    diagnostics: tuple[Diagnostic, ...]
+    has_line_marks: bool
+    is_complete: bool
+    translation: Translation
+    options: Options
+    hidden: dict[int, int]
+
+    @property
+    def body(self) -> list[ast.stmt]:
+        """The statements that run: the body of the unit, or the whole text."""
+        return self.unit.body if self.unit is not None else self.tree.body
+
+    @property
+    def has_errors(self) -> bool:
+        return any(problem.is_error for problem in self.diagnostics)
+
+
+def parse(source: SourceFile, options: Options = DEFAULT) -> Parsed:
+    """Read a text. Never raises: mistakes are among the diagnostics."""
+    if options.kind is not None and options.kind not in KINDS:
+        raise ValueError(f"kind must be one of {', '.join(KINDS)}, not {options.kind!r}")
+    source, unreadable = _readable(source)
+    translation = translate(source, options)
+    return _Reader(source, translation, options, {}, [*unreadable, *translation.diagnostics]).read()
+
+
+def parse_without(parsed: Parsed, line: int) -> Parsed | None:
+    """Read again with the logical line that holds physical line `line` left out.
+
+    Returns:
+        What is left, with no diagnostics but new ones; None if the line is already left out.
+    """
+    reader = _Reader(parsed.source, parsed.translation, parsed.options, dict(parsed.hidden), [])
+    index = reader.logical_index(line)
+    if index < 0 or not reader.hide(index):
+        return None
+    return reader.read()
+
+
+def syntax_tree(text: str, name: str, mode: str = "exec") -> ast.AST:
+    """Python's parser, without its warnings on standard error."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        tree = compile(text, name, mode, ast.PyCF_ONLY_AST, dont_inherit=True)
+    assert isinstance(tree, ast.AST)
+    return tree
+
+
+def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
+    """The text without characters that Python cannot even look at, and what to say about them."""
+    text = source.text
+    if text.isascii() and "\0" not in text:
+        return source, []
+    problems = []
+    for found in re.finditer("[\0\ud800-\udfff]", text):
+        line = text.count("\n", 0, found.start()) + 1
+        column = found.start() - text.rfind("\n", 0, found.start())
+        if found.group() == "\0":
+            problems.append(diagnostic("E001", line, column, "a NUL character cannot stand in a program"))
+        else:
+            what = f"the character U+{ord(found.group()):04X} is half of a pair and no text"
+            problems.append(diagnostic("E002", line, column, what, hint="save the file as UTF-8"))
+        if len(problems) == MAX_SYNTAX_ERRORS:
+            break
+    if not problems:
+        return source, []
+    return SourceFile(source.name, re.sub("[\0\ud800-\udfff]", "?", text)), problems
+
+
+class _Reader:
+    """One attempt after the other to read a text, with ever more lines replaced."""
+
+    __slots__ = ("_starts", "blamed", "complete", "hidden", "options", "problems", "rows", "source", "translation")
+
+    def __init__(
+        self,
+        source: SourceFile,
+        translation: Translation,
+        options: Options,
+        hidden: dict[int, int],
+        problems: list[Diagnostic],
+    ) -> None:
+        self.source = source
+        self.translation = translation
+        self.options = options
+        self.problems = problems
+        self.complete = True
+        self.hidden: dict[int, int] = {}
+        self.blamed: set[int] | None = None
+        self._starts: list[int] | None = None
+        self.rows: list[str] | None = None
+        if translation.broken or translation.dropped:
+            for index, line in enumerate(translation.lines):
+                if line in translation.dropped:
+                    self._drop(line)
+                elif line in translation.broken:
+                    self.hide(index)
+        for index, times in hidden.items():
+            while self.hidden.get(index, 0) < times and self.hide(index):
+                pass
+
+    def read(self) -> Parsed:
+        tree = self._tree()
+        translation = self.translation
+        if not translation.positions.is_identity:
+            _move_back(tree, translation.positions, self.rows or translation.text.split("\n"), self.source)
+        if translation.marks:
+            for line, column in _name_marks(tree, translation.marks, self.source):
+                if self.complete and self.logical_index(line) not in self.hidden:
+                    text = "a line mark consists of a number and one or two texts"
+                    self._report(line, column, text, 'the form is: $ LINE: (12, "label")')
+        kind, unit = self._kind(tree)
+        return Parsed(
+            self.source,
+            tree,
+            kind,
+            unit.name if unit else "",
+            unit,
+            in_order(self.problems),
+            bool(translation.marks),
+            self.complete,
+            translation,
+            self.options,
+            self.hidden,
+        )
+
+    # Syntax
+
+    def _tree(self) -> ast.Module:
+        text = self.translation.text
+        while True:
+            try:
+                tree = syntax_tree("\n".join(self.rows) if self.rows else text, self.source.name)
+            except SyntaxError as error:
+                if not self._blame(error):
+                    break
+            except (RecursionError, MemoryError, ValueError, OverflowError):
+                self._report(1, 1, "the program is nested too deeply to be read", "split long expressions")
+                break
+            else:
+                assert isinstance(tree, ast.Module)
+                return tree
+        self.complete = False
+        return ast.Module(body=[], type_ignores=[])
+
+    def _blame(self, error: SyntaxError) -> bool:
+        """Report a mistake and hide its line; False to give up."""
+        index = self.logical_index(error.lineno or 1)
+        rows = self._rows()
+        if self.blamed is None:
+            self.blamed = {
+                self.logical_index(problem.line)
+                for problem in self.problems
+                if problem.is_error and problem.line <= len(rows)
+            }
+        row = rows[min(error.lineno or 1, len(rows)) - 1]
+        known = index in self.blamed or self.hidden.get(index)
+        if not known:
+            text, hint = explain(error.msg, row)
+            line, column = self._place(error.lineno or 1, error.offset or 1)
+            end = (line, column + 1)
+            if error.end_lineno and error.end_offset and error.end_offset > 0:
+                end = max(end, self._place(error.end_lineno, error.end_offset))
+            self._report(line, column, text, hint, end)
+            self.blamed.add(index)
+        if isinstance(error, IndentationError) or len(self.blamed) > MAX_SYNTAX_ERRORS or index < 0:
+            return False
+        return self.hide(index)
+
+    def _place(self, line: int, column: int) -> tuple[int, int]:
+        line, column = self.translation.positions.to_source(line, max(1, column))
+        line = min(line, len(self.source.lines))
+        return line, min(column, len(self.source.line(line)) + 1)
+
+    def _report(self, line: int, column: int, text: str, hint: str, end: tuple[int, int] | None = None) -> None:
+        end_line, end_column = end or (line, column + 1)
+        self.problems.append(
+            diagnostic("E001", line, column, text, end_line=end_line, end_column=end_column, hint=hint)
+        )
+
+    # Hiding lines
+
+    def logical_index(self, line: int) -> int:
+        """Index of the logical line that holds, or stands before, a physical line; -1 if none."""
+        if self._starts is None:
+            self._starts = [logical.line for logical in self.translation.lines]
+        return bisect_right(self._starts, line) - 1
+
+    def hide(self, index: int) -> bool:
+        """Replace a logical line by a harmless one; False if nothing harmless is left to try."""
+        lines = self.translation.lines
+        line = lines[index]
+        times = self.hidden.get(index, 0)
+        if times == 2:
+            return False
+        self.hidden[index] = times + 1
+        rows = self._rows()
+        first = rows[line.line - 1]
+        indentation = first[: len(first) - len(first.lstrip(" \t\f"))]
+        word = line.word
+        deeper = index + 1 < len(lines) and lines[index + 1].column > line.column
+        if line in self.translation.headers or deeper:
+            text = _PLACEHOLDERS.get(word, "if 1:") if times == 0 else "if 1:"
+            text += "" if deeper else " pass"
+        elif self.source.text[line.start : line.start + 1] == "@":
+            text = ""
+        else:
+            text = "pass"
+        rows[line.line - 1] = indentation + text
+        for row in range(line.line, line.last_line):
+            rows[row] = ""
+        return True
+
+    def _drop(self, line: LogicalLine) -> None:
+        rows = self._rows()
+        for row in range(line.line - 1, line.last_line):
+            rows[row] = ""
+
+    def _rows(self) -> list[str]:
+        if self.rows is None:
+            self.rows = self.translation.text.split("\n")
+        return self.rows
+
+    # Units
+
+    def _kind(self, tree: ast.Module) -> tuple[str, ast.FunctionDef | None]:
+        wanted = self.options.kind
+        kind = kind_of(tree, self.translation.secondaries)
+        if wanted in (PROGRAM, SECONDARY) and wanted != kind and self.complete:
+            word = "def" if wanted == PROGRAM else "sec"
+            place = (tree.body[0].lineno, tree.body[0].col_offset + 1) if tree.body else (1, 1)
+            self._report(
+                *self._place(*place),
+                f"this is not a single `{word} name():` with everything inside it",
+                "put all statements into the body",
+            )
+        if wanted in (SCRIPT, LINE):
+            kind = wanted
+        if kind in (PROGRAM, SECONDARY):
+            return kind, outer_definition(tree)
+        for statement in tree.body:
+            if isinstance(statement, ast.FunctionDef) and statement.lineno in self.translation.secondaries:
+                self.problems.append(
+                    diagnostic(
+                        "E105",
+                        statement.lineno,
+                        1,
+                        "a secondary program cannot be part of a longer text",
+                        end_column=4,
+                        hint="send it by itself, or write `def`",
+                    )
+                )
+        return kind, None
+
+
+def character_offset(row: str, byte_offset: int) -> int:
+    """Characters before a UTF-8 offset into a line."""
+    if row.isascii():
+        return byte_offset
+    return len(row.encode("utf-8")[:byte_offset].decode("utf-8", "ignore"))
+
+
+def _byte_offset(row: str, characters: int) -> int:
+    return characters if row.isascii() else len(row[:characters].encode("utf-8"))
+
+
+def _move_back(tree: ast.Module, positions: PositionMap, rows: list[str], source: SourceFile) -> None:
+    """Give the nodes on rewritten lines the author's places. Columns of nodes are UTF-8 offsets."""
+
+    def back(line: int, offset: int) -> tuple[int, int]:
+        if not positions.moves(line):
+            return line, offset
+        row = rows[line - 1] if line <= len(rows) else ""
+        line, column = positions.to_source(line, character_offset(row, offset) + 1)
+        return line, _byte_offset(source.line(line), column - 1)
+
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.stmt, ast.expr, ast.excepthandler, ast.arg, ast.keyword, ast.alias, ast.pattern)):
+            node.lineno, node.col_offset = back(node.lineno, node.col_offset)
+            if node.end_lineno is not None and node.end_col_offset is not None:
+                node.end_lineno, node.end_col_offset = back(node.end_lineno, node.end_col_offset)
+
+
+def _statements(tree: ast.Module) -> Iterator[ast.stmt]:
+    stack: list[ast.AST] = [tree]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, ast.stmt):
+            yield node
+        for field in ("body", "orelse", "finalbody", "handlers", "cases"):
+            children = getattr(node, field, None)
+            if isinstance(children, list):
+                stack.extend(children)
+
+
+def _name_marks(tree: ast.Module, marks: frozenset[tuple[int, int]], source: SourceFile) -> Iterator[tuple[int, int]]:
+    """Make every line mark a call of the hook; yield the places of those that are malformed."""
+    left = set(marks)
+    for statement in _statements(tree):
+        if not isinstance(statement, ast.Expr) or not isinstance(statement.value, ast.Call):
+            continue
+        place = (statement.lineno, character_offset(source.line(statement.lineno), statement.col_offset) + 1)
+        call = statement.value
+        if place in left and isinstance(call.func, ast.Name) and _is_mark(call):
+            call.func.id = LINE_HOOK
+            left.remove(place)
+    yield from left
+
+
+def _is_mark(call: ast.Call) -> bool:
+    values = [argument.value for argument in call.args if isinstance(argument, ast.Constant)]
+    return (
+        len(values) == len(call.args)
+        and len(values) in (2, 3)
+        and not call.keywords
+        and type(values[0]) is int
+        and all(isinstance(value, str) for value in values[1:])
+    )

@@ -1,0 +1,303 @@
+"""What a program may name.
+
+Programs are compiled to ordinary Python functions. From almost any Python object a chain of
+attributes leads to the interpreter itself; this module cuts those chains where they are written.
+It keeps honest mistakes away from the computer and explains them; against a hostile program it
+is a second line of defence, not a boundary.
+
+The rules look at the syntax tree alone, and what they do not know they refuse. Names computed at
+run time (`getattr`) are the runtime's part, which asks `is_attribute_allowed`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.language.diagnostics import Diagnostic, diagnostic
+from elitescript.language.hooks import FORMAT
+from elitescript.language.nodes import CHILDREN, Census
+from elitescript.language.source import SourceFile
+
+_INNER_PARTS: Final = """
+    ag_await ag_code ag_frame ag_running ag_suspended
+    co_cellvars co_code co_consts co_filename co_freevars co_lines co_names co_positions co_varnames
+    cr_await cr_code cr_frame cr_origin cr_running cr_suspended
+    f_back f_builtins f_code f_globals f_lasti f_lineno f_locals f_trace f_trace_lines f_trace_opcodes
+    func_closure func_code func_defaults func_dict func_globals
+    gi_code gi_frame gi_running gi_suspended gi_yieldfrom
+    im_class im_func im_self mro
+    tb_frame tb_lasti tb_lineno tb_next with_traceback
+"""
+DENIED_ATTRIBUTES: Final = frozenset(_INNER_PARTS.split())
+"""Attributes that lead to frames, code objects, tracebacks and the class tree."""
+
+GUARDED_ATTRIBUTES: Final = frozenset(("format", "format_map"))
+"""Attributes whose loads become calls of the `@format` hook: format strings hold attribute names."""
+
+_OPERATORS: Final = "add sub mul truediv floordiv mod divmod pow matmul and or xor lshift rshift"
+_METHODS: Final = """
+    init post_init enter exit call repr str bytes format
+    len iter next reversed contains getitem setitem delitem missing
+    eq ne lt le gt ge hash bool
+    int float complex index round trunc floor ceil
+    neg pos abs invert copy deepcopy
+"""
+ALLOWED_DUNDER_DEFINITIONS: Final = frozenset(
+    [f"__{name}__" for name in _METHODS.split()]
+    + [f"__{side}{name}__" for name in _OPERATORS.split() for side in ("", "r", "i")]
+)
+"""Special methods that classes of a program may define."""
+
+ALLOWED_DUNDER_LOADS: Final = ALLOWED_DUNDER_DEFINITIONS | frozenset(
+    ("__class__", "__doc__", "__name__", "__qualname__")
+)
+"""Special attributes that a program may read."""
+
+ALLOWED_CLASS_VARIABLES: Final = frozenset(("__doc__", "__hash__", "__slots__"))
+"""Special names that may be assigned in the body of a class."""
+
+POSITIONAL_PATTERN_CLASSES: Final = frozenset(
+    ("bool", "bytearray", "bytes", "dict", "float", "frozenset", "int", "list", "set", "str", "tuple")
+)
+"""Classes whose patterns take a value without a name: `case int(x)`."""
+
+_ADVICE: Final = {
+    "__name__": "a program has no module name; leave the test out",
+    "__main__": "a program has no module name; leave the test out",
+    "__file__": "get_task_path() returns the folder of the task",
+    "__import__": "use an import statement",
+    "__dict__": "name the attributes one by one",
+    "__del__": "release things with `with` or `try` ... `finally`",
+    "__new__": "set the object up in __init__",
+    "__getattr__": "define the attributes one by one",
+    "__getattribute__": "define the attributes one by one",
+    "__future__": "leave the line out",
+}
+_DEFAULT_ADVICE: Final = "names between double underscores belong to Python itself"
+
+_SYNTAX: Final = {
+    "AsyncFunctionDef": ("`async def`", "start_thread() runs functions side by side"),
+    "AsyncFor": ("`async for`", "start_thread() runs functions side by side"),
+    "AsyncWith": ("`async with`", "start_thread() runs functions side by side"),
+    "Await": ("`await`", "start_thread() runs functions side by side"),
+    "TryStar": ("`except*`", "write `except`"),
+    "TypeAlias": ("the `type` statement", "assign the type to a name"),
+    "FunctionDef": ("type parameters", "leave the brackets behind the name out"),
+    "ClassDef": ("type parameters", "leave the brackets behind the name out"),
+}
+
+
+def is_dunder(name: str) -> bool:
+    """Whether a name is one of Python's special names, `__like_this__`."""
+    return len(name) > 4 and name[:2] == "__" and name[-2:] == "__"
+
+
+def is_attribute_allowed(name: str) -> bool:
+    """Whether a program may read the attribute `name` of any object."""
+    if name in DENIED_ATTRIBUTES:
+        return False
+    return not is_dunder(name) or name in ALLOWED_DUNDER_LOADS
+
+
+def review(source: SourceFile, census: Census) -> list[Diagnostic]:
+    """Every breach of the policy, as E115."""
+    return list(_Reviewer(source, census).findings())
+
+
+def guard_formats(tree: ast.AST, census: Census) -> None:
+    """Replace loads of `.format` and `.format_map` by calls of the `@format` hook."""
+    loads = {
+        id(node)
+        for node in census.of(ast.Attribute)
+        if node.attr in GUARDED_ATTRIBUTES and isinstance(node.ctx, ast.Load)
+    }
+    if not loads:
+        return
+    for nodes in census.by_kind.values():
+        for node in nodes:
+            for field in CHILDREN[type(node)]:
+                child = getattr(node, field)
+                if type(child) is list:
+                    for index, item in enumerate(child):
+                        if id(item) in loads:
+                            child[index] = _guarded(item)
+                elif id(child) in loads:
+                    setattr(node, field, _guarded(child))
+
+
+def _guarded(node: ast.Attribute) -> ast.Call:
+    hook = ast.copy_location(ast.Name(FORMAT, ast.Load()), node)
+    name = ast.copy_location(ast.Constant(node.attr), node)
+    return ast.copy_location(ast.Call(hook, [node.value, name], []), node)
+
+
+class _Reviewer:
+    __slots__ = ("census", "source")
+
+    def __init__(self, source: SourceFile, census: Census) -> None:
+        self.source = source
+        self.census = census
+
+    def findings(self) -> Iterator[Diagnostic]:
+        yield from self._unknown()
+        yield from self._names()
+        yield from self._attributes()
+        yield from self._definitions()
+        yield from self._imports()
+        yield from self._patterns()
+        for node in self.census.of(ast.comprehension):
+            if node.is_async:
+                yield self._finding(node.target, "`async for` is not available", _SYNTAX["AsyncFor"][1])
+
+    def _finding(self, node: ast.AST, text: str, hint: str, name: str = "") -> Diagnostic:
+        line = getattr(node, "lineno", 1)
+        row = self.source.line(line)
+        offset = getattr(node, "col_offset", 0)
+        if isinstance(node, ast.Attribute) and node.end_lineno and node.end_col_offset is not None:
+            line = node.end_lineno
+            row = self.source.line(line)
+            offset = max(0, node.end_col_offset - len(node.attr.encode()))
+        column = len(row.encode()[:offset].decode("utf-8", "ignore"))
+        if name and not isinstance(node, ast.Attribute):
+            found = row.find(name, column)
+            column = column if found < 0 else found
+        return diagnostic("E115", line, column + 1, text, end_column=column + 1 + max(1, len(name)), hint=hint)
+
+    def _special(self, node: ast.AST, name: str) -> Diagnostic:
+        return self._finding(node, f"programs cannot use the name `{name}`", _ADVICE.get(name, _DEFAULT_ADVICE), name)
+
+    def _unknown(self) -> Iterator[Diagnostic]:
+        for node in self.census.unknown:
+            kind = type(node).__name__
+            what, hint = _SYNTAX.get(kind, (f"this syntax ({kind})", "write it in a simpler way"))
+            yield self._finding(node, f"{what} is not available", hint)
+
+    def _names(self) -> Iterator[Diagnostic]:
+        """Special names, wherever a name can stand."""
+        census = self.census
+        allowed = self._class_variables()
+        for node in census.of(ast.Name):
+            if node.id[:2] == "__" and is_dunder(node.id) and id(node) not in allowed:
+                yield self._special(node, node.id)
+        for argument in census.of(ast.arg):
+            if is_dunder(argument.arg):
+                yield self._special(argument, argument.arg)
+        for keyword in census.of(ast.keyword):
+            if keyword.arg and is_dunder(keyword.arg):
+                yield self._special(keyword, keyword.arg)
+        for handler in census.of(ast.ExceptHandler):
+            if handler.name and is_dunder(handler.name):
+                yield self._special(handler, handler.name)
+        for shared in census.of(ast.Global):
+            yield from (self._special(shared, name) for name in shared.names if is_dunder(name))
+        for outer in census.of(ast.Nonlocal):
+            yield from (self._special(outer, name) for name in outer.names if is_dunder(name))
+
+    def _class_variables(self) -> set[int]:
+        """The names that class bodies assign and may assign."""
+        allowed = set()
+        for node in self.census.of(ast.ClassDef):
+            for statement in node.body:
+                if isinstance(statement, ast.Assign):
+                    targets = statement.targets
+                elif isinstance(statement, ast.AnnAssign):
+                    targets = [statement.target]
+                else:
+                    continue
+                for target in targets:
+                    if isinstance(target, ast.Name) and target.id in ALLOWED_CLASS_VARIABLES:
+                        allowed.add(id(target))
+        return allowed
+
+    def _attributes(self) -> Iterator[Diagnostic]:
+        for node in self.census.of(ast.Attribute):
+            name = node.attr
+            if name in DENIED_ATTRIBUTES:
+                text = f"the attribute `{name}` is not available to programs"
+                yield self._finding(node, text, "it belongs to the inside of Python", name)
+            elif name[:2] == "__" and is_dunder(name):
+                if name not in ALLOWED_DUNDER_LOADS:
+                    text = f"the attribute `{name}` is not available to programs"
+                    yield self._finding(node, text, _ADVICE.get(name, _DEFAULT_ADVICE), name)
+                elif not isinstance(node.ctx, ast.Load):
+                    text = f"the attribute `{name}` cannot be changed"
+                    yield self._finding(node, text, "define it in the body of the class", name)
+        for statement in self.census.of(ast.AugAssign):
+            target = statement.target
+            if isinstance(target, ast.Attribute) and target.attr in GUARDED_ATTRIBUTES:
+                text = f"the attribute `{target.attr}` cannot be changed in place"
+                yield self._finding(target, text, "assign it with `=`", target.attr)
+
+    def _definitions(self) -> Iterator[Diagnostic]:
+        census = self.census
+        methods = None
+        for function in census.of(ast.FunctionDef):
+            if is_dunder(function.name):
+                methods = self._methods() if methods is None else methods
+                if id(function) not in methods:
+                    yield self._special(function, function.name)
+                elif function.name not in ALLOWED_DUNDER_DEFINITIONS:
+                    text = f"a class cannot define `{function.name}`"
+                    yield self._finding(function, text, _ADVICE.get(function.name, _DEFAULT_ADVICE), function.name)
+        for node in census.of(ast.ClassDef):
+            if is_dunder(node.name):
+                yield self._special(node, node.name)
+            for keyword in node.keywords:
+                text = f"a class takes no `{keyword.arg or '**'}=`"
+                yield self._finding(keyword, text, "name only the classes that it extends")
+
+    def _methods(self) -> set[int]:
+        """The functions that are defined in a class body, also inside an `if` there."""
+        methods = set()
+        for node in self.census.of(ast.ClassDef):
+            stack: list[ast.AST] = list(node.body)
+            while stack:
+                statement = stack.pop()
+                if isinstance(statement, ast.FunctionDef):
+                    methods.add(id(statement))
+                elif not isinstance(statement, ast.ClassDef):
+                    for field in ("body", "orelse", "finalbody", "handlers", "cases"):
+                        stack.extend(getattr(statement, field, ()))
+        return methods
+
+    def _imports(self) -> Iterator[Diagnostic]:
+        for node in self.census.of(ast.ImportFrom):
+            if any(is_dunder(part) for part in (node.module or "").split(".")):
+                yield self._special(node, node.module or "")
+                continue
+            for alias in node.names:
+                if not is_attribute_allowed(alias.name):
+                    yield self._special(alias, alias.name)
+        for alias in self.census.of(ast.alias):
+            if alias.asname and is_dunder(alias.asname):
+                yield self._special(alias, alias.asname)
+        for statement in self.census.of(ast.Import):
+            for alias in statement.names:
+                if any(is_dunder(part) for part in alias.name.split(".")):
+                    yield self._special(alias, alias.name)
+
+    def _patterns(self) -> Iterator[Diagnostic]:
+        census = self.census
+        if not census.of(ast.Match):
+            return
+        for pattern in census.of(ast.MatchClass):
+            cls = pattern.cls
+            builtin = isinstance(cls, ast.Name) and cls.id in POSITIONAL_PATTERN_CLASSES
+            if pattern.patterns and not (builtin and len(pattern.patterns) == 1):
+                text = "this class pattern needs names for its values"
+                yield self._finding(pattern, text, "write `case Point(x=a, y=b)`")
+            for name in pattern.kwd_attrs:
+                if not is_attribute_allowed(name) or name in GUARDED_ATTRIBUTES:
+                    text = f"the attribute `{name}` is not available in patterns"
+                    yield self._finding(pattern, text, "test it with `if`", name)
+        for bound in census.of(ast.MatchAs):
+            if bound.name and is_dunder(bound.name):
+                yield self._special(bound, bound.name)
+        for star in census.of(ast.MatchStar):
+            if star.name and is_dunder(star.name):
+                yield self._special(star, star.name)
+        for mapping in census.of(ast.MatchMapping):
+            if mapping.rest and is_dunder(mapping.rest):
+                yield self._special(mapping, mapping.rest)

@@ -1,0 +1,362 @@
+"""Scopes, names and calls of a program, for tools."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from elitescript.language.parser import Parsed, character_offset
+from elitescript.language.scopes import Binding, Resolution, Scope
+
+__all__ = ["Binding", "LateGlobal", "Resolution", "Scope", "Symbols", "ThreadStart"]
+
+THREAD_STARTER = "start_thread"
+
+_COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
+
+
+@dataclass(frozen=True, slots=True)
+class LateGlobal:
+    """A `global` statement behind a use of one of its names in the same function.
+
+    Attributes:
+        name: the name.
+        statement: the statement.
+        scope: the function.
+        used_line: line of the first use.
+    """
+
+    name: str
+    statement: ast.Global
+    scope: Scope
+    used_line: int
+
+
+@dataclass(frozen=True, slots=True)
+class ThreadStart:
+    """A call of `start_thread`.
+
+    Attributes:
+        call: the call.
+        scope: where it stands.
+        function: name of the function that it starts; empty if that is computed.
+        targets: scopes of the definitions that the name may stand for.
+    """
+
+    call: ast.Call
+    scope: Scope
+    function: str
+    targets: tuple[Scope, ...]
+
+
+class Symbols:
+    """The analysis of one text.
+
+    Attributes:
+        parsed: the text.
+        body: the outermost scope.
+        scopes: all scopes, outer ones first.
+        global_names: names that a `global` statement declares, anywhere.
+    """
+
+    def __init__(self, parsed: Parsed) -> None:
+        self.parsed = parsed
+        self._declared: set[str] = set()
+        self._parents: dict[ast.AST, ast.AST] = {}
+        self._scope_of: dict[ast.AST, Scope] = {}
+        root: ast.AST = parsed.unit or parsed.tree
+        self.body = Scope(self._declared, "body", parsed.name, root, None)
+        _Walk(self).run()
+        self.scopes = tuple(self.body.walk())
+        for scope in self.scopes:
+            scope.calls.sort(key=_position)
+            scope.children.sort(key=lambda child: _position(child.node))
+            for bindings in scope.bindings.values():
+                bindings.sort(key=lambda binding: (binding.line, binding.column))
+            for reads in scope.reads.values():
+                reads.sort(key=_position)
+        self.scopes = tuple(self.body.walk())
+        self.global_names = frozenset(self._declared)
+
+    # Places
+
+    def place(self, node: ast.AST) -> tuple[int, int]:
+        """(line, column) where a node starts, from 1, in characters."""
+        line = getattr(node, "lineno", 1)
+        return line, character_offset(self.parsed.source.line(line), getattr(node, "col_offset", 0)) + 1
+
+    def range_of(self, node: ast.AST) -> tuple[int, int, int, int]:
+        """(line, column, end line, end column) of a node, from 1, in characters, the end exclusive."""
+        line, column = self.place(node)
+        end_line = getattr(node, "end_lineno", None) or line
+        end = getattr(node, "end_col_offset", None) or 0
+        return line, column, end_line, character_offset(self.parsed.source.line(end_line), end) + 1
+
+    # Relations
+
+    def parent(self, node: ast.AST) -> ast.AST | None:
+        """The node directly around a node; None for the root."""
+        return self._parents.get(node)
+
+    def ancestors(self, node: ast.AST) -> Iterator[ast.AST]:
+        """The nodes around a node, from inside out."""
+        above = self._parents.get(node)
+        while above is not None:
+            yield above
+            above = self._parents.get(above)
+
+    def statement_of(self, node: ast.AST) -> ast.stmt | None:
+        """The innermost statement that is, or holds, a node."""
+        if isinstance(node, ast.stmt):
+            return node
+        return next((above for above in self.ancestors(node) if isinstance(above, ast.stmt)), None)
+
+    def scope_of(self, node: ast.AST) -> Scope:
+        """The scope in which a node is evaluated; for a definition, the scope around it."""
+        return self._scope_of.get(node, self.body)
+
+    def scope_made_by(self, node: ast.AST) -> Scope | None:
+        """The scope that a definition, lambda or comprehension makes."""
+        return next((scope for scope in self.scopes if scope.node is node), None)
+
+    # Names
+
+    def definitions(self, name: str, scope: Scope) -> tuple[Scope, ...]:
+        """Scopes of the functions that `name` may stand for when it is used in `scope`."""
+        home = scope.home(name)
+        places = [home] if home else [other for other in self.scopes if name in other.globals]
+        nodes = [binding.node for place in places for binding in place.bindings.get(name, ()) if binding.kind == "def"]
+        return tuple(made for node in nodes if (made := self.scope_made_by(node)) is not None)
+
+    def global_bindings(self, name: str) -> list[Binding]:
+        """The places that give the program global `name` a value, in the order of the text."""
+        found = [binding for scope in self.scopes if name in scope.globals for binding in scope.bindings.get(name, ())]
+        return sorted(found, key=lambda binding: (binding.line, binding.column))
+
+    @cached_property
+    def thread_starts(self) -> tuple[ThreadStart, ...]:
+        """The calls of `start_thread`, unless the program gave that name another meaning."""
+        starts = []
+        for scope in self.scopes:
+            for call in scope.calls:
+                named = isinstance(call.func, ast.Name) and call.func.id == THREAD_STARTER
+                if not named or scope.resolve(THREAD_STARTER) is not Resolution.BUILTIN:
+                    continue
+                arguments = call.args[:1] or [item.value for item in call.keywords if item.arg == "func"]
+                function = arguments[0].id if arguments and isinstance(arguments[0], ast.Name) else ""
+                targets = self.definitions(function, scope) if function else ()
+                starts.append(ThreadStart(call, scope, function, targets))
+        return tuple(starts)
+
+    @cached_property
+    def thread_entries(self) -> frozenset[Scope]:
+        """The functions in which threads begin."""
+        return frozenset(target for start in self.thread_starts for target in start.targets)
+
+    def late_globals(self) -> tuple[LateGlobal, ...]:
+        """The `global` statements that come too late, in the order of the text."""
+        late = []
+        for scope in self.scopes:
+            for name, statements in scope.globals.items():
+                if name in scope.parameters:
+                    continue
+                uses = [self.place(read) for read in scope.reads.get(name, ())]
+                uses += [(binding.line, binding.column) for binding in scope.bindings.get(name, ())]
+                first = min(uses, default=None)
+                for statement in statements:
+                    if first is not None and first < self.place(statement):
+                        late.append(LateGlobal(name, statement, scope, first[0]))
+        return tuple(sorted(late, key=lambda item: (_position(item.statement), item.name)))
+
+
+def _position(node: ast.AST) -> tuple[int, int]:
+    return getattr(node, "lineno", 0), getattr(node, "col_offset", 0)
+
+
+class _Walk:
+    """Visits every node once; `kind` tells what a stored name is bound by."""
+
+    __slots__ = ("stack", "symbols")
+
+    def __init__(self, symbols: Symbols) -> None:
+        self.symbols = symbols
+        self.stack: list[tuple[ast.AST, Scope, str]] = []
+
+    def run(self) -> None:
+        body = self.symbols.body
+        if isinstance(body.node, ast.FunctionDef):
+            self._parameters(body.node.args, body, body, body.node)
+            if body.node.returns is not None:
+                self._push(body.node.returns, body, body.node)
+        for statement in body.statements:
+            self._push(statement, body, body.node)
+        while self.stack:
+            node, scope, kind = self.stack.pop()
+            visit = _VISITS.get(type(node))
+            if visit is not None:
+                visit(self, node, scope, kind)
+            else:
+                self._below(node, scope)
+
+    def _push(self, node: ast.AST | None, scope: Scope, parent: ast.AST, kind: str = "assign") -> None:
+        if node is not None:
+            self.symbols._parents[node] = parent
+            self.symbols._scope_of[node] = scope
+            self.stack.append((node, scope, kind))
+
+    def _push_all(self, nodes: list[ast.AST], scope: Scope, parent: ast.AST, kind: str = "assign") -> None:
+        for node in nodes:
+            self._push(node, scope, parent, kind)
+
+    def _below(self, node: ast.AST, scope: Scope) -> None:
+        for child in ast.iter_child_nodes(node):
+            if not isinstance(child, (ast.expr_context, ast.operator, ast.cmpop, ast.boolop, ast.unaryop)):
+                self._push(child, scope, node)
+
+    def _bind(self, name: str, node: ast.AST, scope: Scope, kind: str) -> None:
+        line, column = self.symbols.place(node)
+        scope.bindings.setdefault(name, []).append(Binding(name, node, kind, line, column))
+
+    def _parameters(self, args: ast.arguments, inner: Scope, outer: Scope, parent: ast.AST) -> None:
+        everyone = [*args.posonlyargs, *args.args, args.vararg, *args.kwonlyargs, args.kwarg]
+        self.symbols._parents[args] = parent
+        self.symbols._scope_of[args] = outer
+        for argument in everyone:
+            if argument is not None:
+                inner.parameters[argument.arg] = argument
+                self._bind(argument.arg, argument, inner, "parameter")
+                self.symbols._parents[argument] = args
+                self.symbols._scope_of[argument] = inner
+                self._push(argument.annotation, outer, argument)
+        for default in (*args.defaults, *args.kw_defaults):
+            self._push(default, outer, args)
+
+    # Visits, by kind of node
+
+    def name(self, node: ast.Name, scope: Scope, kind: str) -> None:
+        if isinstance(node.ctx, ast.Load):
+            scope.reads.setdefault(node.id, []).append(node)
+            return
+        if kind == "augmented":
+            scope.reads.setdefault(node.id, []).append(node)
+        if kind == "walrus":
+            while scope.kind == "comprehension" and scope.parent is not None:
+                scope = scope.parent
+        self._bind(node.id, node, scope, "delete" if isinstance(node.ctx, ast.Del) else kind)
+
+    def spread(self, node: ast.AST, scope: Scope, kind: str) -> None:
+        for child in ast.iter_child_nodes(node):
+            if not isinstance(child, ast.expr_context):
+                self._push(child, scope, node, kind)
+
+    def call(self, node: ast.Call, scope: Scope, kind: str) -> None:
+        scope.calls.append(node)
+        self._below(node, scope)
+
+    def function(self, node: ast.FunctionDef, scope: Scope, kind: str) -> None:
+        self._bind(node.name, node, scope, "def")
+        inner = Scope(self.symbols._declared, "function", node.name, node, scope)
+        self._push_all(list(node.decorator_list), scope, node)
+        self._parameters(node.args, inner, scope, node)
+        self._push(node.returns, scope, node)
+        self._push_all(list(node.body), inner, node)
+
+    def anonymous(self, node: ast.Lambda, scope: Scope, kind: str) -> None:
+        inner = Scope(self.symbols._declared, "lambda", "", node, scope)
+        self._parameters(node.args, inner, scope, node)
+        self._push(node.body, inner, node)
+
+    def cls(self, node: ast.ClassDef, scope: Scope, kind: str) -> None:
+        self._bind(node.name, node, scope, "class")
+        inner = Scope(self.symbols._declared, "class", node.name, node, scope)
+        self._push_all([*node.decorator_list, *node.bases, *node.keywords], scope, node)
+        self._push_all(list(node.body), inner, node)
+
+    def comprehension(self, node: ast.ListComp, scope: Scope, kind: str) -> None:
+        inner = Scope(self.symbols._declared, "comprehension", "", node, scope)
+        for index, generator in enumerate(node.generators):
+            self.symbols._parents[generator] = node
+            self.symbols._scope_of[generator] = inner
+            self._push(generator.target, inner, generator, "for")
+            self._push(generator.iter, scope if index == 0 else inner, generator)
+            self._push_all(list(generator.ifs), inner, generator)
+        for field in ("elt", "key", "value"):
+            self._push(getattr(node, field, None), inner, node)
+
+    def loop(self, node: ast.For, scope: Scope, kind: str) -> None:
+        self._push(node.target, scope, node, "for")
+        self._push_all([node.iter, *node.body, *node.orelse], scope, node)
+
+    def withitem(self, node: ast.withitem, scope: Scope, kind: str) -> None:
+        self._push(node.context_expr, scope, node)
+        self._push(node.optional_vars, scope, node, "with")
+
+    def augmented(self, node: ast.AugAssign, scope: Scope, kind: str) -> None:
+        self._push(node.target, scope, node, "augmented")
+        self._push(node.value, scope, node)
+
+    def annotated(self, node: ast.AnnAssign, scope: Scope, kind: str) -> None:
+        self._push(node.target, scope, node, "annotated")
+        self._push_all([node.annotation, *([node.value] if node.value else [])], scope, node)
+
+    def walrus(self, node: ast.NamedExpr, scope: Scope, kind: str) -> None:
+        self._push(node.target, scope, node, "walrus")
+        self._push(node.value, scope, node)
+
+    def declaration(self, node: ast.Global | ast.Nonlocal, scope: Scope, kind: str) -> None:
+        for name in node.names:
+            if isinstance(node, ast.Global):
+                self.symbols._declared.add(name)
+                scope.globals.setdefault(name, []).append(node)
+            else:
+                scope.nonlocals.setdefault(name, []).append(node)
+
+    def imports(self, node: ast.Import | ast.ImportFrom, scope: Scope, kind: str) -> None:
+        for alias in node.names:
+            self.symbols._parents[alias] = node
+            self.symbols._scope_of[alias] = scope
+            name = alias.asname or (alias.name.partition(".")[0] if isinstance(node, ast.Import) else alias.name)
+            if name != "*":
+                self._bind(name, alias, scope, "import")
+
+    def handler(self, node: ast.ExceptHandler, scope: Scope, kind: str) -> None:
+        if node.name:
+            self._bind(node.name, node, scope, "except")
+        self._below(node, scope)
+
+    def pattern(self, node: ast.AST, scope: Scope, kind: str) -> None:
+        name = getattr(node, "rest", None) if isinstance(node, ast.MatchMapping) else getattr(node, "name", None)
+        if name:
+            self._bind(name, node, scope, "match")
+        self._below(node, scope)
+
+
+_VISITS: dict[type[ast.AST], Callable[[_Walk, Any, Scope, str], None]] = {
+    ast.Name: _Walk.name,
+    ast.Tuple: _Walk.spread,
+    ast.List: _Walk.spread,
+    ast.Starred: _Walk.spread,
+    ast.Call: _Walk.call,
+    ast.FunctionDef: _Walk.function,
+    ast.AsyncFunctionDef: _Walk.function,
+    ast.Lambda: _Walk.anonymous,
+    ast.ClassDef: _Walk.cls,
+    **dict.fromkeys(_COMPREHENSIONS, _Walk.comprehension),
+    ast.For: _Walk.loop,
+    ast.AsyncFor: _Walk.loop,
+    ast.withitem: _Walk.withitem,
+    ast.AugAssign: _Walk.augmented,
+    ast.AnnAssign: _Walk.annotated,
+    ast.NamedExpr: _Walk.walrus,
+    ast.Global: _Walk.declaration,
+    ast.Nonlocal: _Walk.declaration,
+    ast.Import: _Walk.imports,
+    ast.ImportFrom: _Walk.imports,
+    ast.ExceptHandler: _Walk.handler,
+    ast.MatchAs: _Walk.pattern,
+    ast.MatchStar: _Walk.pattern,
+    ast.MatchMapping: _Walk.pattern,
+}
