@@ -68,7 +68,7 @@ def encoder_unwind_delta_tick_count(encoder_index: _EncoderIndex, delta_tick_cou
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="motion", since="2.12", manual="3.1.25", is_simulated=False)
+@command(family="motion", since="2.12", manual="2.14: 3.1.25", is_simulated=False)
 def encoder_enable_pulse_decode(
     encoder_index: _EncoderIndex,
     decoder_type: Annotated[int, Integer(1, 4)],

@@ -17,7 +17,7 @@ _Wrench = Annotated[Six, Vector(Number(), 6, "N, Nm", "[Fx, Fy, Fz, Mx, My, Mz]"
 @command(
     family="force",
     since="2.14",
-    manual="4.1",
+    manual="2.14: 4.1",
     spellings={"speedLimits": "speed_limits"},
     works_in_sec=False,
     is_simulated=False,
@@ -46,13 +46,13 @@ def force_mode(
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="force", since="2.14", manual="4.7", works_in_sec=False, is_simulated=False)
+@command(family="force", since="2.14", manual="2.14: 4.7", works_in_sec=False, is_simulated=False)
 def end_force_mode() -> None:
     """End force control; the end of the program does the same."""
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="force", since="2.14", manual="4.2", is_simulated=False)
+@command(family="force", since="2.14", manual="2.14: 4.2", is_simulated=False)
 def force_mode_set_gain_scaling(scaling: Annotated[float, Number("", 0.0, 2.0)]) -> None:
     """Set how quickly force control answers; read when force mode begins, kept until set again.
 
@@ -62,7 +62,7 @@ def force_mode_set_gain_scaling(scaling: Annotated[float, Number("", 0.0, 2.0)])
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="force", since="2.14", manual="4.3", is_simulated=False)
+@command(family="force", since="2.14", manual="2.14: 4.3", is_simulated=False)
 def force_mode_set_damping(damping: Annotated[float, Number("", 0.0, 1.0)]) -> None:
     """Set the damping of force control; read when force mode begins, kept until set again.
 
@@ -72,13 +72,13 @@ def force_mode_set_damping(damping: Annotated[float, Number("", 0.0, 1.0)]) -> N
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="force", since="2.14", manual="4.4", is_simulated=False)
+@command(family="force", since="2.14", manual="2.14: 4.4", is_simulated=False)
 def zero_ftsensor() -> None:
     """Take the present compensated wrench as zero; later readings are relative to it."""
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="force", since="2.14", manual="4.5", is_simulated=False)
+@command(family="force", since="2.14", manual="2.14: 4.5", is_simulated=False)
 def force() -> Annotated[float, Number("N")]:
     """Size of the external force at the TCP.
 
@@ -88,7 +88,7 @@ def force() -> Annotated[float, Number("N")]:
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="force", since="2.14", manual="4.6", is_simulated=False)
+@command(family="force", since="2.14", manual="2.14: 4.6", is_simulated=False)
 def get_tcp_force(enable_compensation: Bool) -> _Wrench:
     """External wrench at the TCP.
 

@@ -18,7 +18,7 @@ from elitescript.errors import ArgumentCountError, NotSimulatedError
 from elitescript.messages.motion import Six
 
 
-@command(family="motion", since="2.14", manual="3.1.41", works_in_sec=False, is_simulated=False)
+@command(family="motion", since="2.14", manual="2.14: 3.1.41", works_in_sec=False, is_simulated=False)
 def freedrive_mode(
     freeAxes: Annotated[tuple[int, ...], Vector(Choice(0, 1), 6)] = (1, 1, 1, 1, 1, 1),
     frame: Annotated[Any, Either(POSE, Choice("base", "tool"))] = (0, 0, 0, 0, 0, 0),
@@ -32,13 +32,13 @@ def freedrive_mode(
     raise NotSimulatedError("hand guiding is not simulated yet")
 
 
-@command(family="motion", since="2.14", manual="3.1.42", works_in_sec=False, is_simulated=False)
+@command(family="motion", since="2.14", manual="2.14: 3.1.42", works_in_sec=False, is_simulated=False)
 def end_freedrive_mode() -> None:
     """End hand guiding; the end of the program does the same."""
     raise NotSimulatedError("hand guiding is not simulated yet")
 
 
-@command(family="motion", since="2.14", manual="3.1.35", spellings={"qnear": "qNear"}, is_simulated=False)
+@command(family="motion", since="2.14", manual="2.14: 3.1.35", spellings={"qnear": "qNear"}, is_simulated=False)
 def is_within_safety_limits(
     p: Annotated[Six | None, Optionally(POSE)] = None,
     qNear: OptionalJoints = None,

@@ -83,7 +83,7 @@ def get_inverse_kin_has_solution(robot: Robot, p: Pose, qnear: OptionalJoints = 
     return solution is not None
 
 
-@command(family="math", since="2.14", manual="3.2.3")
+@command(family="math", since="2.14", manual="2.14: 3.2.3")
 def get_all_inverse_kin(
     robot: Robot, p: Pose, tcp: OptionalTcp = None
 ) -> Annotated[tuple[Six, ...], Vector(Vector(Number(), 6, "rad"), None, "rad")]:

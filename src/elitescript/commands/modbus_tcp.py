@@ -68,7 +68,7 @@ def modbus_delete_signal(signal_name: Str) -> None:
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="modbus", since="2.14", manual="6.1.3", is_simulated=False)
+@command(family="modbus", since="2.14", manual="2.14: 6.1.3", is_simulated=False)
 def modbus_add_rw_signal(
     IP: Str,
     slave_number: _Slave,
@@ -201,7 +201,7 @@ def modbus_set_signal_update_frequency(
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="modbus", since="2.14", manual="6.1.10", is_simulated=False)
+@command(family="modbus", since="2.14", manual="2.14: 6.1.10", is_simulated=False)
 def modbus_set_signal_watchdog(signal_name: Str, timeout: Annotated[float, Number("s", 0.0, 300.0)]) -> None:
     """Set how long a signal may be faulty before using it is an alarm; 5 s at first.
 
@@ -212,7 +212,7 @@ def modbus_set_signal_watchdog(signal_name: Str, timeout: Annotated[float, Numbe
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="modbus", since="2.14", manual="6.1.15", is_simulated=False)
+@command(family="modbus", since="2.14", manual="2.14: 6.1.15", is_simulated=False)
 def modbus_get_error(
     signal_name: Str, error_source: Annotated[int, Integer(0, 2)] = 0
 ) -> Annotated[tuple[int, ...], Vector(Integer(), None)]:
@@ -229,7 +229,7 @@ def modbus_get_error(
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="modbus", since="2.14", manual="6.1.16", is_simulated=False)
+@command(family="modbus", since="2.14", manual="2.14: 6.1.16", is_simulated=False)
 def modbus_get_time_since_signal_invalid(signal_name: Str) -> Seconds:
     """Time since a faulty signal worked the last time.
 
@@ -243,7 +243,12 @@ def modbus_get_time_since_signal_invalid(signal_name: Str) -> Seconds:
 
 
 @command(
-    family="modbus", since="2.14", manual="6.1.17", spellings={"ip": "connection_id"}, waits=True, is_simulated=False
+    family="modbus",
+    since="2.14",
+    manual="2.14: 6.1.17",
+    spellings={"ip": "connection_id"},
+    waits=True,
+    is_simulated=False,
 )
 def modbus_reset_connection(connection_id: Str, isBlocking: Bool = True, port: _TcpPort = 502) -> None:
     """Connect to a device anew.

@@ -118,7 +118,11 @@ def cal_rpy_frame(origin: _PointOrPose, x_axis: _PointOrPose, y_axis: _PointOrPo
             raise InvalidValueError(
                 f"{name} must have 3 or 6 elements, got {len(point)}", argument=name, value=list(point)
             )
-    return frame_from_points(origin, x_axis, y_axis)
+    try:
+        return frame_from_points(origin, x_axis, y_axis)
+    except InvalidValueError as error:
+        error.argument = "x_axis" if error.argument == "x_point" else "y_axis"
+        raise
 
 
 @command(family="observed", evidence="observed")

@@ -355,7 +355,7 @@ def command(
         waits: whether a call can take time.
         works_in_sec: whether a secondary program may call it.
         is_simulated: False for a command whose body checks what it can and then raises `NotSimulatedError`.
-        manual: section of manual 2.10, or of manual 2.14 for commands that came later.
+        manual: section of manual 2.10, such as `"2.1.1"`; of another one with its release, such as `"2.14: 3.1.25"`.
     """
 
     def register(function: Function) -> Function:

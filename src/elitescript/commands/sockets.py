@@ -46,7 +46,7 @@ def socket_close(socket_name: Str = _DEFAULT_SOCKET) -> None:
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="socket", since="2.14", manual="7.1.3", is_simulated=False)
+@command(family="socket", since="2.14", manual="2.14: 7.1.3", is_simulated=False)
 def socket_is_connected(socket_name: Str = _DEFAULT_SOCKET) -> Bool:
     """Whether a connection stands.
 

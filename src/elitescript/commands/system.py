@@ -74,7 +74,7 @@ def get_steptime() -> Seconds:
     return PERIOD_S
 
 
-@command(family="system", since="2.14", manual="9.5.5")
+@command(family="system", since="2.14", manual="2.14: 9.5.5")
 def controller_timestamp(robot: Robot) -> Seconds:
     """Clock of the controller.
 

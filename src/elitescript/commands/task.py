@@ -14,19 +14,19 @@ if TYPE_CHECKING:
 _NO_INTERPRETER: Final = "interpreter mode is not simulated yet"
 
 
-@command(family="task", since="2.14", manual="9.2.1", waits=True, works_in_sec=False)
+@command(family="task", since="2.14", manual="2.14: 9.2.1", waits=True, works_in_sec=False)
 def pause(robot: Robot) -> None:
     """Pause the task until somebody resumes it."""
     robot.pause()
 
 
-@command(family="task", since="2.14", manual="9.2.2")
+@command(family="task", since="2.14", manual="2.14: 9.2.2")
 def halt(robot: Robot) -> None:
     """Stop the task, from whichever thread or secondary program; what follows is not run."""
     robot.halt()
 
 
-@command(family="task", since="2.11", manual="2.3", waits=True, works_in_sec=False, is_simulated=False)
+@command(family="task", since="2.11", manual="2.14: 2.3", waits=True, works_in_sec=False, is_simulated=False)
 def interpreter_mode(clearQueueOnEnter: Bool = True, clearOnEnd: Bool = True) -> None:
     """Run statements that arrive on the interpreter port until `end_interpreter`.
 
@@ -39,13 +39,13 @@ def interpreter_mode(clearQueueOnEnter: Bool = True, clearOnEnd: Bool = True) ->
     raise NotSimulatedError(_NO_INTERPRETER)
 
 
-@command(family="task", since="2.11", manual="2.4", is_simulated=False)
+@command(family="task", since="2.11", manual="2.14: 2.4", is_simulated=False)
 def end_interpreter() -> None:
     """Let the waiting `interpreter_mode` return after the command that runs."""
     raise NotSimulatedError(_NO_INTERPRETER)
 
 
-@command(family="task", since="2.11", manual="2.5", is_simulated=False)
+@command(family="task", since="2.11", manual="2.14: 2.5", is_simulated=False)
 def clear_interpreter() -> None:
     """Drop the statements that wait and forget the functions that statements defined."""
     raise NotSimulatedError(_NO_INTERPRETER)

@@ -75,7 +75,7 @@ def start_thread(
     return robot.start_thread(function, args, getattr(function, "__name__", "thread"))
 
 
-@command(family="thread", since="2.14", manual="9.1.2", waits=True, works_in_sec=False)
+@command(family="thread", since="2.14", manual="2.14: 9.1.2", waits=True, works_in_sec=False)
 def join_thread(robot: Robot, thread_id: Whole) -> None:
     """Wait until a thread ends; returns at once for 0, an unknown or an ended one.
 

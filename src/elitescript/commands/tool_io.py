@@ -42,7 +42,7 @@ def get_tool_digital(robot: Robot, n: _PinIndex) -> Bool:
     return robot.machine.tool_pin(n)
 
 
-@command(family="io", manual="5.18")
+@command(family="io", manual="2.14: 5.18")
 def set_tool_analog_io_work_mode(robot: Robot, domain: Annotated[int, Integer(0, 3)]) -> None:
     """Choose what the tool's shared pins do.
 
@@ -54,7 +54,7 @@ def set_tool_analog_io_work_mode(robot: Robot, domain: Annotated[int, Integer(0,
     robot.request(SetToolAnalogMode(domain))
 
 
-@command(family="io", manual="5.19")
+@command(family="io", manual="2.14: 5.19")
 def set_tool_digital_io_config(
     robot: Robot, index: _PinIndex, mode: Annotated[int, Integer(0, 2)], enable: Bool, is_out: Bool
 ) -> None:

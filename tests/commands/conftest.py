@@ -1,0 +1,176 @@
+"""A robot without a controller: it answers from fields and records what commands ask of it."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from math import pi
+from typing import Any
+
+import pytest
+
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.errors import ScriptError
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.transforms import compose, pose_from_transform, transform_from_pose
+from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.machine import WriteSignal
+from elitescript.messages.motion import Six
+from elitescript.messages.profile import Profile, profile
+from elitescript.messages.signals import SIGNALS, Value
+from elitescript.messages.state import ZERO_SIX, JointState, Payload, RobotState
+
+CS66 = Arm(0.1625, -0.427, -0.3905, 0.1475, 0.0965, 0.092)
+Q_ACTUAL: Six = (0.1, -1.2, 1.3, -1.6, -1.5, 0.2)
+Q_TARGET: Six = (0.11, -1.21, 1.31, -1.61, -1.51, 0.21)
+
+
+class FakeMachine:
+    """The machine that a command sees; a test sets its fields."""
+
+    def __init__(self) -> None:
+        self.tick = 0
+        self.arm = CS66
+        self.joint_ranges: tuple[tuple[float, float], ...] = ((-2 * pi, 2 * pi),) * 6
+        self.payload_max_kg = 6.0
+        self.default_motion = (1.5, 1.1, 1.3, 0.3)
+        self.tcp_offset: Six = ZERO_SIX
+        self.payload = Payload(1.5, (0.01, 0.02, 0.03))
+        self.target_waypoint: Six = (0.4, 0.1, 0.3, 0.0, 1.0, 0.0)
+        self.joint_temperatures: Six = (31.0, 32.0, 33.0, 34.0, 35.0, 36.0)
+        self.controller_temperature = 41.5
+        self.image: dict[tuple[str, int], Value] = {}
+
+    def joints(self) -> JointState:
+        return JointState(Q_TARGET, (0.2,) * 6, Q_ACTUAL, (0.1,) * 6)
+
+    def state(self) -> RobotState:
+        flange = self.arm.forward(Q_ACTUAL)
+        offset = transform_from_pose(self.tcp_offset)
+        return RobotState(
+            tick=self.tick,
+            time_s=0.0,
+            robot_mode=RobotMode.RUNNING,
+            safety_mode=SafetyMode.NORMAL,
+            task_state=TaskState.PLAYING,
+            q_target=Q_TARGET,
+            qd_target=(0.2,) * 6,
+            q_actual=Q_ACTUAL,
+            qd_actual=(0.1,) * 6,
+            tcp_offset=self.tcp_offset,
+            tcp_pose_target=pose_from_transform(compose(self.arm.forward(Q_TARGET), offset)),
+            tcp_pose_actual=pose_from_transform(compose(flange, offset)),
+            tcp_speed_target=(0.01, 0.02, 0.03, 0.04, 0.05, 0.06),
+            tcp_speed_actual=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6),
+            flange_pose_actual=pose_from_transform(flange),
+            payload=self.payload,
+            gravity=(0.0, 0.0, 9.82),
+            speed_scale=1.0,
+            is_moving=False,
+            line=0,
+            node=(0, ""),
+        )
+
+    def read(self, name: str, index: int = 0) -> Value:
+        return self.image.get((name, index), SIGNALS[name].default)
+
+    def tool_pin(self, index: int) -> bool:
+        return bool(self.read("tool_digital_in", index))
+
+    def timestamp_s(self) -> float:
+        return 1704067200.0 + self.tick * 0.004
+
+
+class FakeRobot:
+    """The robot that a command sees; `asked` holds what it wanted, in order."""
+
+    def __init__(self) -> None:
+        self.machine = FakeMachine()
+        self.profile: Profile = profile()
+        self.is_secondary = False
+        self.task_path = "/tasks/"
+        self.asked: list[Any] = []
+        self.refusal: ScriptError | None = None
+        self._random = random.Random(7)
+
+    def _ask(self, *what: Any) -> None:
+        if self.refusal is not None:
+            raise self.refusal
+        self.asked.append(what[0] if len(what) == 1 else what)
+
+    def move(self, request: Any) -> None:
+        self._ask(request)
+
+    def stop_motion(self, request: Any) -> None:
+        self._ask(request)
+
+    def request(self, request: Any) -> None:
+        self._ask(request)
+        if isinstance(request, WriteSignal):
+            self.machine.image[request.name, request.index] = request.value
+
+    def wait_ticks(self, count: int) -> None:
+        self._ask("wait_ticks", count)
+
+    def start_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> int:
+        self._ask("start_thread", function, args, name)
+        return -81230
+
+    def join_thread(self, handle: int) -> None:
+        self._ask("join_thread", handle)
+
+    def stop_thread(self, handle: int) -> None:
+        self._ask("stop_thread", handle)
+
+    def message(self, text: str) -> None:
+        self._ask("message", text)
+
+    def popup(self, text: str, title: str, level: str, *, is_blocking: bool) -> None:
+        self._ask("popup", text, title, level, is_blocking)
+
+    def warn_once(self, key: str, text: str) -> None:
+        self._ask("warn_once", key, text)
+
+    def random(self) -> float:
+        return self._random.random()
+
+    def pause(self) -> None:
+        self._ask("pause")
+
+    def halt(self) -> None:
+        self._ask("halt")
+
+    def mark(self, number: int, label: str) -> None:
+        self._ask("mark", number, label)
+
+
+@pytest.fixture
+def robot() -> FakeRobot:
+    """A CS66 at rest."""
+    return FakeRobot()
+
+
+@pytest.fixture
+def call(robot: FakeRobot) -> Callable[..., Any]:
+    """Call a command as a script does: `call("sin", 0.5)`."""
+
+    def call_command(name: str, *args: Any, **kwargs: Any) -> Any:
+        command = CATALOGUE.get(name)
+        assert command is not None, name
+        return command.call(robot, args, kwargs)
+
+    return call_command
+
+
+@pytest.fixture
+def script(robot: FakeRobot) -> Callable[[str], Any]:
+    """Evaluate an expression in which every command can be called by its name."""
+
+    def evaluate(text: str) -> Any:
+        def bound(command: Any) -> Callable[..., Any]:
+            return lambda *args, **kwargs: command.call(robot, args, kwargs)
+
+        names = {name: bound(CATALOGUE.get(name)) for name in CATALOGUE.names()}
+        return eval(text, names)
+
+    return evaluate

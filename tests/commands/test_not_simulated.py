@@ -1,0 +1,72 @@
+"""Checks that commands make before they say that they are not simulated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from elitescript.errors import ArgumentTypeError, NotSimulatedError
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "servoj([0, 0, 0, 0, 0, 0], 0.002, 0.3, 2500)",
+        "servoj([0, 0, 0, 0, 0, 0])",
+        "speedj([0, 0, 0, 0, 0, 0], 1)",
+        "speedl([0, 0, 0, 0, 0, 0], 1, 0.5, 'a')",
+        "speedl([0, 0, 0, 0, 0, 0], 1, 0.5, 2)",
+        "encoder_enable_pulse_decode(0, 1, 16, 17)",
+        "encoder_enable_pulse_decode(0, 3, 16, 0)",
+        "encoder_enable_pulse_decode(0, 3, 16, 16)",
+        "moveml(0)",
+        "moveml(0, 5, 0)",
+        "moveml(0, 5, 5)",
+        "freedrive_mode()",
+        "freedrive_mode([0, 1, 0, 0, 0, 0], 'tool')",
+        "freedrive_mode(frame=[0, 0, 0.1, 0, 0, 0])",
+        "is_within_safety_limits(q=[0, 0, 0, 0, 0, 0])",
+        "is_within_safety_limits([0, 0, 0, 0, 0, 0], qnear='', ciPair=[1, 0, 0, 1])",
+        "modbus_set_output_register('s', 70000)",
+        "modbus_set_output_register('s', [1, -1])",
+        "modbus_set_output_signal('s', [True, 0])",
+        "serial_write('hello')",
+        "serial_write(300)",
+        "serial_write([1, 300])",
+        "serial_write(b'a')",
+        "tool_serial_write(bytearray(b'a'))",
+        "socket_send_byte(300)",
+        "socket_send_byte('')",
+        "socket_send_string([1, 2])",
+        "serial_modbus_write_registers(1, 0, 12)",
+        "serial_modbus_write_bits(1, 0, [True, 0, 1])",
+        "serial_read(4, timeout=1)",
+        "rpc_factory('xmlrpc', '127.0.0.1:9120')",
+    ],
+)
+def test_good_calls_get_as_far_as_the_reason(script: Any, robot: Any, text: str) -> None:
+    name = text.partition("(")[0]
+    with pytest.raises(NotSimulatedError, match=f"^{name}: .* not simulated yet$") as caught:
+        script(text)
+    assert caught.value.code == "R106"
+    assert robot.asked == []
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("freedrive_mode([1, 1, 1, 1, 1, 1], 'flange')", "frame must be one of 'base', 'tool', got 'flange'"),
+        ("serial_write([1, 'a'])", "data element 1 must be an int, not str 'a'"),
+        ("serial_write(1.5)", "data must be str or int or bytes or list"),
+        ("modbus_set_output_signal('s', 'on')", "digital_value must be bool or list"),
+    ],
+)
+def test_values_of_several_kinds_are_refused_in_plain_words(script: Any, text: str, message: str) -> None:
+    with pytest.raises(Exception, match=message):
+        script(text)
+
+
+def test_control_time_of_servoj_is_a_number(script: Any) -> None:
+    with pytest.raises(ArgumentTypeError, match=r"^servoj: t must be a number, not str 'fast'"):
+        script("servoj([0, 0, 0, 0, 0, 0], 'fast')")

@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import pytest
+
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.errors import InvalidValueError, NotSimulatedError
+from elitescript.messages.machine import SetOption
+from elitescript.messages.motion import MoveL
+
+P = [0.4, -0.2, 0.4, 3.14, 0.0, 0.0]
+
+
+def test_preamble_of_generated_programs_is_accepted(call: Any, robot: Any) -> None:
+    call("set_safety_mode_transition_hardness", 1)
+    call("set_tool_digital_io_work_mode", 0)
+    call("labelmsg", 12, "MoveJ")
+    assert robot.asked == [
+        SetOption("safety_mode_transition_hardness", 1),
+        SetOption("tool_digital_io_work_mode", 0),
+        ("mark", 12, "MoveJ"),
+    ]
+
+
+def test_movep_is_movel_and_says_so(call: Any, robot: Any) -> None:
+    call("movep", P, 1.2, 0.006, 0.001)
+    warning, move = robot.asked
+    assert warning[:2] == ("warn_once", "movep")
+    assert move == MoveL(tuple(P), 1.2, 0.006, 0.0, 0.001)
+
+
+def test_frame_through_three_points(call: Any) -> None:
+    frame = call("cal_rpy_frame", [1, 2, 3], [1, 5, 3, 9, 9, 9], [0, 2, 3])
+    assert frame == pytest.approx([1, 2, 3, 0, 0, pi / 2])
+
+
+def test_frame_needs_three_points_that_are_not_on_one_line(call: Any) -> None:
+    cases = [
+        ("origin", [[0, 0], [1, 0, 0], [0, 1, 0]]),
+        ("x_axis", [[0, 0, 0], [0, 0, 0], [0, 1, 0]]),
+        ("y_axis", [[0, 0, 0], [1, 0, 0], [2, 0, 0]]),
+        ("y_axis", [[0, 0, 0], [1, 0, 0], [2, 0, 0, 0, 0]]),
+    ]
+    for argument, points in cases:
+        with pytest.raises(InvalidValueError, match=r"^cal_rpy_frame: ") as caught:
+            call("cal_rpy_frame", *points)
+        assert caught.value.argument == argument
+
+
+def test_pose_along_path_is_the_target_pose(call: Any) -> None:
+    assert call("get_target_tcp_pose_along_path") == call("get_target_tcp_pose")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "path_offset_enable()",
+        "path_offset_set([0, 0, 0.01, 0, 0, 0], 1)",
+        "path_offset_get(3)",
+        "path_offset_set_max_offset(0.01, 0.1)",
+        "path_offset_set_alpha_filter(0.5)",
+        "ft_rtsi_input_enable(True)",
+    ],
+)
+def test_what_is_out_of_scope_says_so(script: Any, text: str) -> None:
+    name = text.partition("(")[0]
+    with pytest.raises(NotSimulatedError, match=f"^{name}: .* not simulated"):
+        script(text)
+
+
+def test_second_tool_power_came_with_2_16(call: Any, robot: Any) -> None:
+    command = CATALOGUE.get("set_tool_second_power_on")
+    assert command is not None
+    assert command.since == "2.16"
+    call("set_tool_second_power_on", True)
+    assert robot.asked == [SetOption("tool_second_power_on", True)]
+
+
+@pytest.mark.parametrize(
+    ("name", "of"),
+    [
+        ("masterboard_serial_config", "serial_config"),
+        ("masterboard_modbus_rtu_read_input_registers", "serial_modbus_read_input_registers"),
+        ("masterboard_modbus_rtu_write_single_bit", "serial_modbus_write_single_bit"),
+    ],
+)
+def test_older_names_of_the_serial_port(call: Any, name: str, of: str) -> None:
+    command = CATALOGUE.get(name)
+    assert command is not None
+    assert (command.alias_of, command.evidence) == (of, "observed")
+    with pytest.raises(NotSimulatedError, match=rf"^{name}: "):
+        call(name, 1, 115200, 0, 1) if name.endswith("config") else call(name, 1, 1, 1)
