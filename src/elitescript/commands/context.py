@@ -37,7 +37,7 @@ class Machine(Protocol):
 
     @property
     def default_motion(self) -> tuple[float, float, float, float]:
-        """Joint acceleration, joint speed, tool acceleration, tool speed when a program gives none (or 0)."""
+        """Joint acceleration, joint speed, tool acceleration, tool speed that a 0 in a program stands for."""
 
     @property
     def tcp_offset(self) -> Six: ...
