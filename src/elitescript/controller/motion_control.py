@@ -16,11 +16,11 @@ from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import Transform, pose_from_transform
 from elitescript.messages.events import Event, MotionEnded, MotionStarted, Warned
-from elitescript.messages.motion import MotionRequest, MoveJ, Six, StopJ, StopL
+from elitescript.messages.motion import MotionRequest, MoveJ, MoveL, MoveRequest, Six, StopJ, StopL
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
 from elitescript.motion.limits import MotionLimits
-from elitescript.motion.planner import plan
+from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import Segment
 from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
 
@@ -181,19 +181,19 @@ class MotionControl:
             )
         start_tick = tick if move is None else move.end_tick
         q_start = self._q_rest if move is None else self._rest_of(move)
-        accepted_plan = plan(self._arm, self._limits, q_start, T_flange_tcp, request)
+        plan = self._plan(request, q_start, T_flange_tcp)
         self._count += 1
         scale = TimeScale.start(start_tick * PERIOD_S, 0.0 if self._is_paused else self._speed_scale)
         waypoint = self._pose_of(request.q_target, T_flange_tcp) if isinstance(request, MoveJ) else request.p_target
-        accepted = Move(self._count, accepted_plan.segment, start_tick, scale, thread, waypoint)
+        accepted = Move(self._count, plan.segment, start_tick, scale, thread, waypoint)
         if move is None:
             self._move = accepted
             self._sampled_tick = -1
         else:
             self._next = accepted
         self.waypoint = waypoint
-        self._on_event(MotionStarted(tick, request, line, thread, accepted_plan.segment.duration_s))
-        for note in accepted_plan.notes:
+        self._on_event(MotionStarted(tick, request, line, thread, plan.segment.duration_s))
+        for note in plan.notes:
             self._on_event(Warned(tick, note.text, thread, line))
         return accepted.number
 
@@ -271,6 +271,13 @@ class MotionControl:
     def _program_stop_ramp_s(self, move: Move, tick: int) -> float:
         rate = move.scale.rate(tick * PERIOD_S)
         return max(stop_ramp(move.segment, move.path_time_s(tick), rate, self._stop_joint_deceleration), PERIOD_S)
+
+    def _plan(self, request: MoveRequest, q_start: Six, T_flange_tcp: Transform) -> Plan:
+        if isinstance(request, MoveJ):
+            return plan_movej(self._arm, self._limits, q_start, request, T_flange_tcp)
+        if isinstance(request, MoveL):
+            return plan_movel(self._arm, self._limits, q_start, T_flange_tcp, request)
+        return plan_movec(self._arm, self._limits, q_start, T_flange_tcp, request)
 
     def _pose_of(self, q: Six, T_flange_tcp: Transform) -> Six:
         return pose_from_transform(self._arm.forward_tcp(q, T_flange_tcp))
