@@ -1,0 +1,189 @@
+"""An exception that a program did not catch, as an alarm: what, where in its text, and which of its arguments.
+
+Frames of ours are not shown. The place is the innermost line of script text on the way of the exception.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from types import CodeType, TracebackType
+from typing import Any, Final, NamedTuple
+
+from elitescript.commands.quantities import shown
+from elitescript.commands.registry import Catalogue
+from elitescript.errors import ProgramError, ScriptError
+from elitescript.language.compiler import column_of
+from elitescript.language.source import SourceFile
+from elitescript.messages.events import Alarm
+from elitescript.messages.profile import Profile, release_of
+
+CLOSE_ENOUGH: Final = 0.7
+"""Similarity from which a name is suggested for a wrong one."""
+
+UNCAUGHT: Final = "R100"
+
+
+class Place(NamedTuple):
+    """Where in a program's text."""
+
+    line: int
+    column: int
+    """From 1, in characters; 0 if unknown."""
+    source_line: str
+    names: tuple[str, ...]
+    """Names that the code there could have used."""
+
+
+NOWHERE: Final = Place(0, 0, "", ())
+
+
+def alarm_of(
+    error: BaseException,
+    *,
+    tick: int,
+    thread: str,
+    builtins: dict[str, Any],
+    sources: Mapping[str, SourceFile],
+    catalogue: Catalogue,
+    profile: Profile,
+) -> Alarm:
+    """The alarm that an uncaught exception makes.
+
+    Args:
+        error: the exception, with its traceback.
+        tick: when.
+        thread: name of the thread.
+        builtins: the built-ins of the program, by which its frames are known.
+        sources: its texts, by name.
+        catalogue: the commands, to suggest one for an unknown name.
+        profile: the firmware.
+    """
+    place = place_of(error.__traceback__, builtins, sources)
+    code, class_name, text = UNCAUGHT, class_name_of(error), text_of(error)
+    details: dict[str, Any] = {}
+    if isinstance(error, ScriptError):
+        code = error.code
+        details = details_of(error)
+    elif isinstance(error, NameError) and type(error.name) is str and not isinstance(error, UnboundLocalError):
+        code, class_name, text, details = _unknown_name(error.name, text, place, builtins, catalogue, profile)
+    return Alarm(tick, code, class_name, text, place.line, place.column, thread, place.source_line, details)
+
+
+def summary_of(error: BaseException) -> str:
+    """Class and text in one line, as `[SEC] Exception:` shows them."""
+    return f"{class_name_of(error)}: {text_of(error)}"
+
+
+def class_name_of(error: BaseException) -> str:
+    """The class as a Python programmer knows it: for errors of commands, the built-in class that they extend."""
+    if isinstance(error, ScriptError):
+        for kind in type(error).__mro__:
+            if kind.__module__ == "builtins" and kind is not Exception:
+                return kind.__name__
+            if kind is Exception:
+                break
+    return type(error).__name__
+
+
+def text_of(error: BaseException) -> str:
+    """What the exception says; never raises, and shows no address that differs from run to run."""
+    if isinstance(error, SyntaxError):
+        return str(error.msg)
+    if isinstance(error, ProgramError):
+        return "; ".join(str(getattr(problem, "text", problem)) for problem in error.problems)
+    try:
+        return without_addresses(str(error))
+    except Exception:
+        return f"<text of {type(error).__name__} not available>"
+
+
+def details_of(error: ScriptError) -> dict[str, Any]:
+    """The fields of a command's error that are known, as plain values."""
+    fields = {
+        "command": error.command,
+        "argument": error.argument,
+        "value": _plain(error.value),
+        "limit": error.limit,
+        "unit": error.unit,
+        "hint": error.hint,
+    }
+    return {name: value for name, value in fields.items() if value not in (None, "")}
+
+
+def _plain(value: Any) -> Any:
+    """A value that can be written down: a number, a text, or how the value shows."""
+    if value is None or type(value) in (bool, int, float, str):
+        return value
+    return without_addresses(shown(value))
+
+
+def place_of(trace: TracebackType | None, builtins: dict[str, Any], sources: Mapping[str, SourceFile]) -> Place:
+    """The innermost line of script text in a traceback."""
+    found = None
+    while trace is not None:
+        if trace.tb_frame.f_builtins is builtins:
+            found = trace
+        trace = trace.tb_next
+    if found is None:
+        return NOWHERE
+    frame, code = found.tb_frame, found.tb_frame.f_code
+    line, offset = _position(code, found.tb_lasti, found.tb_lineno or 0)
+    source = sources.get(code.co_filename)
+    names = (*code.co_varnames, *code.co_freevars, *code.co_cellvars, *frame.f_globals)
+    if source is None:
+        return Place(line, 0, "", names)
+    column = 0 if offset is None else column_of(source, line, offset)
+    return Place(line, column, source.line(line), names)
+
+
+def _position(code: CodeType, instruction: int, line: int) -> tuple[int, int | None]:
+    """Line and UTF-8 column, from 0, of an instruction."""
+    index = instruction // 2
+    for number, (start, _, column, _) in enumerate(code.co_positions()):
+        if number == index:
+            return start or line, column
+    return line, None
+
+
+def _unknown_name(
+    name: str, text: str, place: Place, builtins: Iterable[str], catalogue: Catalogue, profile: Profile
+) -> tuple[str, str, str, dict[str, Any]]:
+    """Code, class, text and details for a name that means nothing."""
+    command = catalogue.get(name)
+    if command is not None and release_of(command.since) > profile.release:
+        text = newer_firmware_text(name, command.since, profile)
+        return "R105", "NameError", text, {"command": name, "hint": newer_firmware_hint(command.since)}
+    suggestion = closest(name, (*place.names, *builtins))
+    if suggestion:
+        return UNCAUGHT, "NameError", text, {"hint": f"did you mean {suggestion!r}?"}
+    return UNCAUGHT, "NameError", text, {}
+
+
+def newer_firmware_text(name: str, since: str, profile: Profile) -> str:
+    """What is said about a command that the firmware does not have yet."""
+    return f"{name} needs firmware {since} or newer; this robot has {profile.name}"
+
+
+def newer_firmware_hint(since: str) -> str:
+    """What to do about it."""
+    return f"choose a newer firmware: --firmware {since}"
+
+
+def closest(name: str, known: Iterable[str]) -> str:
+    """The known name that looks most like one; empty when none does."""
+    from difflib import get_close_matches
+
+    candidates = sorted({item for item in known if item.isidentifier() and not item.startswith("__")})
+    matches = get_close_matches(name, candidates, 1, CLOSE_ENOUGH)
+    return matches[0] if matches else ""
+
+
+_ADDRESS: Final = r" at 0x[0-9a-fA-F]{8,16}>"
+
+
+def without_addresses(text: str) -> str:
+    """A text without the memory addresses that Python shows for objects; they differ from run to run."""
+    if " at 0x" not in text:
+        return text
+    return re.sub(_ADDRESS, ">", text)

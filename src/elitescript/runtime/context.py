@@ -1,0 +1,301 @@
+"""What the body of a command may use: the machine, and the program as the calling thread sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final, NoReturn, Protocol
+
+from elitescript.commands.context import Machine
+from elitescript.errors import ScriptStateError
+from elitescript.messages.events import Popup, Printed, TextMessage, Warned
+from elitescript.messages.machine import MachineRequest, PauseTask, SetLineMark
+from elitescript.messages.motion import MotionRequest, MoveRequest
+from elitescript.messages.profile import Profile
+from elitescript.runtime.alarms import without_addresses
+from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.strand import Stopped, Strand
+from elitescript.runtime.world import TASK_PATH, Files, World
+
+RESUME: Final = "somebody to resume the program"
+"""What the thread that called `pause()` waits for."""
+
+
+POPUP: Final = "somebody to confirm a popup"
+"""What a thread behind a blocking popup waits for."""
+
+
+class TaskPort(Protocol):
+    """What a context asks of the host: the program as a whole."""
+
+    movers: dict[int, Strand]
+    """Who waits for which move."""
+
+    def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
+        """Start a thread of the program."""
+
+    def thread_count(self) -> int:
+        """Living threads of the program besides its main one."""
+
+    def halt(self) -> None:
+        """Have the program stopped as soon as the calling strand gives way."""
+
+    def thread_failed(self, error: BaseException) -> None:
+        """An exception left a thread."""
+
+    def wait_for_confirmation(self) -> bool:
+        """Whether a blocking popup is confirmed at once; otherwise wait until somebody confirms it."""
+
+
+class Context:
+    """Implements `commands.context.Robot` for every thread of one program; the running one is the caller.
+
+    Args:
+        machine: the controller.
+        scheduler: runs the threads.
+        profile: the firmware.
+        generator: draws random numbers, seeded.
+        world: everything outside.
+        port: the host.
+    """
+
+    __slots__ = (
+        "_generator",
+        "_partial_line",
+        "_port",
+        "_warned",
+        "_world",
+        "machine",
+        "profile",
+        "scheduler",
+        "task_path",
+    )
+
+    def __init__(
+        self,
+        machine: Machine,
+        scheduler: Scheduler,
+        profile: Profile,
+        generator: Any,
+        world: World,
+        port: TaskPort,
+    ) -> None:
+        self.machine = machine
+        self.scheduler = scheduler
+        self.profile = profile
+        self.task_path = TASK_PATH
+        self._generator = generator
+        self._world = world
+        self._port = port
+        self._warned: set[str] = set()
+        self._partial_line = ""
+
+    # ---------------------------------------------------------------- the caller
+
+    @property
+    def strand(self) -> Strand:
+        """The calling thread.
+
+        Raises:
+            Stopped: the caller is no thread, but left-over code of one.
+        """
+        strand = self.scheduler.current
+        if strand is None:
+            raise Stopped
+        return strand
+
+    @property
+    def is_secondary(self) -> bool:
+        """Whether the caller is a secondary program."""
+        strand = self.scheduler.current
+        return strand is not None and strand.is_secondary
+
+    @property
+    def now(self) -> int:
+        """The present tick."""
+        return self.scheduler.now
+
+    @property
+    def task_files(self) -> Files:
+        """The task folder."""
+        return self._world.files
+
+    def timestamp_s(self) -> float:
+        """The controller's clock, seconds since 1970."""
+        return self.machine.timestamp_s()
+
+    def random(self) -> float:
+        """Next number in [0, 1) of the program's seeded generator."""
+        return float(self._generator.random())
+
+    # ---------------------------------------------------------------- the machine
+
+    def move(self, request: MoveRequest) -> None:
+        """Ask for a move and wait for its end."""
+        self._wait_for_move(request, "the end of its move")
+
+    def stop_motion(self, request: MotionRequest) -> None:
+        """Ask for a stop and wait for standstill."""
+        self._wait_for_move(request, "standstill")
+
+    def _wait_for_move(self, request: MotionRequest, reason: str) -> None:
+        strand = self.strand
+        if strand.is_dying:
+            raise Stopped
+        machine = self.machine
+        move = machine.request_motion(request, strand.line, strand.name)
+        movers = self._port.movers
+        strand.cancel = lambda: machine.cancel_move(move)
+        movers[move] = strand
+        try:
+            while not machine.is_move_done(move):
+                self.scheduler.wait(reason)
+        finally:
+            del movers[move]
+            strand.cancel = None
+
+    def request(self, request: MachineRequest) -> None:
+        """Change the machine without moving it."""
+        self.machine.request(request)
+
+    def mark(self, number: int, label: str) -> None:
+        """Note the node of the program tree that was reached."""
+        self.machine.request(SetLineMark(number, label))
+
+    # ---------------------------------------------------------------- time and threads
+
+    def wait_ticks(self, count: int) -> None:
+        """Let `count` ticks go by; 0 returns at once."""
+        if count > 0:
+            scheduler = self.scheduler
+            scheduler.wait("time to go by", scheduler.now + count)
+
+    def start_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> int:
+        """Start a script thread in this tick, after the threads that run already; return its handle.
+
+        Raises:
+            ScriptStateError: too many threads (code R121), or called by a secondary program (R120).
+        """
+        if self.strand.is_dying:
+            raise Stopped
+        if self.is_secondary:
+            raise ScriptStateError("a secondary program (sec) may not start threads", code="R120")
+        limit = self.profile.thread_limit
+        if self._port.thread_count() >= limit:
+            raise ScriptStateError(
+                f"too many threads: firmware {self.profile.name} runs at most {limit} at a time",
+                code="R121",
+                value=limit + 1,
+                limit=f"<= {limit}",
+                hint="join or stop a thread before starting another one",
+            )
+        return self._port.spawn_thread(function, args, name).handle
+
+    def join_thread(self, handle: int) -> None:
+        """Wait for a thread; returns at once for 0, an unknown or a finished one.
+
+        Raises:
+            ScriptStateError: a thread cannot wait for itself.
+        """
+        target = self._find(handle)
+        if target is None:
+            return
+        if target is self.scheduler.current:
+            raise ScriptStateError("a thread cannot wait for its own end", value=handle)
+        self.scheduler.join(target)
+
+    def stop_thread(self, handle: int) -> None:
+        """End a thread where it stands; no effect on 0, an unknown or a finished one."""
+        target = self._find(handle)
+        if target is not None:
+            self.scheduler.kill(target)
+
+    def _find(self, handle: int) -> Strand | None:
+        target = self.scheduler.find(handle)
+        return None if target is None or target.is_secondary else target
+
+    # ---------------------------------------------------------------- words
+
+    def message(self, text: str) -> None:
+        """One entry in the robot's log."""
+        strand = self.strand
+        self.machine.emit(TextMessage(self.machine.tick, without_addresses(text), strand.name, strand.line))
+
+    def write(self, text: str) -> None:
+        """Standard output; one event for each line, or for what was printed at once."""
+        text = self._partial_line + text
+        if not text.endswith("\n"):
+            self._partial_line = text
+            return
+        self._partial_line = ""
+        strand = self.strand
+        self.machine.emit(Printed(self.machine.tick, without_addresses(text[:-1]), strand.name, strand.line))
+
+    def flush(self) -> None:
+        """Let out a last line without its end; the program is over."""
+        text, self._partial_line = self._partial_line, ""
+        if text:
+            self.machine.emit(Printed(self.machine.tick, without_addresses(text), "main", 0))
+
+    def popup(self, text: str, title: str, level: str, *, is_blocking: bool) -> None:
+        """Show a message window; wait for its confirmation when it blocks.
+
+        A secondary program never waits, and neither does a thread when nobody is there to press the button.
+        """
+        strand = self.strand
+        is_blocking = is_blocking and not strand.is_secondary
+        is_confirmed = is_blocking and self._port.wait_for_confirmation()
+        self.machine.emit(
+            Popup(
+                self.machine.tick,
+                without_addresses(text),
+                without_addresses(title),
+                level,
+                is_blocking,
+                is_confirmed,
+                strand.name,
+                strand.line,
+            )
+        )
+        if is_blocking and not is_confirmed:
+            self.scheduler.wait(POPUP)
+
+    def warn(self, text: str) -> None:
+        """Record a warning."""
+        strand = self.scheduler.current
+        name, line = ("", 0) if strand is None else (strand.name, strand.line)
+        self.machine.emit(Warned(self.machine.tick, text, name, line))
+
+    def warn_once(self, key: str, text: str) -> None:
+        """Record a warning, the first time in this program that `key` comes by."""
+        if key not in self._warned:
+            self._warned.add(key)
+            self.warn(text)
+
+    # ---------------------------------------------------------------- the task
+
+    def pause(self) -> None:
+        """Pause the task until somebody resumes it."""
+        if self.strand.is_dying:
+            raise Stopped
+        self.machine.request(PauseTask())
+        self.scheduler.give_way(RESUME)
+
+    def halt(self) -> NoReturn:
+        """Stop the task; does not return."""
+        self._port.halt()
+        self.scheduler.kill(self.strand)
+        raise Stopped
+
+    def leave(self, name: str) -> NoReturn:
+        """`exit()` and its like: end the program like `halt()`, and say so."""
+        self.warn(f"{name}() ends the program like halt()")
+        self.halt()
+
+    def thread_failed(self, error: BaseException) -> NoReturn:
+        """An exception left the function of a `threading.Thread`.
+
+        Raises:
+            Stopped: always; the thread is over.
+        """
+        self._port.thread_failed(error)
+        raise Stopped

@@ -1,0 +1,211 @@
+"""File objects for scripts.
+
+A script holds a `ScriptFile`; the file that a world has opened stays behind it, because real file objects lead
+to their buffers, descriptors and paths.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import IO, Any, Final, NoReturn
+
+from elitescript.errors import ArgumentTypeError, InvalidValueError, NotSimulatedError
+from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
+from elitescript.runtime.world import World, relative_name
+
+OPEN_FILES_MAX: Final = 256
+"""Files that one program may have open at a time (*assumed*; what a Linux controller allows by default is 1024)."""
+
+_MODE_LETTERS: Final = frozenset("rwxabt+")
+
+
+class OpenFiles:
+    """The files that one program has open."""
+
+    __slots__ = ("_files", "_world")
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._files: list[IO[Any]] = []
+
+    def open(self, path: Any, mode: Any = "r", encoding: Any = None, newline: Any = None) -> ScriptFile:
+        """`open` for scripts. Text files are UTF-8 unless the script says otherwise.
+
+        Raises:
+            OSError: as Python's `open`; `PermissionError` for what lies outside the task folder.
+            ScriptError: arguments that make no sense.
+        """
+        name = relative_name(path)
+        _check_mode(mode)
+        is_binary = "b" in mode
+        if is_binary and (encoding is not None or newline is not None):
+            raise InvalidValueError("a binary file has neither encoding nor newline")
+        self._files = [file for file in self._files if not file.closed]
+        if len(self._files) >= OPEN_FILES_MAX:
+            raise OSError(24, f"more than {OPEN_FILES_MAX} files are open", name)
+        file = self._world.files.open(name, mode, None if is_binary else encoding or "utf-8", newline)
+        self._files.append(file)
+        result = ScriptFile(mode, name)
+        _inner.__set__(result, file)
+        return result
+
+    def close(self) -> None:
+        """Close what the program has left open."""
+        files, self._files = self._files, []
+        for file in files:
+            if not file.closed:
+                file.close()
+
+
+def _check_mode(mode: Any) -> None:
+    if type(mode) is not str:
+        raise ArgumentTypeError(f"the mode of open() must be a str, not {type(mode).__name__}", value=mode)
+    letters = set(mode)
+    if (
+        not letters <= _MODE_LETTERS
+        or len(letters) != len(mode)
+        or len(letters & set("rwxa")) != 1
+        or letters >= {"b", "t"}
+    ):
+        raise InvalidValueError(
+            f"open() does not know the mode {mode!r}", value=mode, limit="one of r, w, x, a, with b, t or +"
+        )
+
+
+class ScriptFile(metaclass=Sealed):
+    """An open file of the task folder; the usual methods of Python's files."""
+
+    __slots__ = ("_inner", "mode", "name")
+    __module__ = "io"
+    __reduce_ex__ = no_copy
+
+    def __init__(self, mode: str, name: str) -> None:
+        self.mode = mode
+        self.name = name
+
+    def read(self, size: Any = -1) -> Any:
+        """Read the rest, or up to `size` characters or bytes."""
+        return _file(self).read(size)
+
+    def readline(self, size: Any = -1) -> Any:
+        """Read one line with its line end; empty at the end of the file."""
+        return _file(self).readline(size)
+
+    def readlines(self, hint: Any = -1) -> list[Any]:
+        """Read all lines."""
+        return _file(self).readlines(hint)
+
+    def write(self, data: Any) -> int:
+        """Write text, or bytes to a binary file; return how many."""
+        return _file(self).write(data)
+
+    def writelines(self, lines: Iterable[Any]) -> None:
+        """Write one after the other, adding no line ends."""
+        for line in lines:
+            _file(self).write(line)
+
+    def seek(self, offset: Any, whence: Any = 0) -> int:
+        """Go to a place in the file."""
+        return _file(self).seek(offset, whence)
+
+    def tell(self) -> int:
+        """The place in the file."""
+        return _file(self).tell()
+
+    def truncate(self, size: Any = None) -> int:
+        """Cut the file off."""
+        return _file(self).truncate(size)
+
+    def flush(self) -> None:
+        """Write out what is buffered."""
+        _file(self).flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        _file(self).close()
+
+    def readable(self) -> bool:
+        """Whether it was opened for reading."""
+        return _file(self).readable()
+
+    def writable(self) -> bool:
+        """Whether it was opened for writing."""
+        return _file(self).writable()
+
+    def seekable(self) -> bool:
+        """Whether `seek` works."""
+        return _file(self).seekable()
+
+    def fileno(self) -> NoReturn:
+        """Refuse: there is no descriptor."""
+        raise NotSimulatedError("files of the task folder have no descriptor")
+
+    def isatty(self) -> bool:
+        """It is no terminal."""
+        return False
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is closed."""
+        return bool(_file(self).closed)
+
+    @property
+    def encoding(self) -> str | None:
+        """Of a text file."""
+        return getattr(_file(self), "encoding", None)
+
+    def __enter__(self) -> ScriptFile:
+        if self.closed:
+            raise ValueError("I/O operation on closed file.")
+        return self
+
+    def __exit__(self, *details: object) -> None:
+        self.close()
+
+    def __iter__(self) -> Iterator[Any]:
+        return self
+
+    def __next__(self) -> Any:
+        line = _file(self).readline()
+        if not line:
+            raise StopIteration
+        return line
+
+    def __repr__(self) -> str:
+        return f"<file name={self.name!r} mode={self.mode!r}>"
+
+
+_inner = hidden_slot(ScriptFile, "_inner")
+_file: Callable[[ScriptFile], IO[Any]] = _inner.__get__
+
+
+class ScriptStream(metaclass=Sealed):
+    """`sys.stdout` for scripts: what is written there is printed."""
+
+    __slots__ = ("_write", "name")
+    __module__ = "io"
+    __reduce_ex__ = no_copy
+
+    def __init__(self, name: str, write: Callable[[str], None]) -> None:
+        self.name = name
+        _write.__set__(self, write)
+
+    def write(self, text: Any) -> int:
+        """Print a text."""
+        if not isinstance(text, str):
+            raise ArgumentTypeError(f"write() argument must be str, not {type(text).__name__}", value=text)
+        _write.__get__(self)(str(text))
+        return len(text)
+
+    def flush(self) -> None:
+        """Nothing is buffered here."""
+
+    def isatty(self) -> bool:
+        """It is no terminal."""
+        return False
+
+    def __repr__(self) -> str:
+        return f"<stream {self.name!r}>"
+
+
+_write = hidden_slot(ScriptStream, "_write")

@@ -1,0 +1,409 @@
+"""A program and its secondary programs, as the controller and `robot.py` see them.
+
+One host runs one program at a time. Secondary programs run beside it, one after the other, with its globals;
+without a program they get an empty namespace. Everything that happens goes to the machine as an event, and the
+end of the program to the callback of the constructor.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
+
+from elitescript.commands.context import Machine
+from elitescript.errors import ScriptStateError
+from elitescript.language.compiler import CompiledUnit
+from elitescript.messages.events import Alarm, Warned
+from elitescript.messages.profile import Profile
+from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.runtime.alarms import summary_of
+from elitescript.runtime.context import POPUP
+from elitescript.runtime.facades import COPIED
+from elitescript.runtime.program import Program
+from elitescript.runtime.scheduler import WORK_PER_TICK, Scheduler
+from elitescript.runtime.strand import STOP, Strand
+from elitescript.runtime.world import NoWorld, World
+
+FINISHED: Final = "finished"
+ALARM: Final = "alarm"
+STOPPED: Final = "stopped"
+
+SECONDARY_LIMIT_TICKS: Final = TICKS_PER_S
+"""Virtual time that a secondary program may take (*assumed*: the manual says not to run it for long)."""
+
+SECONDARY_QUEUE_MAX: Final = 64
+"""Secondary programs that may wait."""
+
+SECONDARY_WARNING: Final = "[SEC] Exception: "
+
+
+class ThreadState(NamedTuple):
+    """Where a script thread is."""
+
+    name: str
+    line: int
+    waits_for: str
+    """In plain words; empty while it runs."""
+
+    @property
+    def doing(self) -> str:
+        """What it does, as half a sentence."""
+        return f"waiting for {self.waits_for}" if self.waits_for else "running"
+
+
+class ScriptHost:
+    """Runs programs. Implements the controller's `ProgramPort`.
+
+    Args:
+        machine: the controller.
+        profile: the firmware.
+        world: everything outside; nothing by default.
+        seed: of the program's random numbers; every program begins with it.
+        on_end: called with `finished`, `alarm` or `stopped` when a program is over.
+        confirms_popups: whether a popup that blocks is confirmed at once, because nobody is there to press its
+            button; if not, `confirm_popup` does it.
+        work_per_tick: checkpoints that a thread may pass in one tick.
+
+    Attributes:
+        result: how the last program ended; empty while one runs and before the first.
+        alarm: what ended it, if an alarm did.
+        movers: which strand waits for which move.
+    """
+
+    __slots__ = (
+        "_confirms_popups",
+        "_ending",
+        "_machine",
+        "_main",
+        "_on_end",
+        "_profile",
+        "_program",
+        "_scheduler",
+        "_secondary",
+        "_secondary_deadline",
+        "_secondary_program",
+        "_secondary_queue",
+        "_seed",
+        "_world",
+        "alarm",
+        "movers",
+        "result",
+    )
+
+    def __init__(
+        self,
+        machine: Machine,
+        *,
+        profile: Profile,
+        world: World | None = None,
+        seed: int = 0,
+        on_end: Callable[[str], None] = lambda state: None,
+        confirms_popups: bool = True,
+        work_per_tick: int = WORK_PER_TICK,
+    ) -> None:
+        self._machine = machine
+        self._profile = profile
+        self._world: World = NoWorld() if world is None else world
+        self._seed = seed
+        self._on_end = on_end
+        self._confirms_popups = confirms_popups
+        self._scheduler = Scheduler(
+            work_per_tick=work_per_tick, on_end=self._strand_ended, on_abandoned=self._strand_abandoned
+        )
+        self._program: Program | None = None
+        self._main: Strand | None = None
+        self._ending = ""
+        self._secondary: Strand | None = None
+        self._secondary_program: Program | None = None
+        self._secondary_deadline = 0
+        self._secondary_queue: deque[CompiledUnit] = deque()
+        self.movers: dict[int, Strand] = {}
+        self.result = ""
+        self.alarm: Alarm | None = None
+
+    # ---------------------------------------------------------------- programs
+
+    def start(self, unit: CompiledUnit, presets: dict[str, object] | None = None) -> None:
+        """Start a program; it runs from the next `run_tick` on.
+
+        Args:
+            unit: a program, script or line.
+            presets: program globals that have a value before it begins.
+
+        Raises:
+            ScriptStateError: a program is running.
+        """
+        if self.is_running:
+            raise ScriptStateError("a program is running; stop it first")
+        self._program = program = self._new_program(presets or {})
+        self.result, self.alarm, self._ending = "", None, ""
+        self._main = self._spawn(program, "main", program.body_of(unit))
+        program.main = self._main
+
+    def start_secondary(self, unit: CompiledUnit) -> None:
+        """Run a secondary program as soon as those before it are over.
+
+        Raises:
+            ScriptStateError: too many wait.
+        """
+        if len(self._secondary_queue) >= SECONDARY_QUEUE_MAX:
+            raise ScriptStateError(f"{SECONDARY_QUEUE_MAX} secondary programs wait already")
+        self._secondary_queue.append(unit)
+
+    def pause(self) -> None:
+        """Let no thread of the program go on. Virtual time does, and their waits last longer by it."""
+        if self.is_running:
+            self._scheduler.pause()
+
+    def resume(self) -> None:
+        """Let the threads go on."""
+        self._scheduler.resume()
+
+    def stop(self, reason: str) -> None:
+        """End the program, and a secondary program with it, in the `run_tick` that runs or in the next one.
+
+        Args:
+            reason: not used yet; events name it.
+        """
+        self._secondary_queue.clear()
+        if self._secondary is not None:
+            self._secondary_deadline = -1
+        self._end(STOPPED)
+
+    def interrupt(self) -> None:
+        """Bring control back from `run_tick` at the next checkpoint; may be called from a signal handler."""
+        self._scheduler.interrupt()
+
+    def confirm_popup(self) -> None:
+        """Press the button of the popups that threads wait for."""
+        for strand in self._scheduler.strands:
+            if strand.waits_for == POPUP:
+                self._scheduler.wake(strand)
+
+    # ---------------------------------------------------------------- reading
+
+    @property
+    def is_running(self) -> bool:
+        """Whether a program runs; a paused one does."""
+        return self._main is not None
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether the program is paused."""
+        return self._scheduler.is_paused
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing is left to run."""
+        return self._main is None and self._secondary is None and not self._secondary_queue
+
+    @property
+    def line(self) -> int:
+        """Line of the main thread; 0 without a program."""
+        return 0 if self._main is None else self._main.line
+
+    @property
+    def waits_for_outside(self) -> bool:
+        """Whether a thread waits for somebody, and not for time, a move or another thread."""
+        return self.is_paused or any(strand.waits_for == POPUP for strand in self._scheduler.strands)
+
+    def monitor(self) -> dict[str, Any]:
+        """The variable monitor: globals of the program that runs or ran last, in the order of first assignment."""
+        return {} if self._program is None else self._program.monitor()
+
+    def threads(self) -> tuple[ThreadState, ...]:
+        """Every script thread, the main one first: where it is and what it waits for."""
+        return tuple(ThreadState(strand.name, strand.line, _wait_of(strand)) for strand in self._scheduler.strands)
+
+    # ---------------------------------------------------------------- time
+
+    def run_tick(self, tick: int) -> None:
+        """Run every thread that is due, until each waits or has used up its work of this tick."""
+        scheduler = self._scheduler
+        scheduler.begin_tick(tick)
+        self._settle()
+        while True:
+            scheduler.run_ready()
+            if not self._settle():
+                break
+        scheduler.end_tick()
+
+    def next_tick(self, tick: int) -> int | None:
+        """Earliest tick after `tick` at which a thread is due; None while all wait for something else."""
+        if self._ending or (self._secondary_queue and self._secondary is None):
+            return tick + 1
+        due = self._scheduler.next_tick(tick)
+        if self._secondary is not None:
+            deadline = max(self._secondary_deadline, tick + 1)
+            due = deadline if due is None else min(due, deadline)
+        return due
+
+    def motion_ended(self, move: int, is_complete: bool) -> None:
+        """A move is over; the thread that waits for it goes on at the next `run_tick`."""
+        strand = self.movers.get(move)
+        if strand is not None:
+            self._scheduler.wake(strand)
+
+    def _settle(self) -> bool:
+        """Do what must be done between two strands; whether there was anything."""
+        scheduler = self._scheduler
+        has_changed = scheduler.needs_attention
+        scheduler.needs_attention = False
+        secondary = self._secondary
+        if secondary is not None and scheduler.now >= self._secondary_deadline:
+            self._end_secondary(secondary)
+            has_changed = True
+        if self._ending and self._program is not None:
+            self._end_program(self._program)
+            has_changed = True
+        if self._secondary is None and self._secondary_queue:
+            self._begin_secondary(self._secondary_queue.popleft())
+            has_changed = True
+        return has_changed
+
+    # ---------------------------------------------------------------- the life of a program
+
+    def _new_program(self, presets: dict[str, object]) -> Program:
+        return Program(
+            machine=self._machine,
+            scheduler=self._scheduler,
+            profile=self._profile,
+            world=self._world,
+            seed=self._seed,
+            port=self,
+            presets=presets,
+        )
+
+    def _spawn(
+        self, program: Program, name: str, function: Callable[[], None], *, is_secondary: bool = False
+    ) -> Strand:
+        def body() -> None:
+            try:
+                function()
+            except STOP:
+                pass
+            except SystemExit:
+                self._left(program)
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:
+                self._failed(error, program)
+
+        return self._scheduler.spawn(name, body, program.builtins, is_secondary=is_secondary)
+
+    def _end(self, state: str) -> None:
+        """Have the program ended with a state; the first one counts."""
+        if self._main is not None and not self._ending:
+            self._ending = state
+        self._scheduler.call_attention()
+
+    def _end_program(self, program: Program) -> None:
+        """End every thread of the program, in the order of their start, and say how it ended."""
+        main = self._main
+        self._main = None
+        # A thread that is stopped may start none, so one pass over them is enough.
+        for strand in [strand for strand in self._scheduler.strands if not strand.is_secondary]:
+            self._scheduler.kill(strand)
+        self._scheduler.forget_pause()
+        if main is not None:
+            program.close()
+        self.result, self._ending = self._ending, ""
+        self._on_end(self.result)
+
+    def _strand_ended(self, strand: Strand) -> None:
+        if strand is self._main:
+            self._end(STOPPED if strand.is_dying else FINISHED)
+        elif strand is self._secondary:
+            self._secondary = None
+            if self._secondary_program is not None:
+                self._secondary_program.close()
+                self._secondary_program = None
+            self._scheduler.call_attention()
+
+    def _strand_abandoned(self, strand: Strand) -> None:
+        self._machine.emit(
+            Alarm(
+                self._machine.tick,
+                "R131",
+                "RuntimeError",
+                f"thread {strand.name!r} does not let itself be stopped; it is given up where it stands",
+                strand.line,
+                0,
+                strand.name,
+            )
+        )
+
+    def _failed(self, error: BaseException, program: Program) -> None:
+        """An exception left a strand. What a stopped one raises on its way out is lost with it."""
+        strand = self._scheduler.current
+        if strand is None or strand.is_dying:
+            return
+        if strand.is_secondary:
+            self._warn_secondary(summary_of(error), strand)
+        elif not self._ending:
+            self.alarm = program.alarm(error, strand)
+            self._machine.emit(self.alarm)
+            self._end(ALARM)
+
+    def _left(self, program: Program) -> None:
+        """`raise SystemExit`."""
+        program.context.warn("SystemExit ends the program like halt()")
+        self._end(STOPPED)
+
+    # ---------------------------------------------------------------- secondary programs
+
+    def _begin_secondary(self, unit: CompiledUnit) -> None:
+        program = self._program
+        if program is None or self._main is None:
+            program = self._secondary_program = self._new_program({})
+        name = f"sec {unit.name}" if unit.name else "sec"
+        self._secondary = self._spawn(program, name, program.body_of(unit), is_secondary=True)
+        self._secondary_deadline = self._scheduler.now + SECONDARY_LIMIT_TICKS
+
+    def _end_secondary(self, strand: Strand) -> None:
+        if self._secondary_deadline >= 0:
+            limit_s = seconds(SECONDARY_LIMIT_TICKS)
+            self._warn_secondary(f"TimeoutError: stopped after {limit_s:g} s, it must be short", strand)
+        self._scheduler.kill(strand)
+
+    def _warn_secondary(self, text: str, strand: Strand) -> None:
+        self._machine.emit(Warned(self._machine.tick, SECONDARY_WARNING + text, strand.name, strand.line))
+
+    # ---------------------------------------------------------------- what contexts ask
+
+    def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
+        """Start a thread of the program."""
+        program = self._program
+        assert program is not None
+        return self._spawn(program, name, lambda: function(*args))
+
+    def thread_count(self) -> int:
+        """Living threads of the program besides its main one."""
+        return sum(1 for strand in self._scheduler.strands if not strand.is_secondary and strand is not self._main)
+
+    def halt(self) -> None:
+        """Have the program stopped as soon as the calling strand gives way."""
+        self._end(STOPPED)
+
+    def thread_failed(self, error: BaseException) -> None:
+        """An exception left the function of a `threading.Thread`."""
+        if self._program is not None:
+            self._failed(error, self._program)
+
+    def wait_for_confirmation(self) -> bool:
+        """Whether a popup that blocks is confirmed at once."""
+        return self._confirms_popups
+
+
+def _wait_of(strand: Strand) -> str:
+    """What a strand waits for, with the call of the standard library in which it does."""
+    reason = strand.waits_for
+    if not reason:
+        return ""
+    if strand.until is not None:
+        reason = f"{reason}, until {seconds(strand.until):.3f} s"
+    frame = strand.called_from_script()
+    if frame is not None and frame.f_globals.get("__name__") in COPIED:
+        return f"{reason} in {frame.f_globals['__name__']}.{frame.f_code.co_qualname}()"
+    return reason

@@ -1,0 +1,293 @@
+"""The namespace and the resources of one run."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from types import BuiltinFunctionType, FunctionType, ModuleType
+from typing import TYPE_CHECKING, Any, Final
+
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.context import Machine
+from elitescript.errors import ProgramError, ScriptPermissionError
+from elitescript.language.compiler import MAIN, CompiledUnit, Options, compile_expression, compile_unit
+from elitescript.language.source import SourceFile
+from elitescript.messages.events import Alarm
+from elitescript.messages.profile import Profile
+from elitescript.runtime.alarms import alarm_of
+from elitescript.runtime.bindings import builtins_for
+from elitescript.runtime.context import Context, TaskPort
+from elitescript.runtime.facades import Facade, ModuleShelf
+from elitescript.runtime.files import OpenFiles
+from elitescript.runtime.guards import Identities
+from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.strand import Strand
+from elitescript.runtime.world import World
+
+if TYPE_CHECKING:
+    from elitescript.runtime.stdlib.processes import ProcessTable
+
+SOURCES_MAX: Final = 256
+"""Texts of `eval` and `exec` that are kept, to show their lines."""
+
+_NOT_SHOWN: Final = (FunctionType, BuiltinFunctionType, type, ModuleType, Facade)
+"""Values that the variable monitor leaves out."""
+
+
+class Program:
+    """One run: its globals, its built-ins and what it holds open.
+
+    Args:
+        machine: the controller.
+        scheduler: runs its threads.
+        profile: the firmware.
+        world: everything outside.
+        seed: of its random numbers.
+        port: the host.
+        presets: program globals that have a value before it begins.
+
+    Attributes:
+        context: what its commands use.
+        builtins: names that it finds without importing.
+        globals: its program globals.
+        main: the strand of its body, once it is there.
+    """
+
+    __slots__ = (
+        "_files",
+        "_generator",
+        "_identities",
+        "_main",
+        "_processes",
+        "_profile",
+        "_sources",
+        "builtins",
+        "context",
+        "globals",
+        "scheduler",
+        "shelf",
+    )
+
+    def __init__(
+        self,
+        *,
+        machine: Machine,
+        scheduler: Scheduler,
+        profile: Profile,
+        world: World,
+        seed: int,
+        port: TaskPort,
+        presets: dict[str, object],
+    ) -> None:
+        self.scheduler = scheduler
+        self._profile = profile
+        self._generator = _LazyGenerator(seed)
+        self.context = Context(machine, scheduler, profile, self._generator, world, port)
+        self._files = OpenFiles(world)
+        self._identities = Identities()
+        self._sources: dict[str, SourceFile] = {}
+        self._main: Strand | None = None
+        self._processes: ProcessTable | None = None
+        self.shelf = ModuleShelf(self)
+        self.builtins = builtins_for(
+            self.context,
+            shelf=self.shelf,
+            files=self._files,
+            identities=self._identities,
+            evaluate=self._evaluator(),
+            execute=self._executor(),
+        )
+        self.globals: dict[str, Any] = {"__name__": "__main__", "__builtins__": self.builtins, **presets}
+
+    @property
+    def main(self) -> Strand:
+        """The main strand; in a namespace without a program, the strand that runs."""
+        strand = self._main or self.scheduler.current
+        assert strand is not None
+        return strand
+
+    @main.setter
+    def main(self, strand: Strand) -> None:
+        self._main = strand
+
+    def body_of(self, unit: CompiledUnit) -> Callable[[], None]:
+        """The body of a unit as a function; its names are those of this program."""
+        self._add_source(unit.source)
+
+        def body() -> None:
+            exec(unit.code, self.globals)
+            self.globals.pop(MAIN)()
+
+        return body
+
+    def monitor(self) -> dict[str, Any]:
+        """The variable monitor: program globals that have a value, in the order of their first assignment."""
+        return {
+            name: value
+            for name, value in self.globals.items()
+            if not name.startswith(("__", "@")) and not isinstance(value, _NOT_SHOWN)
+        }
+
+    def alarm(self, error: BaseException, strand: Strand) -> Alarm:
+        """The alarm that an uncaught exception makes."""
+        return alarm_of(
+            error,
+            tick=self.context.machine.tick,
+            thread=strand.name,
+            builtins=self.builtins,
+            sources=self._sources,
+            catalogue=CATALOGUE,
+            profile=self._profile,
+        )
+
+    def close(self) -> None:
+        """Let go of what the program holds; its globals stay readable."""
+        self.context.flush()
+        self._files.close()
+        self._identities.clear()
+
+    def _add_source(self, source: SourceFile) -> None:
+        if len(self._sources) < SOURCES_MAX:
+            self._sources.setdefault(source.name, source)
+
+    # ---------------------------------------------------------------- eval and exec
+
+    def _evaluator(self) -> Callable[..., Any]:
+        def evaluate(expression: Any, scope: Any = None, inner: Any = None) -> Any:
+            """`eval`: an expression, compiled like the program itself.
+
+            It sees the variables of the calling function and the program globals.
+
+            Raises:
+                SyntaxError: it is not an expression, or names what programs may not use.
+            """
+            if type(expression) is not str:
+                raise TypeError(f"eval() takes a str, not {type(expression).__name__}")
+            try:
+                code = compile_expression(SourceFile("<eval>", expression))
+            except ProgramError as error:
+                raise _syntax_error(error) from None
+            if scope is None:
+                # A caller that is not script code has variables that are not the program's.
+                frame = sys._getframe(1)
+                names = _Scope(self.globals, frame.f_locals if frame.f_builtins is self.builtins else {})
+            else:
+                names = _Scope(_checked_scope(scope), {} if inner is None else _checked_scope(inner))
+            dict.__setitem__(names, "__builtins__", self.builtins)
+            return eval(code, names)
+
+        evaluate.__name__ = evaluate.__qualname__ = "eval"
+        return evaluate
+
+    def _executor(self) -> Callable[..., None]:
+        def execute(text: Any) -> None:
+            """`exec`: statements, compiled like the program itself; they share its globals, not its variables.
+
+            Raises:
+                SyntaxError: it is not a program, or names what programs may not use.
+            """
+            if type(text) is not str:
+                raise TypeError(f"exec() takes a str, not {type(text).__name__}")
+            try:
+                unit = compile_unit(SourceFile("<exec>", text), Options(kind="script"))
+            except ProgramError as error:
+                raise _syntax_error(error) from None
+            self.body_of(unit)()
+
+        execute.__name__ = execute.__qualname__ = "exec"
+        return execute
+
+    # ---------------------------------------------------------------- modules
+
+    def module_names(self, name: str) -> dict[str, Any]:
+        """Names of one of our own modules."""
+        from elitescript.runtime.stdlib.own import own_names
+
+        return own_names(name, self)
+
+    def copy_replacements(self, is_loading_threads: Callable[[], bool]) -> dict[str, Any]:
+        """What private copies get in the place of modules."""
+        from types import SimpleNamespace
+
+        from elitescript.runtime.stdlib.clock import clock_names, copy_clock
+        from elitescript.runtime.stdlib.thread import thread_module
+
+        clock = {**clock_names(self.context), "monotonic": copy_clock(self.context)}
+        return {
+            "_thread": thread_module(self, is_loading=is_loading_threads),
+            "random": self.shelf.facade("random"),
+            "time": SimpleNamespace(**clock),
+        }
+
+    def start_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> int:
+        """See `Context.start_thread`."""
+        return self.context.start_thread(function, args, name)
+
+    def thread_failed(self, error: BaseException) -> None:
+        """See `Context.thread_failed`."""
+        self.context.thread_failed(error)
+
+    def generator(self) -> Any:
+        """The generator of the program's random numbers, for the module `random`."""
+        return self._generator.made()
+
+    @property
+    def processes(self) -> ProcessTable:
+        """The processes of the program, none of which exists."""
+        if self._processes is None:
+            from elitescript.runtime.stdlib.processes import ProcessTable
+
+            self._processes = ProcessTable()
+        return self._processes
+
+
+class _LazyGenerator:
+    """A generator that is made when the first number is drawn."""
+
+    __slots__ = ("_made", "_seed")
+
+    def __init__(self, seed: int) -> None:
+        self._seed = seed
+        self._made: Any = None
+
+    def made(self) -> Any:
+        if self._made is None:
+            from elitescript.runtime.stdlib.chance import new_generator
+
+            self._made = new_generator(self._seed)
+        return self._made
+
+    def random(self) -> float:
+        return float(self.made().random())
+
+
+class _Scope(dict[str, Any]):
+    """Names of an expression: those of the calling function, then the program globals as they are at that moment."""
+
+    __slots__ = ("_outer",)
+
+    def __init__(self, outer: dict[str, Any], own: dict[str, Any]) -> None:
+        super().__init__(own)
+        self._outer = outer
+
+    def __missing__(self, name: str) -> Any:
+        return self._outer[name]
+
+
+def _checked_scope(scope: Any) -> dict[str, Any]:
+    """A dict of names for `eval`.
+
+    Raises:
+        ScriptPermissionError: it holds names that programs may not use.
+    """
+    if type(scope) is not dict:
+        raise TypeError(f"eval() takes its names from a dict, not {type(scope).__name__}")
+    for name in scope:
+        if type(name) is not str or name.startswith(("__", "@")):
+            raise ScriptPermissionError(f"eval(): {name!r} cannot be a name", value=str(name))
+    return dict(scope)
+
+
+def _syntax_error(error: ProgramError) -> SyntaxError:
+    problem = next(problem for problem in error.problems if problem.is_error)
+    return SyntaxError(problem.text)

@@ -1,0 +1,65 @@
+"""`random` for scripts: every generator is seeded, so every run draws the same numbers."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from elitescript.runtime.stdlib.loader import real
+
+_METHODS: Final = (
+    "betavariate",
+    "choice",
+    "choices",
+    "expovariate",
+    "gammavariate",
+    "gauss",
+    "getrandbits",
+    "getstate",
+    "lognormvariate",
+    "normalvariate",
+    "paretovariate",
+    "randbytes",
+    "randint",
+    "random",
+    "randrange",
+    "sample",
+    "setstate",
+    "shuffle",
+    "triangular",
+    "uniform",
+    "vonmisesvariate",
+    "weibullvariate",
+)
+
+
+def new_generator(seed: int) -> Any:
+    """A seeded generator: `random.Random`."""
+    return real("random").Random(seed)
+
+
+def random_names(generator: Any) -> dict[str, Any]:
+    """Public names of `random` for one program.
+
+    Args:
+        generator: draws for the functions of the module, and seeds generators that get no seed.
+    """
+    base = type(generator)
+
+    class Random(base):  # type: ignore[misc, valid-type]
+        """A generator of the program's own."""
+
+        def __init__(self, seed: Any = None) -> None:
+            super().__init__(generator.getrandbits(64) if seed is None else seed)
+
+        def seed(self, a: Any = None, version: int = 2) -> None:
+            """Begin a sequence; without a seed, one that the run's seed decides."""
+            super().seed(generator.getrandbits(64) if a is None else a, version)
+
+    Random.__module__ = "random"
+    Random.__qualname__ = "Random"
+
+    def seed(a: Any = None, version: int = 2) -> None:
+        """Begin a sequence; without a seed, one that the run's seed decides."""
+        generator.seed(generator.getrandbits(64) if a is None else a, version)
+
+    return {**{name: getattr(generator, name) for name in _METHODS}, "Random": Random, "seed": seed}

@@ -1,0 +1,133 @@
+"""`time` for scripts and for copies of the standard library: the clock is the robot's, and stands still between ticks.
+
+The zone is UTC whatever the computer's is (*assumed*), so that a program prints the same everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final, Protocol
+
+from elitescript.errors import ScriptStateError
+from elitescript.messages.timing import seconds, ticks_for
+from elitescript.runtime.stdlib.loader import real
+
+COPY_GAIN_S: Final = 1e-9
+"""How much faster per tick the clock of the copies runs than the robot's.
+
+`threading` and `queue` compute an end from a sum of floats and wait again while the difference to it is above 0.
+The gain is more than the rounding of such sums and less than any wait, so a wait of n ticks is over after n ticks.
+"""
+
+
+class ClockPort(Protocol):
+    """What the module asks of the program that it belongs to."""
+
+    @property
+    def is_secondary(self) -> bool:
+        """Whether the caller is a secondary program."""
+
+    @property
+    def now(self) -> int:
+        """The present tick."""
+
+    def timestamp_s(self) -> float:
+        """The controller's clock, seconds since 1970."""
+
+    def wait_ticks(self, count: int) -> None:
+        """Let `count` ticks go by."""
+
+
+def clock_names(port: ClockPort) -> dict[str, Any]:
+    """Public names of `time` for one program."""
+    host = real("time")
+
+    def time() -> float:
+        """The controller's clock, seconds since 1970."""
+        return port.timestamp_s()
+
+    def time_ns() -> int:
+        """The controller's clock, nanoseconds since 1970."""
+        return round(port.timestamp_s() * 1000) * 1_000_000
+
+    def monotonic() -> float:
+        """Seconds since the robot was switched on."""
+        return seconds(port.now)
+
+    def monotonic_ns() -> int:
+        """Nanoseconds since the robot was switched on."""
+        return port.now * 4_000_000
+
+    def sleep(secs: float) -> None:
+        """Let the calling thread wait; others go on."""
+        if port.is_secondary:
+            raise ScriptStateError(
+                "time.sleep waits, which a secondary program (sec) may not do", code="R120", command="time.sleep"
+            )
+        if not isinstance(secs, (int, float)):
+            raise TypeError(f"{type(secs).__name__!r} object cannot be interpreted as a number of seconds")
+        if secs < 0:
+            raise ValueError("sleep length must be non-negative")
+        port.wait_ticks(ticks_for(secs))
+
+    def gmtime(secs: float | None = None) -> Any:
+        """A time as year, month, day, ... in UTC; the present one by default."""
+        return host.gmtime(time() if secs is None else secs)
+
+    def ctime(secs: float | None = None) -> str:
+        """A time as a text; the present one by default."""
+        return str(host.asctime(gmtime(secs)))
+
+    def asctime(parts: Any = None) -> str:
+        """Year, month, day, ... as a text; the present time by default."""
+        return str(host.asctime(gmtime() if parts is None else parts))
+
+    def strftime(template: str, parts: Any = None) -> str:
+        """Year, month, day, ... in a form of one's own; the present time by default."""
+        return str(host.strftime(template, gmtime() if parts is None else parts))
+
+    def mktime(parts: Any) -> float:
+        """The seconds since 1970 of year, month, day, ... in UTC."""
+        return float(real("calendar").timegm(parts))
+
+    def strptime(text: str, template: str = "%a %b %d %H:%M:%S %Y") -> Any:
+        """Read a time in a form of one's own."""
+        return host.strptime(text, template)
+
+    functions: tuple[Callable[..., Any], ...] = (
+        asctime,
+        ctime,
+        gmtime,
+        mktime,
+        monotonic,
+        monotonic_ns,
+        sleep,
+        strftime,
+        strptime,
+        time,
+        time_ns,
+    )
+    return {
+        **{function.__name__: function for function in functions},
+        "altzone": 0,
+        "daylight": 0,
+        "localtime": gmtime,
+        "perf_counter": monotonic,
+        "perf_counter_ns": monotonic_ns,
+        "process_time": monotonic,
+        "process_time_ns": monotonic_ns,
+        "struct_time": host.struct_time,
+        "thread_time": monotonic,
+        "timezone": 0,
+        "tzname": ("UTC", "UTC"),
+    }
+
+
+def copy_clock(port: ClockPort) -> Callable[[], float]:
+    """`monotonic` for the copies; see `COPY_GAIN_S`."""
+
+    def monotonic() -> float:
+        tick = port.now
+        return seconds(tick) + tick * COPY_GAIN_S
+
+    return monotonic

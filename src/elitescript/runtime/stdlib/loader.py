@@ -1,0 +1,207 @@
+"""Private copies of installed pure-Python modules, one set for each run.
+
+A copy is executed from the installed module's own code, with our modules in the place of some that it imports.
+`threading` and `queue` thereby get the exact semantics of CPython over our lock and our clock, and a program that
+patches a class of a copy patches it for itself alone. No text of the standard library is kept here.
+"""
+
+from __future__ import annotations
+
+import builtins
+import sys
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from importlib.machinery import PathFinder
+from types import CodeType, ModuleType, SimpleNamespace
+from typing import Any, Final
+
+from elitescript.errors import InternalError
+
+KNOWN_PYTHONS: Final = ((3, 11), (3, 12), (3, 13))
+"""Versions whose modules were tried as copies; another one may import other names."""
+
+ABSENT: Final = object()
+"""Stands for a module that a copy must not find, so that it takes its own Python code."""
+
+
+class CopyLoader:
+    """Makes and keeps the copies of one run.
+
+    Args:
+        replacements: by name, what a copy gets when it imports that module, or `ABSENT`.
+    """
+
+    __slots__ = ("_builtins", "_copies", "_replacements")
+
+    def __init__(self, replacements: dict[str, Any]) -> None:
+        self._copies: dict[str, ModuleType] = {}
+        self._replacements = {"sys": _system({}), "warnings": SimpleNamespace(warn=_no_output), **replacements}
+        self._builtins = {**vars(builtins), "__import__": self._import, "print": _no_output}
+
+    def load(self, name: str) -> ModuleType:
+        """The copy of a module.
+
+        Raises:
+            InternalError: this Python is not known.
+        """
+        module = self._copies.get(name)
+        if module is None:
+            check_python()
+            module = ModuleType(name)
+            space = vars(module)
+            package = SOURCES.get(name, name)
+            space["__package__"] = package if package in PACKAGES else package.rpartition(".")[0]
+            space["__builtins__"] = self._builtins
+            self._copies[name] = module
+            try:
+                exec(_code_of(package), space)
+            except BaseException:
+                del self._copies[name]
+                raise
+        return module
+
+    def _import(
+        self,
+        name: str,
+        space: dict[str, Any] | None = None,
+        names: object = None,
+        fromlist: tuple[str, ...] | None = (),
+        level: int = 0,
+    ) -> Any:
+        if level:
+            assert space is not None
+            package = space["__package__"]
+            if not name:
+                return SimpleNamespace(**{part: self.load(f"{package}.{part}") for part in fromlist or ()})
+            name = f"{package}.{name}"
+        if name in COPIED:
+            module = self.load(name)
+            if name in PACKAGES and fromlist:
+                parts = {part: f"{name}.{part}" for part in fromlist if f"{name}.{part}" in COPIED}
+                return SimpleNamespace(**vars(module), **{part: self.load(full) for part, full in parts.items()})
+            return module
+        if name == "sys" and space is not None and space["__name__"] == "dataclasses":
+            return _system({"dataclasses": self._copies["dataclasses"]})
+        if name in self._replacements:
+            found = self._replacements[name]
+            if found is ABSENT:
+                raise ImportError(f"no module named {name!r} for a copy")
+            return found
+        return builtins.__import__(name, None, None, fromlist or (), 0)
+
+
+COPIED: Final = frozenset(
+    {
+        "_strptime",
+        "collections",
+        "collections.abc",
+        "dataclasses",
+        "datetime",
+        "enum",
+        "fractions",
+        "functools",
+        "json",
+        "json.decoder",
+        "json.encoder",
+        "json.scanner",
+        "queue",
+        "statistics",
+        "string",
+        "textwrap",
+        "threading",
+    }
+)
+"""Modules that copies of each other find as copies."""
+
+PACKAGES: Final = frozenset({"json"})
+
+SOURCES: Final = {
+    "collections.abc": "_collections_abc",
+    "datetime": "datetime" if sys.version_info < (3, 12) else "_pydatetime",
+}
+"""Where the Python code of a module is, if not under its own name."""
+
+
+def check_python(version: tuple[int, int] = sys.version_info[:2]) -> None:
+    """Refuse a Python whose modules were never tried as copies.
+
+    Raises:
+        InternalError: with the versions that are known.
+    """
+    if version not in KNOWN_PYTHONS:
+        known = ", ".join(f"{major}.{minor}" for major, minor in KNOWN_PYTHONS)
+        raise InternalError(
+            f"Python {version[0]}.{version[1]} is newer or older than elitescript: its threading, queue and datetime "
+            f"modules cannot be used in scripts; use Python {known}"
+        )
+
+
+@cache
+def _code_of(name: str) -> CodeType:
+    """The code of an installed module, from its compiled file where there is one."""
+    path = None
+    if "." in name:
+        package = PathFinder.find_spec(name.partition(".")[0])
+        path = None if package is None else package.submodule_search_locations
+    spec = PathFinder.find_spec(name, path)
+    loader: Any = None if spec is None else spec.loader
+    code: CodeType | None = None if loader is None else loader.get_code(name)
+    if code is None:
+        raise InternalError(f"the Python code of the module {name!r} is not installed")
+    return code
+
+
+class _Modules(dict[str, Any]):
+    """`sys.modules` for a copy: says that it holds nothing, whatever it holds."""
+
+    def __contains__(self, name: object) -> bool:
+        return False
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """An empty module for everything but `typing`, which annotations in text form are compared with."""
+        return default if name == "typing" else _EMPTY
+
+
+_EMPTY: Final = SimpleNamespace()
+
+
+def _system(modules: dict[str, Any]) -> SimpleNamespace:
+    """`sys` for a copy: what it uses of it, and nothing that leads out."""
+    return SimpleNamespace(
+        _getframe=sys._getframe,
+        exc_info=sys.exc_info,
+        excepthook=_no_output,
+        float_info=sys.float_info,
+        getsizeof=sys.getsizeof,
+        hash_info=sys.hash_info,
+        intern=sys.intern,
+        maxsize=sys.maxsize,
+        modules=_Modules(modules),
+        platform="linux",
+        setprofile=_no_output,
+        settrace=_no_output,
+        stderr=None,
+        stdout=None,
+        version_info=sys.version_info,
+    )
+
+
+def real(name: str) -> ModuleType:
+    """An installed module itself; for our own code, never for scripts."""
+    return import_module(name)
+
+
+def forwarded(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of an installed module behind one of ours: what a program hangs on it ends with the program."""
+
+    def call(*args: Any, **kwargs: Any) -> Any:
+        return function(*args, **kwargs)
+
+    call.__name__ = call.__qualname__ = function.__name__
+    call.__doc__ = function.__doc__
+    return call
+
+
+def _no_output(*values: object, **options: object) -> None:
+    """Takes the place of `print` and of warnings in copies."""

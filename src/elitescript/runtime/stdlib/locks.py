@@ -1,0 +1,272 @@
+"""The primitive lock and what is made of it: re-entrant lock, thread-local storage.
+
+Semantics are those of `_thread` in CPython, with three additions. A released lock is handed to the thread that
+has waited longest. A thread that gets the lock in the tick in which its time-out ends has got it. A thread that
+is being stopped never waits: a lock that it cannot have is taken in pretence and given back in pretence, so that
+`with condition:` unwinds without disturbing the owner.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any, Final
+
+from elitescript.messages.timing import ticks_for
+from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
+from elitescript.runtime.strand import Strand
+
+TIMEOUT_MAX: Final = 9_223_372_036.0
+"""Longest time-out, s; that of CPython on 64-bit systems."""
+
+
+class _Claim:
+    """A thread that waits for a lock."""
+
+    __slots__ = ("is_granted", "strand")
+
+    def __init__(self, strand: Strand) -> None:
+        self.strand = strand
+        self.is_granted = False
+
+
+class _Mutex:
+    """What stands behind a lock that scripts hold."""
+
+    __slots__ = ("claims", "count", "is_locked", "owner", "scheduler")
+
+    def __init__(self, scheduler: Scheduler) -> None:
+        self.scheduler = scheduler
+        self.is_locked = False
+        self.owner: Strand | None = None
+        self.count = 0
+        """How often the owner has taken it; for re-entrant locks."""
+        self.claims: deque[_Claim] = deque()
+
+    def take(self, timeout_s: float | None) -> bool:
+        """Take it, waiting if need be; False when the time-out was first.
+
+        Args:
+            timeout_s: None waits for ever, 0 does not wait.
+        """
+        scheduler = self.scheduler
+        strand = scheduler.current
+        if not self.is_locked:
+            self.is_locked = True
+            self.owner = strand
+            return True
+        if timeout_s == 0.0:
+            return False
+        if strand is None or strand.is_dying:
+            scheduler.refuse_if_stopped()
+            assert strand is not None
+            strand.owed[self] = strand.owed.get(self, 0) + 1
+            return True
+        claim = _Claim(strand)
+        self.claims.append(claim)
+        until = None if timeout_s is None else scheduler.now + max(1, ticks_for(timeout_s))
+        try:
+            scheduler.wait("a lock", until)
+        except BaseException:
+            if claim.is_granted:
+                self.give_on()
+            else:
+                self.claims.remove(claim)
+            raise
+        if not claim.is_granted:
+            self.claims.remove(claim)
+        return claim.is_granted
+
+    def give_back(self) -> None:
+        """Release it.
+
+        Raises:
+            RuntimeError: nobody holds it.
+        """
+        strand = self.scheduler.current
+        if strand is not None and strand.is_dying:
+            owed = strand.owed.get(self, 0)
+            if owed:
+                strand.owed[self] = owed - 1
+                return
+            if not self.is_locked:
+                return
+        if not self.is_locked:
+            raise RuntimeError("release unlocked lock")
+        self.give_on()
+
+    def give_on(self) -> None:
+        """Hand it to the thread that has waited longest, or leave it free."""
+        self.count = 0
+        if self.claims:
+            claim = self.claims.popleft()
+            claim.is_granted = True
+            self.owner = claim.strand
+            self.scheduler.wake(claim.strand)
+        else:
+            self.is_locked = False
+            self.owner = None
+
+
+def _timeout(blocking: Any, timeout: Any) -> float | None:
+    """The arguments of `acquire` as seconds: None for ever, 0 not at all.
+
+    Raises:
+        ValueError, OverflowError: as CPython's.
+    """
+    if not blocking:
+        if timeout != -1:
+            raise ValueError("can't specify a timeout for a non-blocking call")
+        return 0.0
+    if timeout == -1:
+        return None
+    if timeout < 0:
+        raise ValueError("timeout value must be a non-negative number")
+    if timeout > TIMEOUT_MAX:
+        raise OverflowError("timeout value is too large")
+    return float(timeout)
+
+
+class lock(metaclass=Sealed):
+    """A lock as scripts hold it."""
+
+    __slots__ = ("__weakref__", "_mutex")
+    __module__ = "_thread"
+    __reduce_ex__ = no_copy
+
+    def acquire(self, blocking: Any = True, timeout: Any = -1) -> bool:
+        """Take the lock; see `threading.Lock.acquire`."""
+        mutex: _Mutex = _mutex_of(self)
+        return mutex.take(None if blocking is True and timeout == -1 else _timeout(blocking, timeout))
+
+    def release(self) -> None:
+        """Give the lock back.
+
+        Raises:
+            RuntimeError: it is free.
+        """
+        _mutex_of(self).give_back()
+
+    def locked(self) -> bool:
+        """Whether some thread holds it."""
+        return bool(_mutex_of(self).is_locked)
+
+    def __enter__(self) -> bool:
+        return bool(_mutex_of(self).take(None))
+
+    def __exit__(self, *details: object) -> None:
+        _mutex_of(self).give_back()
+
+    def __repr__(self) -> str:
+        state = "locked" if self.locked() else "unlocked"
+        return f"<{state} _thread.lock object at {id(self):#018x}>"
+
+
+_mutex = hidden_slot(lock, "_mutex")
+_mutex_of = _mutex.__get__
+
+
+class RLock(metaclass=Sealed):
+    """A lock that its owner can take again."""
+
+    __slots__ = ("__weakref__", "_mutex")
+    __module__ = "_thread"
+    __reduce_ex__ = no_copy
+
+    def acquire(self, blocking: Any = True, timeout: Any = -1) -> bool:
+        """Take the lock; see `threading.RLock.acquire`."""
+        mutex: _Mutex = _rmutex_of(self)
+        timeout_s = None if blocking is True and timeout == -1 else _timeout(blocking, timeout)
+        if mutex.owner is not None and mutex.owner is mutex.scheduler.current:
+            mutex.count += 1
+            return True
+        return _retake(mutex, timeout_s, 1)
+
+    def release(self) -> None:
+        """Give the lock back once.
+
+        Raises:
+            RuntimeError: the calling thread does not hold it.
+        """
+        mutex: _Mutex = _rmutex_of(self)
+        if mutex.owner is None or mutex.owner is not mutex.scheduler.current:
+            _give_back_unowned(mutex)
+            return
+        mutex.count -= 1
+        if mutex.count == 0:
+            mutex.give_on()
+
+    def __enter__(self) -> bool:
+        return self.acquire()
+
+    def __exit__(self, *details: object) -> None:
+        self.release()
+
+    def _is_owned(self) -> bool:
+        mutex: _Mutex = _rmutex_of(self)
+        strand = mutex.scheduler.current
+        return strand is not None and (mutex.owner is strand or strand.owed.get(mutex, 0) > 0)
+
+    def _recursion_count(self) -> int:
+        return _rmutex_of(self).count if self._is_owned() else 0
+
+    def _release_save(self) -> int:
+        mutex: _Mutex = _rmutex_of(self)
+        if mutex.owner is None or mutex.owner is not mutex.scheduler.current:
+            _give_back_unowned(mutex)
+            return 1
+        count = mutex.count
+        mutex.give_on()
+        return count
+
+    def _acquire_restore(self, count: int) -> None:
+        _retake(_rmutex_of(self), None, count)
+
+    def __repr__(self) -> str:
+        mutex: _Mutex = _rmutex_of(self)
+        state = "locked" if mutex.is_locked else "unlocked"
+        owner = mutex.owner.handle if mutex.owner is not None else 0
+        return f"<{state} _thread.RLock object owner={owner} count={mutex.count} at {id(self):#018x}>"
+
+
+_rmutex = hidden_slot(RLock, "_mutex")
+_rmutex_of = _rmutex.__get__
+
+
+def _retake(mutex: _Mutex, timeout_s: float | None, count: int) -> bool:
+    if not mutex.take(timeout_s):
+        return False
+    if mutex.owner is mutex.scheduler.current:
+        mutex.count = count
+    return True
+
+
+def _give_back_unowned(mutex: _Mutex) -> None:
+    """Release by a thread that does not own it: a dying one may."""
+    strand = mutex.scheduler.current
+    if strand is None or not strand.is_dying:
+        raise RuntimeError("cannot release un-acquired lock")
+    owed = strand.owed.get(mutex, 0)
+    if owed:
+        strand.owed[mutex] = owed - 1
+
+
+def new_lock(scheduler: Scheduler) -> lock:
+    """A lock of the threads of one scheduler."""
+    result = lock()
+    _mutex.__set__(result, _Mutex(scheduler))
+    return result
+
+
+def new_rlock(scheduler: Scheduler) -> RLock:
+    """A re-entrant lock of the threads of one scheduler."""
+    result = RLock()
+    _rmutex.__set__(result, _Mutex(scheduler))
+    return result
+
+
+def release_at_end(lock_: lock) -> None:
+    """Release a lock because the thread that it stands for has ended."""
+    mutex: _Mutex = _mutex_of(lock_)
+    if mutex.is_locked:
+        mutex.give_on()

@@ -1,0 +1,214 @@
+"""One script thread, and the only place that knows how it is suspended.
+
+A strand is a greenlet: it keeps its whole stack while it waits, so a wait can happen anywhere, also inside
+`sorted(key=...)`, a property or a `with` statement. Strands of one scheduler belong to one thread of the
+operating system and give way only where they say so.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from types import FrameType
+from typing import Any, Final
+
+from greenlet import GreenletExit, getcurrent, greenlet  # type: ignore[import-untyped]
+
+READY: Final = "ready"
+WAITING: Final = "waiting"
+ENDED: Final = "ended"
+
+CLEANUP_WORK: Final = 1000
+"""Checkpoints that the `finally` blocks of a stopped thread may pass; what takes longer is cut off."""
+
+REFUSALS_MAX: Final = 100
+"""How often a thread may swallow its stop before it is given up."""
+
+STOP: Final = GreenletExit
+"""What every `try` of a script lets pass: `Stopped`, and what a forgotten strand gets when it is collected."""
+
+
+class Stopped(GreenletExit):  # type: ignore[misc]
+    """Ends a script thread from where it stands; a `BaseException`, so that `except Exception` lets it pass."""
+
+
+class Strand:
+    """A script thread.
+
+    Args:
+        order: place in the order of start, from 0.
+        handle: what scripts know it by; never 0.
+        name: for messages.
+        body: runs in the thread; must not raise, except to reach the caller of `resume`.
+        builtins: the built-ins that its script code runs with; a frame with others is not script code.
+        is_secondary: whether it is a secondary program.
+
+    Attributes:
+        state: `READY`, `WAITING` or `ENDED`.
+        work: checkpoints counted in the tick `work_tick`.
+        waits_for: in plain words; empty while it does not wait.
+        until: tick of the time-out of its wait; None without one.
+        ticket: number of its present wait; a timer with another number is stale.
+        was_woken: whether the last wait ended by a wake-up and not by its time-out.
+        is_dying: it was stopped, and unwinds or will.
+        is_abandoned: it could not be stopped and will never run again.
+        cancel: undoes what it waits for at the moment of a stop (brakes a move).
+        owed: locks that it took only in pretence while dying, and how often.
+        at_end: called once when it has ended.
+    """
+
+    __slots__ = (
+        "_body",
+        "_builtins",
+        "_greenlet",
+        "_line",
+        "_line_activation",
+        "activations",
+        "at_end",
+        "cancel",
+        "cleanup_left",
+        "handle",
+        "is_abandoned",
+        "is_dying",
+        "is_secondary",
+        "name",
+        "order",
+        "owed",
+        "refusals",
+        "resume",
+        "state",
+        "ticket",
+        "until",
+        "waits_for",
+        "was_woken",
+        "work",
+        "work_tick",
+    )
+
+    def __init__(
+        self,
+        order: int,
+        handle: int,
+        name: str,
+        body: Callable[[], None],
+        builtins: dict[str, Any],
+        *,
+        is_secondary: bool = False,
+    ) -> None:
+        self.order = order
+        self.handle = handle
+        self.name = name
+        self.is_secondary = is_secondary
+        self._body = body
+        self._builtins = builtins
+        self._greenlet: greenlet | None = None
+        self.resume: Callable[[], Any] = self._begin
+        self.state = READY
+        self.work = 0
+        self.work_tick = -1
+        self.waits_for = ""
+        self.until: int | None = None
+        self.ticket = 0
+        self.was_woken = False
+        self.is_dying = False
+        self.is_abandoned = False
+        self.cleanup_left = CLEANUP_WORK
+        self.refusals = 0
+        self.cancel: Callable[[], None] | None = None
+        self.owed: dict[object, int] = {}
+        self.at_end: list[Callable[[], None]] = []
+        self.activations = 0
+        self._line = 0
+        self._line_activation = -1
+
+    def _begin(self) -> None:
+        self._greenlet = greenlet(self._body)
+        self.resume = self._greenlet.switch
+        self.resume()
+
+    @property
+    def is_started(self) -> bool:
+        """Whether it has run at all."""
+        return self._greenlet is not None
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether its body has returned."""
+        return self._greenlet is not None and self._greenlet.dead
+
+    @property
+    def is_running(self) -> bool:
+        """Whether the caller runs in this strand."""
+        return self._greenlet is getcurrent()
+
+    def suspend(self) -> None:
+        """Give control back to whoever resumed it; returns when it is resumed again. Only inside the strand."""
+        assert self._greenlet is not None and self._greenlet.parent is not None
+        self._greenlet.parent.switch()
+
+    def abandon(self) -> None:
+        """Give it up: it can be neither run nor stopped, and its stack is kept for ever."""
+        self.is_abandoned = True
+        _abandoned.append(self._greenlet)
+
+    # ---------------------------------------------------------------- where it stands
+
+    @property
+    def line(self) -> int:
+        """Innermost line of script text that it is in; 0 before it has begun and after its end."""
+        if self._greenlet is None or self.state == ENDED:
+            return 0
+        if self._greenlet is getcurrent():
+            frame = self.script_frame()
+            return frame.f_lineno or 0 if frame is not None else 0
+        if self._line_activation != self.activations:
+            frame = self.script_frame()
+            self._line = frame.f_lineno or 0 if frame is not None else 0
+            self._line_activation = self.activations
+        return self._line
+
+    def script_frame(self) -> FrameType | None:
+        """Innermost frame of script code; None when there is none."""
+        builtins = self._builtins
+        frame = self._top_frame()
+        while frame is not None and frame.f_builtins is not builtins:
+            frame = frame.f_back
+        return frame
+
+    def called_from_script(self) -> FrameType | None:
+        """The frame that the innermost line of script text has called; None if it has called none of ours."""
+        called = None
+        frame = self._top_frame()
+        while frame is not None and frame.f_builtins is not self._builtins:
+            called, frame = frame, frame.f_back
+        return called
+
+    def _top_frame(self) -> FrameType | None:
+        if self._greenlet is None:
+            return None
+        return sys._getframe(1) if self._greenlet is getcurrent() else self._greenlet.gr_frame
+
+    def __repr__(self) -> str:
+        return f"<Strand {self.name} {self.state}>"
+
+
+def is_stop(error: BaseException | None) -> bool:
+    """Whether an exception ends a strand."""
+    return isinstance(error, GreenletExit)
+
+
+def is_unwinding() -> bool:
+    """Whether the caller runs in a `finally` block or an `__exit__` that a stop passes through.
+
+    Once script code has swallowed the stop, it is not.
+    """
+    error = sys.exception()
+    while error is not None:
+        if isinstance(error, GreenletExit):
+            return True
+        error = error.__context__
+    return False
+
+
+_abandoned: Final[list[greenlet | None]] = []
+"""Stacks that swallow every stop. To collect one would run its code again, so they are never collected."""

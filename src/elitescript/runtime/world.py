@@ -1,0 +1,147 @@
+"""What lies outside a program, as an interface.
+
+A program reaches nothing by itself: files of its task folder today, and later sockets, serial lines, remote
+procedure calls and Modbus peers, each as one more part of `World`. A world is real (this computer), in memory
+(tests) or remote (a controller whose scripts run in a process of their own); programs cannot tell which.
+
+Names of files are virtual. Scripts see the task folder as `/task/`; what reaches a world is a name relative to
+that folder, with `/` between its parts and without `..`.
+"""
+
+from __future__ import annotations
+
+from typing import IO, Any, Final, Protocol
+
+from elitescript.errors import ArgumentTypeError, ScriptPermissionError
+
+TASK_PATH: Final = "/task/"
+"""The task folder as scripts see it; ends in `/` because programs append names to it (*assumed*)."""
+
+
+class Files(Protocol):
+    """The task folder.
+
+    Errors are `OSError` or `ScriptPermissionError`; their text and file name show names relative to the folder,
+    never where the folder is.
+    """
+
+    def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
+        """Open a file.
+
+        Args:
+            name: relative to the task folder.
+            mode: as Python's `open`, checked already.
+            encoding: of a text file; None for a binary one.
+            newline: as Python's `open`.
+
+        Raises:
+            OSError: the file is missing, exists already, is a folder, ...
+            ScriptPermissionError: the name leads out of the folder, through a link for instance.
+        """
+
+    def kind(self, name: str) -> str:
+        """`file`, `folder` or, when there is nothing of that name, an empty text."""
+
+    def size(self, name: str) -> int:
+        """Bytes of a file."""
+
+    def names(self, name: str) -> list[str]:
+        """Sorted names in a folder."""
+
+    def remove(self, name: str) -> None:
+        """Delete a file."""
+
+    def make_folder(self, name: str) -> None:
+        """Make a folder in an existing one."""
+
+
+class World(Protocol):
+    """Everything outside, in parts."""
+
+    @property
+    def files(self) -> Files:
+        """The task folder."""
+
+
+class FilesRefused:
+    """The task folder of a world that has none."""
+
+    __slots__ = ()
+
+    def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
+        """Refuse."""
+        raise self._refusal(name)
+
+    def kind(self, name: str) -> str:
+        """There is nothing."""
+        return "folder" if name == "" else ""
+
+    def size(self, name: str) -> int:
+        """Refuse."""
+        raise self._refusal(name)
+
+    def names(self, name: str) -> list[str]:
+        """There is nothing."""
+        return []
+
+    def remove(self, name: str) -> None:
+        """Refuse."""
+        raise self._refusal(name)
+
+    def make_folder(self, name: str) -> None:
+        """Refuse."""
+        raise self._refusal(name)
+
+    @staticmethod
+    def _refusal(name: str) -> ScriptPermissionError:
+        return ScriptPermissionError(f"cannot open {name!r}: this run has no task folder")
+
+
+class NoWorld:
+    """A world in which there is nothing."""
+
+    __slots__ = ("files",)
+
+    def __init__(self) -> None:
+        self.files: Files = FilesRefused()
+
+
+def relative_name(path: object) -> str:
+    """The name in the task folder that a script's path means; empty for the folder itself.
+
+    A relative path counts from the task folder (*assumed*). `//` and `.` are dropped, `..` goes up.
+
+    Raises:
+        ArgumentTypeError: not a str.
+        ScriptPermissionError: the path leads out of the task folder.
+    """
+    if type(path) is not str:
+        raise ArgumentTypeError(f"a path must be a str, not {type(path).__name__}", value=path, limit="a str")
+    if "\0" in path:
+        raise ScriptPermissionError("a path cannot hold a null character", value=path)
+    text = path.replace("\\", "/")
+    root = TASK_PATH.rstrip("/")
+    if text.startswith("/"):
+        text = "/" + text.lstrip("/")
+        if text != root and not text.startswith(TASK_PATH):
+            raise _outside(path)
+        text = text[len(root) :]
+    elif len(text) > 1 and text[1] == ":":
+        raise _outside(path)
+    parts: list[str] = []
+    for part in text.split("/"):
+        if part == "..":
+            if not parts:
+                raise _outside(path)
+            parts.pop()
+        elif part not in ("", "."):
+            parts.append(part)
+    return "/".join(parts)
+
+
+def _outside(path: str) -> ScriptPermissionError:
+    return ScriptPermissionError(
+        f"cannot open {path!r}: programs reach only the files of the task folder, get_task_path() = {TASK_PATH!r}",
+        value=path,
+        limit=TASK_PATH,
+    )
