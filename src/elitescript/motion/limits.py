@@ -73,13 +73,22 @@ def joint_outside(limits: MotionLimits, q: Sequence[float]) -> int | None:
 
 
 def joint_range_error(
-    limits: MotionLimits, joint: int, angle: float, place: str, hint: str | None = None
+    limits: MotionLimits, joint: int, angle: float, place: str, *, more: str = "", hint: str | None = None
 ) -> MotionError:
-    """Return the R110 refusal for a joint that would leave its range; `place` says where on the move."""
+    """Return the R110 refusal for a joint that would leave its range.
+
+    Args:
+        limits: limits of the arm.
+        joint: index of the joint.
+        angle: where it would be, rad.
+        place: where on the move that is.
+        more: added at the end of the text.
+        hint: what to do about it.
+    """
     low, high = limits.q_min[joint], limits.q_max[joint]
     return MotionError(
         f"{place}, joint {JOINT_NAMES[joint]} would be at {angle:.4f} rad ({degrees(angle):.1f} deg); "
-        f"its range is {low:.4f} to {high:.4f} rad ({degrees(low):.1f} to {degrees(high):.1f} deg)",
+        f"its range is {low:.4f} to {high:.4f} rad ({degrees(low):.1f} to {degrees(high):.1f} deg){more}",
         code="R110",
         value=angle,
         limit=f"[{low:.6g}, {high:.6g}]",

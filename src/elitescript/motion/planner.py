@@ -31,7 +31,7 @@ from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import singularity
 from elitescript.kinematics.transforms import IDENTITY, Transform, compose, transform_from_pose
-from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveRequest, Six
+from elitescript.messages.motion import MoveC, MoveJ, MoveL, Six
 from elitescript.motion.jointline import JointLine
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.path import CartesianPath, arc, line
@@ -78,15 +78,6 @@ class Plan:
     notes: tuple[Note, ...] = ()
 
 
-def plan(arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Transform, request: MoveRequest) -> Plan:
-    """Plan any move from standstill at q_start (rad); see the function of its kind."""
-    if isinstance(request, MoveJ):
-        return plan_movej(arm, limits, q_start, request, T_flange_tcp)
-    if isinstance(request, MoveL):
-        return plan_movel(arm, limits, q_start, T_flange_tcp, request)
-    return plan_movec(arm, limits, q_start, T_flange_tcp, request)
-
-
 def plan_movej(
     arm: Arm, limits: MotionLimits, q_start: Six, request: MoveJ, T_flange_tcp: Transform = IDENTITY
 ) -> Plan:
@@ -105,7 +96,9 @@ def plan_movej(
     _check_numbers("q", request.q_target, request.a, request.v, request.t_s, request.r)
     joint = joint_outside(limits, request.q_target)
     if joint is not None:
-        raise joint_range_error(limits, joint, request.q_target[joint], "at the target", "choose a target in the range")
+        raise joint_range_error(
+            limits, joint, request.q_target[joint], "at the target", hint="choose a target inside the range"
+        )
     path = JointLine(arm, T_flange_tcp, q_start, request.q_target)
     if path.length == 0.0:
         return Plan(Segment(path, REST))

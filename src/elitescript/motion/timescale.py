@@ -65,7 +65,7 @@ class TimeScale:
             UsageError: a time before this scale began.
         """
         elapsed_s = self._elapsed_s(t_s)
-        if elapsed_s >= self.ramp_s:
+        if t_s >= self.settled_s:
             return self.rate_target
         return self.rate_start + (self.rate_target - self.rate_start) * (elapsed_s / self.ramp_s)
 
@@ -76,8 +76,8 @@ class TimeScale:
             UsageError: a time before this scale began.
         """
         elapsed_s = self._elapsed_s(t_s)
-        if elapsed_s >= self.ramp_s:
-            return self.s_start_s + self._ramp_gain_s + self.rate_target * (elapsed_s - self.ramp_s)
+        if t_s >= self.settled_s:
+            return self.s_start_s + self._ramp_gain_s + self.rate_target * (t_s - self.settled_s)
         gained = 0.5 * (self.rate_target - self.rate_start) * (elapsed_s / self.ramp_s)
         return self.s_start_s + elapsed_s * (self.rate_start + gained)
 
@@ -91,10 +91,10 @@ class TimeScale:
         if way_s <= 0.0:
             return self.t_start_s
         rest_s = way_s - self._ramp_gain_s
+        if self.rate_target == 0.0 and path_time_s > self.s_start_s + self._ramp_gain_s:
+            return inf
         if rest_s >= 0.0:
-            if rest_s == 0.0:
-                return self.t_start_s + self.ramp_s
-            return self.t_start_s + self.ramp_s + rest_s / self.rate_target if self.rate_target > 0.0 else inf
+            return self.settled_s + (rest_s / self.rate_target if self.rate_target else 0.0)
         # Inside the ramp: rate_start t + slope t^2 / 2 = way, in the form that does not cancel.
         slope = (self.rate_target - self.rate_start) / self.ramp_s
         root = sqrt(max(0.0, self.rate_start * self.rate_start + 2.0 * slope * way_s))

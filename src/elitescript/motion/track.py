@@ -196,7 +196,9 @@ def follow(
         end_reason = reason_unreachable(arm, path.flange(length))
         if end_reason:
             raise _out_of_reach(path, length, end_reason)
-    _check_range(limits, path, 0.0, q_start)
+    joint = joint_outside(limits, q_start)
+    if joint is not None:
+        raise joint_range_error(limits, joint, q_start[joint], path.place(0.0), hint=_RANGE_HINT)
     slope_start = _slope(arm, path, 0.0, path.flange(0.0), q_start)
     grid_s, grid_q, grid_slope = [0.0], [q_start], [slope_start]
     s_a, q_a, slope_a = 0.0, q_start, slope_start
@@ -261,7 +263,9 @@ def follow(
                 continue
             if widest > JUMP_RAD:
                 raise _jump(path, s_b, q_a, q_b)
-        _check_range(limits, path, s_b, q_b)
+        joint = joint_outside(limits, q_b)
+        if joint is not None:
+            raise _out_of_range(arm, limits, path, branch, joint, s_a, q_a, s_b, q_b)
         ratios.append((interval_speed, interval_acceleration, interval_curvature))
         pending.pop()
         grid_s.append(s_b)
@@ -327,25 +331,52 @@ def _jump(path: CartesianPath, s: float, q_a: Six, q_b: Six) -> MotionError:
     )
 
 
-def _check_range(limits: MotionLimits, path: CartesianPath, s: float, q: Six) -> None:
-    joint = joint_outside(limits, q)
-    if joint is not None:
-        raise joint_range_error(
-            limits, joint, q[joint], path.place(s), "start the move with that joint a full turn back, or use movej"
-        )
+_RANGE_HINT: Final = "start the move with that joint a full turn away, or use movej"
+
+
+def _out_of_range(
+    arm: Arm,
+    limits: MotionLimits,
+    path: CartesianPath,
+    branch: int,
+    joint: int,
+    s_a: float,
+    q_a: Six,
+    s_b: float,
+    q_b: Six,
+) -> MotionError:
+    """Return the refusal for a joint that leaves its range between two grid points."""
+    s_inside, s_outside = s_a, s_b
+    while s_outside - s_inside > BORDER_RESOLUTION:
+        middle = 0.5 * (s_inside + s_outside)
+        q = solve_branch(arm, path.flange(middle), branch, q_a[5])
+        if q is None or joint_outside(limits, _unwrapped(q, q_a)) is not None:
+            s_outside = middle
+        else:
+            s_inside = middle
+    return joint_range_error(
+        limits,
+        joint,
+        q_b[joint],
+        path.place(s_b),
+        more=f", which it would leave {path.place(s_outside)}",
+        hint=_RANGE_HINT,
+    )
 
 
 def _first_out_of_reach(arm: Arm, path: CartesianPath, branch: int, s_inside: float, s_outside: float) -> MotionError:
-    """Return the refusal for the first point that the branch does not reach."""
+    """Return the refusal for a path that leaves the reach of the branch between two points."""
+    s_deeper = s_outside
     while s_outside - s_inside > BORDER_RESOLUTION:
         middle = 0.5 * (s_inside + s_outside)
         if solve_branch(arm, path.flange(middle), branch) is None:
             s_outside = middle
         else:
             s_inside = middle
-    reason = reason_unreachable(arm, path.flange(s_outside))
+    reason = reason_unreachable(arm, path.flange(s_deeper))
     if reason:
-        return _out_of_reach(path, s_outside, reason)
+        # At the border itself next to nothing is missing; a little further the numbers say more.
+        return _out_of_reach(path, s_outside, f"at {s_deeper:.4f} {path.unit} it is {reason}")
     return _out_of_reach(
         path,
         s_outside,

@@ -1,0 +1,54 @@
+"""Limits of an arm: sense of the numbers, joints outside their range."""
+
+from __future__ import annotations
+
+from math import inf, nan
+
+import pytest
+
+from elitescript.errors import UsageError
+from elitescript.motion.limits import joint_outside, joint_range_error
+from tests.motion.moves import FULL_TURN, LIMITS, limits_of
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"q_min": (0.0, 1.0, 0.0, 0.0, 0.0, 0.0), "q_max": (1.0,) * 6}, "joint shoulder is empty"),
+        ({"qd_max": (1.0, 1.0, 0.0, 1.0, 1.0, 1.0)}, "qd_max of joint elbow is 0.0"),
+        ({"qdd_max": (1.0, 1.0, 1.0, 1.0, 1.0, nan)}, "qdd_max of joint wrist3 is nan"),
+        ({"tool_speed_max": -1.0}, "tool_speed_max is -1.0"),
+        ({"tool_acceleration_max": inf}, "tool_acceleration_max is inf"),
+        ({"equivalent_radius_m": 0.0}, "equivalent_radius_m is 0.0"),
+    ],
+)
+def test_senseless_limits_are_refused_by_name(change: dict[str, object], word: str) -> None:
+    with pytest.raises(UsageError, match=word):
+        limits_of("CS66", **change)
+
+
+def test_tool_rotation_is_limited_by_the_tool_speed_at_the_equivalent_radius() -> None:
+    limits = limits_of("CS66", tool_speed_max=2.0, tool_acceleration_max=6.0, equivalent_radius_m=0.5)
+    assert limits.tool_turn_speed_max == 4.0
+    assert limits.tool_turn_acceleration_max == 12.0
+
+
+def test_first_joint_outside_its_range_is_found() -> None:
+    inside = (FULL_TURN, -FULL_TURN, 0.0, 0.0, 0.0, 0.0)
+    assert joint_outside(LIMITS, inside) is None
+    assert joint_outside(LIMITS, (0.0, 0.0, 6.3, 0.0, -7.0, 0.0)) == 2
+    assert joint_outside(LIMITS, (0.0, 0.0, 0.0, 0.0, 0.0, nan)) == 5
+
+
+def test_rounding_at_the_border_of_the_range_is_no_mistake() -> None:
+    assert joint_outside(LIMITS, (FULL_TURN + 1e-12, 0.0, 0.0, 0.0, 0.0, 0.0)) is None
+    assert joint_outside(LIMITS, (FULL_TURN + 1e-8, 0.0, 0.0, 0.0, 0.0, 0.0)) == 0
+
+
+def test_range_error_names_joint_value_limit_and_unit() -> None:
+    error = joint_range_error(LIMITS, 3, 7.0, "at the target")
+    assert error.code == "R110"
+    assert error.value == 7.0
+    assert error.unit == "rad"
+    assert error.limit == "[-6.28319, 6.28319]"
+    assert str(error).startswith("at the target, joint wrist1 would be at 7.0000 rad (401.1 deg)")

@@ -1,0 +1,129 @@
+"""Time laws against their closed forms."""
+
+from __future__ import annotations
+
+import random
+from math import sqrt
+
+import pytest
+
+from elitescript.errors import InternalError
+from elitescript.motion.profile import RAMP_SHARE, REST, Profile, trapezoid, trapezoid_lasting
+
+
+def random_laws(count: int, seed: int) -> list[tuple[float, float, float]]:
+    rng = random.Random(seed)
+    return [(10 ** rng.uniform(-6, 2), 10 ** rng.uniform(-3, 1), 10 ** rng.uniform(-2, 2)) for _ in range(count)]
+
+
+def test_long_move_lasts_length_by_speed_plus_speed_by_acceleration() -> None:
+    profile = trapezoid(1.0, 0.25, 1.25)
+    assert profile.duration_s == pytest.approx(1.0 / 0.25 + 0.25 / 1.25, rel=1e-15)
+    assert profile.peak_speed == 0.25
+    assert profile.at(2.0) == pytest.approx((0.5 * 0.25 * 0.2 + 0.25 * 1.8, 0.25), rel=1e-14)
+
+
+def test_short_move_lasts_twice_the_root_of_length_by_acceleration() -> None:
+    profile = trapezoid(0.01, 5.0, 1.0)
+    assert profile.duration_s == 2.0 * sqrt(0.01)
+    assert profile.peak_speed == pytest.approx(0.1)
+    assert profile.at(0.1) == pytest.approx((0.005, 0.1))
+
+
+def test_move_that_just_reaches_the_speed_obeys_both_laws() -> None:
+    length, v, a = 0.5, 1.0, 2.0
+    assert trapezoid(length, v, a).duration_s == pytest.approx(length / v + v / a)
+    assert trapezoid(length, v, a).duration_s == pytest.approx(2.0 * sqrt(length / a))
+
+
+@pytest.mark.parametrize(("length", "v", "a"), random_laws(200, 1))
+def test_trapezoid_keeps_speed_and_acceleration_and_ends_exactly(length: float, v: float, a: float) -> None:
+    profile = trapezoid(length, v, a)
+    check_motion(profile, length, v, a)
+    law = length / v + v / a if length >= v * v / a else 2.0 * sqrt(length / a)
+    assert profile.duration_s == pytest.approx(law, rel=1e-12)
+
+
+@pytest.mark.parametrize(("length", "v", "a"), random_laws(200, 2))
+def test_prescribed_duration_is_kept_exactly_or_impossible(length: float, v: float, a: float) -> None:
+    fastest = trapezoid(length, v, a).duration_s
+    for factor in (1.0 + 1e-9, 1.01, 1.2, 3.0, 50.0):
+        profile = trapezoid_lasting(length, fastest * factor, v, a)
+        assert profile is not None
+        assert profile.duration_s == fastest * factor
+        check_motion(profile, length, v, a)
+    for factor in (1.0 - 1e-9, 0.9, 0.1, 1e-6):
+        assert trapezoid_lasting(length, fastest * factor, v, a) is None
+
+
+def check_motion(profile: Profile, length: float, v: float, a: float) -> None:
+    assert profile.at(0.0) == (0.0, 0.0)
+    assert profile.at(profile.duration_s) == (length, 0.0)
+    steps = 60
+    dt = profile.duration_s / steps
+    before = (0.0, 0.0)
+    for step in range(1, steps + 1):
+        position, speed = profile.at(step * dt)
+        assert before[0] <= position <= length
+        assert 0.0 <= speed <= v * (1.0 + 1e-12)
+        assert abs(speed - before[1]) <= a * dt * (1.0 + 1e-9)
+        # The way between lies between what the two speeds and the acceleration allow.
+        mean = 0.5 * (speed + before[1])
+        assert position - before[0] == pytest.approx(mean * dt, abs=0.125 * 2.0 * a * dt * dt + 1e-12 * length)
+        assert profile.speed_at_position(position) == pytest.approx(speed, abs=1e-6 * v + 1e-7 * sqrt(a * length))
+        before = position, speed
+
+
+def test_ramps_of_a_prescribed_duration_take_a_third_each() -> None:
+    profile = trapezoid_lasting(0.3, 2.0, 10.0, 100.0)
+    assert profile is not None
+    v = 1.5 * 0.3 / 2.0
+    assert profile.peak_speed == pytest.approx(v)
+    assert profile.acceleration(0.0) == pytest.approx(v / (2.0 * RAMP_SHARE))
+    assert profile.acceleration(1.0) == 0.0
+    assert profile.acceleration(1.5) == pytest.approx(-v / (2.0 * RAMP_SHARE))
+
+
+def test_ramps_get_shorter_where_the_speed_limit_asks_for_it() -> None:
+    profile = trapezoid_lasting(0.3, 2.0, 0.2, 100.0)
+    assert profile is not None
+    assert profile.peak_speed == pytest.approx(0.2)
+    assert profile.acceleration(0.0) == pytest.approx(0.2 / 0.5)
+
+
+def test_ramps_get_longer_where_the_acceleration_limit_asks_for_it() -> None:
+    profile = trapezoid_lasting(0.3, 2.0, 10.0, 0.31)
+    assert profile is not None
+    assert profile.acceleration(0.0) == pytest.approx(0.31)
+
+
+def test_profile_rests_before_and_after() -> None:
+    profile = trapezoid(1.0, 1.0, 1.0)
+    assert profile.at(-1.0) == (0.0, 0.0)
+    assert profile.at(99.0) == (1.0, 0.0)
+    assert profile.acceleration(-1.0) == profile.acceleration(99.0) == 0.0
+    assert profile.speed_at_position(-0.1) == profile.speed_at_position(1.1) == 0.0
+
+
+def test_path_without_length_takes_no_time() -> None:
+    assert trapezoid(0.0, 1.0, 1.0) is REST
+    assert trapezoid_lasting(0.0, 5.0, 1.0, 1.0) is REST
+    assert REST.duration_s == 0.0
+    assert REST.at(0.0) == (0.0, 0.0)
+    assert REST.stretched(3.0) is REST
+
+
+def test_stretching_keeps_the_way_and_lowers_speed_and_acceleration() -> None:
+    profile = trapezoid(1.0, 0.5, 2.0)
+    slow = profile.stretched(2.0 * profile.duration_s)
+    assert slow.duration_s == 2.0 * profile.duration_s
+    for step in range(21):
+        t_s = profile.duration_s * step / 20
+        position, speed = profile.at(t_s)
+        assert slow.at(2.0 * t_s) == pytest.approx((position, 0.5 * speed), abs=1e-15)
+        assert slow.acceleration(2.0 * t_s) == pytest.approx(0.25 * profile.acceleration(t_s))
+
+
+def test_profile_is_never_stretched_to_a_shorter_time() -> None:
+    with pytest.raises(InternalError):
+        trapezoid(1.0, 0.5, 2.0).stretched(0.1)
