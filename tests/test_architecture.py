@@ -134,6 +134,25 @@ class TestRequests:
         assert set(HANDLERS) == set(get_args(MachineRequest))
         assert len(set(HANDLERS.values())) == len(HANDLERS)
 
+    def test_every_motion_request_is_understood(self):
+        from elitescript.controller.controller import Controller
+        from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, StopJ, StopL
+        from elitescript.models.model import load_model
+
+        q = (0.0, -1.5, -1.6, -1.5, 1.5, 0.0)
+        pose = (0.45, -0.15, 0.45, 3.1, 0.0, -1.5)
+        examples = [
+            MoveJ(q, 1.0, 1.0),
+            MoveL(pose, 1.0, 0.2),
+            MoveC((0.46, -0.12, 0.45, 3.1, 0.0, -1.5), (0.45, -0.09, 0.45, 3.1, 0.0, -1.5), 1.0, 0.2),
+            StopJ(1.0),
+            StopL(1.0),
+        ]
+        assert {type(example) for example in examples} == set(get_args(MotionRequest))
+        for example in examples:
+            controller = Controller(load_model("CS66"), epoch_s=0.0, on_event=lambda event: None)
+            assert isinstance(controller.request_motion(example, 1, "main"), int)
+
     def test_every_code_is_used(self):
         """A row of `errors.CODES` that no source names is a promise that nothing keeps."""
         from elitescript.errors import CODES

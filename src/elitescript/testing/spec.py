@@ -133,7 +133,8 @@ def parse_page(page: str) -> list[Case]:
         if texts:
             if len(texts) > 1 and not all("stream" in text.words for text in texts):
                 raise UsageError(f"line {texts[1].line}: several programs in one case must all be `stream`")
-            title = "/".join(headings[1:]) or "/".join(headings)
+            names = [heading for heading in headings if heading]
+            title = "/".join(names[1:] or names)
             cases.append(Case(title, line, tuple(texts), tuple(expectations)))
         texts.clear()
         expectations.clear()
@@ -143,6 +144,7 @@ def parse_page(page: str) -> list[Case]:
             close()
             level = len(info)
             headings[level - 1 :] = [body.replace("`", "")]
+            headings[:-1] += [""] * (level - len(headings))
             line = number
         elif info.split(" ")[0] == "elite":
             if expectations:

@@ -11,7 +11,17 @@ from elitescript.language.options import SECONDARY, Options
 from elitescript.language.source import SourceFile
 from elitescript.language.units import Refusal, Unit, UnitSplitter
 from elitescript.lint.engine import check_source
-from elitescript.messages.events import Alarm, Event, LineMarked, MotionStarted, Printed, TextMessage, Warned
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import (
+    Alarm,
+    Event,
+    LineMarked,
+    MotionStarted,
+    Printed,
+    TaskStateChanged,
+    TextMessage,
+    Warned,
+)
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
 from elitescript.messages.timing import PERIOD_S, seconds
 from elitescript.robot import Run, VirtualRobot
@@ -115,7 +125,6 @@ class _Observed:
 
     def _finish(self, run: Run) -> None:
         self.outcome.state = run.state or "running"
-        self.outcome.time_s = seconds(run.start_tick) + run.time_s
         self.outcome.lists["global"] = [f"{name} = {value!r}" for name, value in run.globals.items()]
         self._look()
 
@@ -138,3 +147,5 @@ class _Observed:
             outcome.node = f"{event.number} {event.label}"
         elif isinstance(event, MotionStarted):
             outcome.moves += 1
+        elif isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
+            outcome.time_s = seconds(event.tick)
