@@ -1,0 +1,171 @@
+"""Planning and sampling one move, against other packages where installed.
+
+Ruckig finds time laws only: it knows no path in Cartesian space, no inverse kinematics and no
+singularities; compare it with `movej`. The Robotics Toolbox interpolates poses and solves each
+of them numerically; its time for a line of fifty poses stands beside planning and sampling ours
+fifty times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from math import inf, pi
+from timeit import repeat
+from typing import Any
+
+from elitescript.kinematics.transforms import Transform, pose_from_transform, transform_from_pose
+from elitescript.messages.motion import MoveC, MoveJ, MoveL, Six
+from elitescript.models.model import RobotModel, load_model
+from elitescript.motion.limits import MotionLimits
+from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
+
+Q_START: Six = (0.3, -1.5, -1.6, -1.5, 1.5, 0.2)
+Q_END: Six = (1.0, -1.0, -1.2, -1.6, 1.2, 0.3)
+Q_NEAR_WRIST: Six = (0.3, -1.5, -1.6, -1.5, 0.12, 0.2)
+"""A start near the wrist singularity, where joint limits bind."""
+T_FLANGE_TCP: Transform = transform_from_pose((0.0, 0.0, 0.15, 0.0, 0.0, 0.0))
+POSES = 50
+RUNS = 7
+RUN_S = 0.05
+PEERS = ("ruckig", "roboticstoolbox")
+
+Calls = dict[str, Callable[[], object]]
+
+
+def rows() -> list[tuple[str, str, str, str]]:
+    """What, ours, the other, ratio."""
+    model = load_model("CS66")
+    ours = {what: _time_us(call) for what, call in _our_calls(model).items()}
+    peers = {
+        name: build(model) for name, build in (("ruckig", _ruckig), ("roboticstoolbox", _toolbox)) if find_spec(name)
+    }
+    table = []
+    for what, own_us in ours.items():
+        others = [(name, _time_us(calls[what])) for name, calls in peers.items() if what in calls]
+        if not others:
+            table.append((what, f"{own_us:.1f} us", "-", "-"))
+        for name, other_us in others:
+            table.append((what, f"{own_us:.1f} us", f"{other_us:.1f} us ({name})", f"{own_us / other_us:.2g}"))
+    table += [(f"compared with {name}", "-", "not installed", "-") for name in PEERS if name not in peers]
+    return table
+
+
+def main() -> None:
+    """Print the table."""
+    table = [("CS66, one move", "ours", "other", "ours / other"), *rows()]
+    widths = [max(len(row[column]) for row in table) for column in range(4)]
+    for row in table:
+        print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+
+
+def _our_calls(model: RobotModel) -> Calls:
+    arm, limits = model.arm, _limits(model)
+
+    def pose_by(*offset: float, q: Six = Q_START) -> Six:
+        x, y, z, rx, ry, rz = pose_from_transform(arm.forward_tcp(q, T_FLANGE_TCP))
+        dx, dy, dz, turn = offset
+        return x + dx, y + dy, z + dz, rx, ry, rz + turn
+
+    def line(q: Six, p_target: Six, v: float = 0.25) -> Plan:
+        return plan_movel(arm, limits, q, T_FLANGE_TCP, MoveL(p_target, 1.2, v))
+
+    def arc(is_orientation_fixed: bool) -> Plan:
+        request = MoveC(p_via, p_end, 1.2, 0.25, is_orientation_fixed=is_orientation_fixed)
+        return plan_movec(arm, limits, Q_START, T_FLANGE_TCP, request)
+
+    def joints() -> Plan:
+        return plan_movej(arm, limits, Q_START, MoveJ(Q_END, 1.396263, 1.047197))
+
+    def fifty() -> None:
+        segment = line(Q_START, p_line).segment
+        for k in range(POSES):
+            segment.sample(segment.duration_s * k / (POSES - 1))
+
+    p_line, p_turning = pose_by(0.1, 0.15, -0.08, 0.0), pose_by(0.1, 0.15, -0.08, 0.5)
+    p_passing = pose_by(0.05, 0.2, -0.05, 0.0, q=Q_NEAR_WRIST)
+    p_via, p_end = pose_by(0.1, 0.1, 0.0, 0.0), pose_by(0.2, 0.0, 0.0, 0.3)
+    moves = {
+        "movej": joints,
+        "movel 0.2 m": lambda: line(Q_START, p_line),
+        "movel 0.2 m, turning": lambda: line(Q_START, p_turning),
+        "movel 0.2 m near a singularity": lambda: line(Q_NEAR_WRIST, p_passing, 0.5),
+        "movec, half a circle of 0.1 m": lambda: arc(True),
+        "movec, free orientation": lambda: arc(False),
+    }
+    calls: Calls = {}
+    for name, plan in moves.items():
+        segment = plan().segment
+        middle_s = 0.5 * segment.duration_s
+        calls[f"{name}: plan"] = plan
+        calls[f"{name}: sample"] = lambda segment=segment, t_s=middle_s: segment.sample(t_s)
+        calls[f"{name}: sample with speed"] = lambda segment=segment, t_s=middle_s: segment.setpoint(t_s)
+    calls[f"movel 0.2 m: plan and {POSES} samples"] = fifty
+    return calls
+
+
+def _ruckig(model: RobotModel) -> Calls:
+    import ruckig
+
+    problem = ruckig.InputParameter(6)
+    problem.current_position, problem.target_position = list(Q_START), list(Q_END)
+    problem.max_velocity = [joint.qd_max for joint in model.joints]
+    problem.max_acceleration = [joint.qdd_max for joint in model.joints]
+    problem.max_jerk = [inf] * 6
+    problem.synchronization = ruckig.Synchronization.Phase
+    solver, trajectory = ruckig.Ruckig(6), ruckig.Trajectory(6)
+    solver.calculate(problem, trajectory)
+    return {
+        "movej: plan": lambda: solver.calculate(problem, trajectory),
+        "movej: sample with speed": lambda: trajectory.at_time(0.5 * trajectory.duration),
+    }
+
+
+def _toolbox(model: RobotModel) -> Calls:
+    import numpy as np
+    from roboticstoolbox import DHRobot, RevoluteDH, ctraj
+
+    arm = model.arm
+    alpha = (pi / 2, 0.0, 0.0, pi / 2, -pi / 2, 0.0)
+    lengths = (0.0, arm.a2, arm.a3, 0.0, 0.0, 0.0)
+    offsets = (arm.d1, 0.0, 0.0, arm.d4, arm.d5, arm.d6)
+    links = [RevoluteDH(alpha=x, a=y, d=z) for x, y, z in zip(alpha, lengths, offsets, strict=True)]
+    robot: Any = DHRobot(links)
+    q_start = np.array(Q_START)
+    T_start = robot.fkine(q_start)
+    T_end = T_start * type(T_start).Trans(0.1, 0.15, -0.08)
+
+    def fifty() -> None:
+        q = q_start
+        for T in ctraj(T_start, T_end, POSES):
+            q = robot.ikine_LM(T, q0=q).q
+
+    return {f"movel 0.2 m: plan and {POSES} samples": fifty}
+
+
+def _limits(model: RobotModel) -> MotionLimits:
+    def six(values: Any) -> Six:
+        a, b, c, d, e, f = values
+        return a, b, c, d, e, f
+
+    joints = model.joints
+    return MotionLimits(
+        q_min=six(joint.q_min for joint in joints),
+        q_max=six(joint.q_max for joint in joints),
+        qd_max=six(joint.qd_max for joint in joints),
+        qdd_max=six(joint.qdd_max for joint in joints),
+        tool_speed_max=model.max_tool_speed,
+        tool_acceleration_max=model.max_tool_acceleration,
+        equivalent_radius_m=model.equivalent_radius_m,
+    )
+
+
+def _time_us(call: Callable[[], object]) -> float:
+    """Return the best time of one call over some runs, us."""
+    once = min(repeat(call, number=1, repeat=5))
+    number = max(1, int(RUN_S / max(once, 1e-7)))
+    return min(repeat(call, number=number, repeat=RUNS)) / number * 1e6
+
+
+if __name__ == "__main__":
+    main()
