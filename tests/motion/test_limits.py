@@ -7,7 +7,7 @@ from math import inf, nan
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.motion.limits import joint_outside, joint_range_error
+from elitescript.motion.limits import joint_outside, joint_range_error, unwrapped
 from tests.motion.moves import FULL_TURN, LIMITS, limits_of
 
 
@@ -52,3 +52,10 @@ def test_range_error_names_joint_value_limit_and_unit() -> None:
     assert error.unit == "rad"
     assert error.limit == "[-6.28319, 6.28319]"
     assert str(error).startswith("at the target, joint wrist1 would be at 7.0000 rad (401.1 deg)")
+
+
+def test_joints_are_put_on_the_nearest_turn() -> None:
+    near = (0.1, 7.0, -6.0, 3.0, 0.0, -3.0)
+    found = unwrapped((0.2, 0.7, 0.1, -3.1, 6.2, 3.1), near)
+    expected = (0.2, 0.7 + FULL_TURN, 0.1 - FULL_TURN, -3.1 + FULL_TURN, 6.2 - FULL_TURN, 3.1 - FULL_TURN)
+    assert found == pytest.approx(expected, abs=1e-15)

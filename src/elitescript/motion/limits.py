@@ -8,6 +8,7 @@ from math import degrees, isfinite
 from typing import Final
 
 from elitescript.errors import MotionError, UsageError
+from elitescript.kinematics.limits import TURN
 from elitescript.messages.motion import Six
 
 JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
@@ -61,6 +62,14 @@ class MotionLimits:
     def tool_turn_acceleration_max(self) -> float:
         """Highest angular acceleration of a pure tool rotation, rad/s^2."""
         return self.tool_acceleration_max / self.equivalent_radius_m
+
+
+def unwrapped(q: Six, near: Six) -> Six:
+    """Return q with each joint on the full turn that is nearest to `near`."""
+    q1, q2, q3, q4, q5, q6 = [
+        angle + TURN * round((other - angle) / TURN) for angle, other in zip(q, near, strict=True)
+    ]
+    return q1, q2, q3, q4, q5, q6
 
 
 def joint_outside(limits: MotionLimits, q: Sequence[float]) -> int | None:

@@ -15,24 +15,26 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from math import ceil, degrees, pi
-from typing import Final
+from math import ceil
+from typing import Final, NamedTuple
 
-from elitescript.errors import InternalError, MotionError
+from elitescript.errors import InternalError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_branch
-from elitescript.kinematics.jacobian import (
-    ELBOW_GIVE_UP_SINE,
-    SHOULDER_GIVE_UP_M,
-    WRIST_GIVE_UP_SINE,
-    joint_speeds,
-    singularity,
-)
-from elitescript.kinematics.limits import TURN
+from elitescript.kinematics.jacobian import joint_speeds, singularity
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
-from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error
+from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error, unwrapped
 from elitescript.motion.path import CartesianPath
+from elitescript.motion.refusals import (
+    JUMP_RAD,
+    RANGE_HINT,
+    jump,
+    leaves_reach,
+    out_of_range,
+    out_of_reach,
+    singular,
+)
 
 INTERVAL_M: Final = 0.05
 """Widest interval of the first grid. Limits of reach and of joints have no finer structure than
@@ -47,9 +49,6 @@ the give-up threshold of a singularity, is fifty times as wide."""
 
 STEP_MAX_RAD: Final = 0.6
 """Largest joint step over an interval."""
-
-JUMP_RAD: Final = 0.5 * pi
-"""A joint step this large over the narrowest interval is a jump, not a motion."""
 
 ERROR_COARSE_RAD: Final = 0.01
 """Largest e of an interval in which no joint comes near its limits."""
@@ -168,7 +167,7 @@ class JointTrack:
         q = solve_branch(self._arm, T_base_flange, self._branch, near[5])
         if q is None:
             raise InternalError(f"out of reach {self.path.place(s)}, which the planner had checked")
-        return _unwrapped(q, near)
+        return unwrapped(q, near)
 
 
 def follow(
@@ -195,10 +194,10 @@ def follow(
     if solve_branch(arm, path.flange(length), branch) is None:
         end_reason = reason_unreachable(arm, path.flange(length))
         if end_reason:
-            raise _out_of_reach(path, length, end_reason)
+            raise out_of_reach(path, length, end_reason)
     joint = joint_outside(limits, q_start)
     if joint is not None:
-        raise joint_range_error(limits, joint, q_start[joint], path.place(0.0), hint=_RANGE_HINT)
+        raise joint_range_error(limits, joint, q_start[joint], path.place(0.0), hint=RANGE_HINT)
     slope_start = _slope(arm, path, 0.0, path.flange(0.0), q_start)
     grid_s, grid_q, grid_slope = [0.0], [q_start], [slope_start]
     s_a, q_a, slope_a = 0.0, q_start, slope_start
@@ -206,67 +205,32 @@ def follow(
     intervals = max(2, ceil(length / INTERVAL_M if path.unit == "m" else 1), ceil(path.sweep / INTERVAL_RAD))
     # Path positions still ahead inside one interval of the first grid, the next one last; solved when needed.
     pending: list[tuple[float, Six | None, Six | None]] = []
-    interval = 0
+    begun = 0
     joint_limits = tuple(zip(limits.qd_max, limits.qdd_max, limits.q_min, limits.q_max, strict=True))
-    while pending or interval < intervals:
+    while pending or begun < intervals:
         if not pending:
-            interval += 1
-            pending.append((length * interval / intervals if interval < intervals else length, None, None))
+            begun += 1
+            pending.append((length * begun / intervals if begun < intervals else length, None, None))
         s_b, q_b, slope_b = pending[-1]
         if q_b is None or slope_b is None:
             T_base_flange = path.flange(s_b)
             q_b = solve_branch(arm, T_base_flange, branch, q_a[5])
             if q_b is None:
-                raise _first_out_of_reach(arm, path, branch, s_a, s_b)
+                raise leaves_reach(arm, path, branch, s_a, s_b)
             slope_b = _slope(arm, path, s_b, T_base_flange, q_b)
             pending[-1] = s_b, q_b, slope_b
-        q_b = _unwrapped(q_b, q_a)
-        h = s_b - s_a
-        is_coarse = False
-        widest = 0.0
-        interval_speed = interval_acceleration = interval_curvature = 0.0
-        for qa, qb, da, db, (qd_max, qdd_max, q_min, q_max) in zip(
-            q_a, q_b, slope_a, slope_b, joint_limits, strict=True
-        ):
-            step = qb - qa
-            if step > widest:
-                widest = step
-            elif -step > widest:
-                widest = -step
-            error = abs(step - 0.5 * h * (da + db))
-            steepest = max(da, -da, db, -db) + 1.5 * error / h
-            bend = abs(db - da)
-            curvature = (6.0 * error / h + bend) / h
-            speed_share = steepest / qd_max
-            if speed_share > interval_speed:
-                interval_speed = speed_share
-            if steepest > interval_acceleration * qdd_max:
-                interval_acceleration = steepest / qdd_max
-            if curvature > interval_curvature * qdd_max:
-                interval_curvature = curvature / qdd_max
-            is_near_limit = (
-                speed_share * speed > NEAR_LIMIT
-                or steepest * acceleration + curvature * speed * speed > NEAR_LIMIT * qdd_max
-            )
-            if bend * h > BEND_MAX_RAD or error > (ERROR_FINE_RAD if is_near_limit else ERROR_COARSE_RAD):
-                is_coarse = True
-            excursion = RANGE_EXCURSION * h * steepest
-            if (
-                da * db < 0.0
-                and excursion > RANGE_RESOLUTION_RAD
-                and (max(qa, qb) + excursion > q_max or min(qa, qb) - excursion < q_min)
-            ):
-                is_coarse = True
-        if is_coarse or widest > STEP_MAX_RAD:
-            if h > INTERVAL_MIN:
+        q_b = unwrapped(q_b, q_a)
+        interval = _weighed(s_b - s_a, q_a, q_b, slope_a, slope_b, joint_limits, speed, acceleration)
+        if interval.is_coarse:
+            if s_b - s_a > INTERVAL_MIN:
                 pending.append((0.5 * (s_a + s_b), None, None))
                 continue
-            if widest > JUMP_RAD:
-                raise _jump(path, s_b, q_a, q_b)
+            if interval.widest > JUMP_RAD:
+                raise jump(path, s_b, q_a, q_b)
         joint = joint_outside(limits, q_b)
         if joint is not None:
-            raise _out_of_range(arm, limits, path, branch, joint, s_a, q_a, s_b, q_b)
-        ratios.append((interval_speed, interval_acceleration, interval_curvature))
+            raise out_of_range(arm, limits, path, branch, joint, s_a, q_a, s_b, q_b)
+        ratios.append((interval.speed_ratio, interval.acceleration_ratio, interval.curvature_ratio))
         pending.pop()
         grid_s.append(s_b)
         grid_q.append(q_b)
@@ -277,115 +241,75 @@ def follow(
 
 _STANDSTILL: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-BORDER_RESOLUTION: Final = 1e-4
-"""How closely the first unreachable point of a path is looked for, m or rad."""
+
+class _Interval(NamedTuple):
+    """What two neighbouring grid points tell about the way between them."""
+
+    is_coarse: bool
+    """It may hide something: put a point in the middle."""
+    widest: float
+    """Largest joint step, rad."""
+    speed_ratio: float
+    """Bound of |q'| / qd_max over way and joints."""
+    acceleration_ratio: float
+    """Bound of |q'| / qdd_max."""
+    curvature_ratio: float
+    """Bound of |q''| / qdd_max."""
 
 
-def _unwrapped(q: Six, near: Six) -> Six:
-    """Return q with each joint on the full turn that is nearest to `near`."""
-    q1, q2, q3, q4, q5, q6 = [
-        angle + TURN * round((other - angle) / TURN) for angle, other in zip(q, near, strict=True)
-    ]
-    return q1, q2, q3, q4, q5, q6
+def _weighed(
+    h: float,
+    q_a: Six,
+    q_b: Six,
+    slope_a: Six,
+    slope_b: Six,
+    joint_limits: tuple[tuple[float, float, float, float], ...],
+    speed: float,
+    acceleration: float,
+) -> _Interval:
+    """Return what an interval of width h hides and asks of the joints, taking them as cubics.
+
+    The cubic through angles and slopes of both ends has |q'| <= max(|q'_a|, |q'_b|) + 1.5 e / h and
+    |q''| <= (6 e / h + |q'_b - q'_a|) / h. `joint_limits` holds qd_max, qdd_max, q_min, q_max of each joint.
+    """
+    is_coarse = False
+    widest = speed_ratio = acceleration_ratio = curvature_ratio = 0.0
+    for qa, qb, da, db, (qd_max, qdd_max, q_min, q_max) in zip(q_a, q_b, slope_a, slope_b, joint_limits, strict=True):
+        step = qb - qa
+        if step > widest or -step > widest:
+            widest = abs(step)
+        error = abs(step - 0.5 * h * (da + db))
+        bend = abs(db - da)
+        steepest = max(da, -da, db, -db) + 1.5 * error / h
+        curvature = (6.0 * error / h + bend) / h
+        if steepest > speed_ratio * qd_max:
+            speed_ratio = steepest / qd_max
+        if steepest > acceleration_ratio * qdd_max:
+            acceleration_ratio = steepest / qdd_max
+        if curvature > curvature_ratio * qdd_max:
+            curvature_ratio = curvature / qdd_max
+        is_near_limit = (
+            steepest * speed > NEAR_LIMIT * qd_max
+            or steepest * acceleration + curvature * speed * speed > NEAR_LIMIT * qdd_max
+        )
+        excursion = RANGE_EXCURSION * h * steepest
+        if (
+            bend * h > BEND_MAX_RAD
+            or error > (ERROR_FINE_RAD if is_near_limit else ERROR_COARSE_RAD)
+            or (
+                da * db < 0.0
+                and excursion > RANGE_RESOLUTION_RAD
+                and (max(qa, qb) + excursion > q_max or min(qa, qb) - excursion < q_min)
+            )
+        ):
+            is_coarse = True
+    return _Interval(is_coarse or widest > STEP_MAX_RAD, widest, speed_ratio, acceleration_ratio, curvature_ratio)
 
 
 def _slope(arm: Arm, path: CartesianPath, s: float, T_base_flange: Transform, q: Six) -> Six:
     """Return dq/ds, or refuse a point too near a singularity."""
     distance = singularity(arm, q)
-    blocked = distance.blocked
-    slope = None if blocked else joint_speeds(arm, q, path.flange_slope(s, T_base_flange))
-    if slope is not None:
-        return slope
-    if blocked == "wrist":
-        what = f"the sine of joint wrist2 is {distance.wrist:.6f}"
-        value, limit, unit = distance.wrist, WRIST_GIVE_UP_SINE, ""
-    elif blocked == "shoulder":
-        what = f"the wrist centre is {distance.shoulder:.6f} m from passing beside the base axis"
-        value, limit, unit = distance.shoulder, SHOULDER_GIVE_UP_M, "m"
-    else:
-        blocked = "elbow"
-        what = f"the sine of joint elbow is {distance.elbow:.6f}"
-        value, limit, unit = distance.elbow, ELBOW_GIVE_UP_SINE, ""
-    raise MotionError(
-        f"the move meets the {blocked} singularity {path.place(s)}: {what}, "
-        f"at least {f'{limit:g} {unit}'.rstrip()} is needed to stay on the path",
-        code="R112",
-        value=value,
-        limit=f">= {limit:g}",
-        unit=unit or None,
-        hint="use movej here, or lead the path past the singularity",
-    )
-
-
-def _jump(path: CartesianPath, s: float, q_a: Six, q_b: Six) -> MotionError:
-    steps = [b - a for a, b in zip(q_a, q_b, strict=True)]
-    joint = max(range(6), key=lambda index: abs(steps[index]))
-    return MotionError(
-        f"the move passes through a singularity {path.place(s)}: joint {JOINT_NAMES[joint]} would jump by "
-        f"{steps[joint]:.4f} rad ({degrees(steps[joint]):.1f} deg)",
-        code="R112",
-        value=steps[joint],
-        limit=f"< {JUMP_RAD:.4f}",
-        unit="rad",
-        hint="use movej here, or lead the path past the singularity",
-    )
-
-
-_RANGE_HINT: Final = "start the move with that joint a full turn away, or use movej"
-
-
-def _out_of_range(
-    arm: Arm,
-    limits: MotionLimits,
-    path: CartesianPath,
-    branch: int,
-    joint: int,
-    s_a: float,
-    q_a: Six,
-    s_b: float,
-    q_b: Six,
-) -> MotionError:
-    """Return the refusal for a joint that leaves its range between two grid points."""
-    s_inside, s_outside = s_a, s_b
-    while s_outside - s_inside > BORDER_RESOLUTION:
-        middle = 0.5 * (s_inside + s_outside)
-        q = solve_branch(arm, path.flange(middle), branch, q_a[5])
-        if q is None or joint_outside(limits, _unwrapped(q, q_a)) is not None:
-            s_outside = middle
-        else:
-            s_inside = middle
-    return joint_range_error(
-        limits,
-        joint,
-        q_b[joint],
-        path.place(s_b),
-        more=f", which it would leave {path.place(s_outside)}",
-        hint=_RANGE_HINT,
-    )
-
-
-def _first_out_of_reach(arm: Arm, path: CartesianPath, branch: int, s_inside: float, s_outside: float) -> MotionError:
-    """Return the refusal for a path that leaves the reach of the branch between two points."""
-    s_deeper = s_outside
-    while s_outside - s_inside > BORDER_RESOLUTION:
-        middle = 0.5 * (s_inside + s_outside)
-        if solve_branch(arm, path.flange(middle), branch) is None:
-            s_outside = middle
-        else:
-            s_inside = middle
-    reason = reason_unreachable(arm, path.flange(s_deeper))
-    if reason:
-        # At the border itself next to nothing is missing; a little further the numbers say more.
-        return _out_of_reach(path, s_outside, f"at {s_deeper:.4f} {path.unit} it is {reason}")
-    return _out_of_reach(
-        path,
-        s_outside,
-        "the arm would have to change between its configurations (shoulder, elbow or wrist turned over)",
-        "use movej to change the configuration first",
-    )
-
-
-def _out_of_reach(
-    path: CartesianPath, s: float, reason: str, hint: str = "keep the whole path inside the workspace"
-) -> MotionError:
-    return MotionError(f"out of reach {path.place(s)}: {reason}", code="R111", value=s, unit=path.unit, hint=hint)
+    slope = None if distance.blocked else joint_speeds(arm, q, path.flange_slope(s, T_base_flange))
+    if slope is None:
+        raise singular(path, s, distance)
+    return slope

@@ -1,0 +1,125 @@
+"""Why a Cartesian path is refused: place, number, limit and unit in one sentence each."""
+
+from __future__ import annotations
+
+from math import degrees, pi
+from typing import Final
+
+from elitescript.errors import MotionError
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.inverse import reason_unreachable, solve_branch
+from elitescript.kinematics.jacobian import ELBOW_GIVE_UP_SINE, SHOULDER_GIVE_UP_M, WRIST_GIVE_UP_SINE, Singularity
+from elitescript.messages.motion import Six
+from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error, unwrapped
+from elitescript.motion.path import CartesianPath
+
+JUMP_RAD: Final = 0.5 * pi
+"""A joint step this large over the narrowest interval of a grid is a jump, not a motion."""
+
+RANGE_HINT: Final = "start the move with that joint a full turn away, or use movej"
+
+SINGULAR_HINT: Final = "use movej here, or lead the path past the singularity"
+
+BORDER_RESOLUTION: Final = 1e-4
+"""How closely the first unreachable point of a path is looked for, m or rad."""
+
+
+def singular(path: CartesianPath, s: float, distance: Singularity) -> MotionError:
+    """Return the refusal (R112) of a point too near a singularity."""
+    blocked = distance.blocked
+    if blocked == "wrist":
+        what = f"the sine of joint wrist2 is {distance.wrist:.6f}"
+        value, limit, unit = distance.wrist, WRIST_GIVE_UP_SINE, ""
+    elif blocked == "shoulder":
+        what = f"the wrist centre is {distance.shoulder:.6f} m from passing beside the base axis"
+        value, limit, unit = distance.shoulder, SHOULDER_GIVE_UP_M, "m"
+    elif blocked == "elbow":
+        what = f"the sine of joint elbow is {distance.elbow:.6f}"
+        value, limit, unit = distance.elbow, ELBOW_GIVE_UP_SINE, ""
+    else:
+        # A calibrated arm is singular a little beside the place that nominal lengths tell.
+        return MotionError(
+            f"the move meets a singularity {path.place(s)}", code="R112", value=s, unit=path.unit, hint=SINGULAR_HINT
+        )
+    return MotionError(
+        f"the move meets the {blocked} singularity {path.place(s)}: {what}, "
+        f"at least {f'{limit:g} {unit}'.rstrip()} is needed to stay on the path",
+        code="R112",
+        value=value,
+        limit=f">= {limit:g}",
+        unit=unit or None,
+        hint=SINGULAR_HINT,
+    )
+
+
+def jump(path: CartesianPath, s: float, q_a: Six, q_b: Six) -> MotionError:
+    """Return the refusal (R112) of a joint that turns over between two neighbouring points."""
+    steps = [b - a for a, b in zip(q_a, q_b, strict=True)]
+    joint = max(range(6), key=lambda index: abs(steps[index]))
+    return MotionError(
+        f"the move passes through a singularity {path.place(s)}: joint {JOINT_NAMES[joint]} would jump by "
+        f"{steps[joint]:.4f} rad ({degrees(steps[joint]):.1f} deg)",
+        code="R112",
+        value=steps[joint],
+        limit=f"< {JUMP_RAD:.4f}",
+        unit="rad",
+        hint=SINGULAR_HINT,
+    )
+
+
+def out_of_range(
+    arm: Arm,
+    limits: MotionLimits,
+    path: CartesianPath,
+    branch: int,
+    joint: int,
+    s_a: float,
+    q_a: Six,
+    s_b: float,
+    q_b: Six,
+) -> MotionError:
+    """Return the refusal (R110) of a joint that leaves its range between two grid points."""
+    s_inside, s_outside = s_a, s_b
+    while s_outside - s_inside > BORDER_RESOLUTION:
+        middle = 0.5 * (s_inside + s_outside)
+        q = solve_branch(arm, path.flange(middle), branch, q_a[5])
+        if q is None or joint_outside(limits, unwrapped(q, q_a)) is not None:
+            s_outside = middle
+        else:
+            s_inside = middle
+    return joint_range_error(
+        limits,
+        joint,
+        q_b[joint],
+        path.place(s_b),
+        more=f", which it would leave {path.place(s_outside)}",
+        hint=RANGE_HINT,
+    )
+
+
+def leaves_reach(arm: Arm, path: CartesianPath, branch: int, s_inside: float, s_outside: float) -> MotionError:
+    """Return the refusal (R111) of a path that leaves the reach of the branch between two points."""
+    s_deeper = s_outside
+    while s_outside - s_inside > BORDER_RESOLUTION:
+        middle = 0.5 * (s_inside + s_outside)
+        if solve_branch(arm, path.flange(middle), branch) is None:
+            s_outside = middle
+        else:
+            s_inside = middle
+    reason = reason_unreachable(arm, path.flange(s_deeper))
+    if reason:
+        # At the border itself next to nothing is missing; a little further the numbers say more.
+        return out_of_reach(path, s_outside, f"at {s_deeper:.4f} {path.unit} it is {reason}")
+    return out_of_reach(
+        path,
+        s_outside,
+        "the arm would have to change between its configurations (shoulder, elbow or wrist turned over)",
+        "use movej to change the configuration first",
+    )
+
+
+def out_of_reach(
+    path: CartesianPath, s: float, reason: str, hint: str = "keep the whole path inside the workspace"
+) -> MotionError:
+    """Return the refusal (R111) of one point."""
+    return MotionError(f"out of reach {path.place(s)}: {reason}", code="R111", value=s, unit=path.unit, hint=hint)
