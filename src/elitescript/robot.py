@@ -453,7 +453,11 @@ class VirtualRobot:
         threads = self.threads()
         waits = "; ".join(f"{thread.name} (line {thread.line}) waits for {thread.waits_for}" for thread in threads)
         line = threads[0].line if threads else 0
-        self._event(Alarm(self.tick, "R130", "Stuck", f"nothing can ever happen again: {waits}", line, 0, "main"))
+        assert self._run is not None
+        source = self._run.unit.source
+        text = source.line(line) if line else ""
+        alarm = Alarm(self.tick, "R130", "Stuck", f"nothing can ever happen again: {waits}", line, 1, "main", text)
+        self._event(alarm)
         self._finish("stuck")
 
     def _program_ended(self, state: str) -> None:

@@ -1,0 +1,115 @@
+"""Seeded random programs: moves, waits, outputs, threads, queues and loops that poll inputs."""
+
+from __future__ import annotations
+
+from random import Random
+
+HOME = (0.0, -1.5708, -1.5708, -1.5708, 1.5708, 0.0)
+
+
+def random_program(generator: Random) -> str:
+    """A program that ends by itself within some simulated seconds."""
+    writer = _Writer(generator)
+    return writer.program()
+
+
+class _Writer:
+    def __init__(self, generator: Random) -> None:
+        self._random = generator
+        self._lines: list[str] = []
+
+    def program(self) -> str:
+        chance = self._random
+        self._line(0, "def program():")
+        self._line(1, "global count, done, seen")
+        self._line(1, "count = 0")
+        self._line(1, "done = False")
+        self._line(1, "seen = []")
+        self._line(1, "import queue")
+        self._line(1, "box = queue.Queue(2)")
+        threads = chance.randrange(0, 3)
+        for number in range(threads):
+            self._thread(number)
+        for number in range(threads):
+            self._line(1, f"h{number} = start_thread(worker{number}, ())")
+        for _ in range(chance.randrange(2, 9)):
+            self._statement(1, may_move=True)
+        self._line(1, "done = True")
+        for number in range(threads):
+            self._line(1, chance.choice((f"stop_thread(h{number})", f"join_thread(h{number})", "sync()")))
+        self._line(1, 'textmsg("end ", count)')
+        self._line(0, "end")
+        return "\n".join(self._lines) + "\n"
+
+    def _line(self, depth: int, text: str) -> None:
+        self._lines.append("  " * depth + text)
+
+    def _thread(self, number: int) -> None:
+        self._line(1, f"def worker{number}():")
+        self._line(2, "global count")
+        self._line(2, "while not done:")
+        self._line(3, "count = count + 1")
+        for _ in range(self._random.randrange(1, 3)):
+            self._statement(3, may_move=False)
+        self._line(3, self._random.choice(("sync()", "sleep(0.013)", "sleep(0.1)")))
+        self._line(2, "end")
+        self._line(1, "end")
+
+    def _statement(self, depth: int, *, may_move: bool) -> None:
+        chance = self._random
+        kinds = ["sleep", "sync", "out", "message", "poll", "queue", "work", "read"]
+        if may_move:
+            kinds += ["movej", "movej", "movel", "loop", "speed_read"]
+        kind = chance.choice(kinds)
+        if kind == "sleep":
+            self._line(depth, f"sleep({chance.uniform(0.0, 0.4):.5f})")
+        elif kind == "sync":
+            self._line(depth, "sync()")
+        elif kind == "out":
+            self._line(depth, f"set_standard_digital_out({chance.randrange(16)}, {chance.random() < 0.5})")
+        elif kind == "message":
+            self._line(depth, f'textmsg("at ", get_standard_digital_out({chance.randrange(16)}))')
+        elif kind == "poll":
+            self._line(depth, "n = 0")
+            self._line(
+                depth, f"while n < {chance.randrange(1, 30)} and not get_standard_digital_in({chance.randrange(4)}):"
+            )
+            self._line(depth + 1, "n = n + 1")
+            self._line(depth + 1, "sync()")
+            self._line(depth, "end")
+        elif kind == "queue":
+            self._line(depth, "try:")
+            self._line(depth + 1, chance.choice(("box.put(count, timeout=0.05)", "seen.append(box.get(timeout=0.02))")))
+            self._line(depth, "except queue.Full:")
+            self._line(depth + 1, 'textmsg("full")')
+            self._line(depth, "except queue.Empty:")
+            self._line(depth + 1, 'textmsg("empty")')
+            self._line(depth, "end")
+        elif kind == "work":
+            self._line(depth, f"for i in range({chance.randrange(1, 25000)}):")
+            self._line(depth + 1, "pass")
+            self._line(depth, "end")
+        elif kind == "read":
+            self._line(depth, "textmsg(get_target_joint_positions())")
+        elif kind == "speed_read":
+            self._line(depth, "textmsg(get_target_tcp_speed())")
+        elif kind == "movej":
+            joints = [round(joint + chance.uniform(-0.4, 0.4), 4) for joint in HOME]
+            duration = f", t={chance.uniform(0.5, 2.0):.3f}" if chance.random() < 0.3 else ""
+            self._line(
+                depth, f"movej({joints}, a={chance.uniform(0.5, 4):.3f}, v={chance.uniform(0.2, 2):.3f}{duration})"
+            )
+        elif kind == "movel":
+            self._line(depth, "p = get_target_tcp_pose()")
+            self._line(depth, f"p[{chance.randrange(3)}] += {chance.uniform(-0.05, 0.05):.4f}")
+            self._line(depth, "if get_inverse_kin_has_solution(p):")
+            self._line(depth + 1, "try:")
+            self._line(depth + 2, f"movel(p, a={chance.uniform(0.3, 2):.3f}, v={chance.uniform(0.05, 0.5):.3f})")
+            self._line(depth + 1, "except Exception as e:")
+            self._line(depth + 2, 'textmsg("refused ", e)')
+            self._line(depth + 1, "end")
+            self._line(depth, "end")
+        else:
+            self._line(depth, f"for i in range({chance.randrange(1, 4)}):")
+            self._statement(depth + 1, may_move=False)
+            self._line(depth, "end")

@@ -1,0 +1,42 @@
+"""Leaping cannot be told from stepping, and the same run is the same twice."""
+
+import os
+from random import Random
+
+import pytest
+
+from elitescript import VirtualRobot
+from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale
+from elitescript.runtime.world import NoWorld
+from tests.invariants.random_programs import random_program
+
+COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300")) // 6
+
+
+def outcome(seed, pace):
+    generator = Random(seed)
+    program = random_program(generator)
+    robot = VirtualRobot("CS66", seed=seed, world=NoWorld())
+    for _ in range(generator.randrange(0, 6)):
+        name = f"standard_digital_in[{generator.randrange(4)}]"
+        robot.at(generator.uniform(0.0, 4.0), name, generator.random() < 0.7)
+    for _ in range(generator.randrange(0, 3)):
+        tick = generator.randrange(0, 800)
+        robot.controller.put(tick, SetSpeedScale(generator.choice((0.05, 0.4, 1.0))))
+    if generator.random() < 0.5:
+        tick = generator.randrange(0, 500)
+        robot.controller.put(tick, PauseTask())
+        robot.controller.put(tick + generator.randrange(0, 200), ResumeTask())
+    robot.set_speed(generator.choice((1.0, 1.0, 0.5, 0.13)))
+    run = robot.run(program, until_s=30.0, trace=True, trace_step_s=0.02, pace=pace)
+    return (program, run.state, run.time_s, run.events, run.trace, run.globals, run.joints, run.signals)
+
+
+@pytest.mark.invariants
+@pytest.mark.parametrize("seed", range(max(COUNT, 10)))
+def test_leaping_equals_stepping(seed):
+    leaped = outcome(seed, None)
+    stepped = outcome(seed, lambda tick: None)
+    for mine, other in zip(leaped, stepped, strict=True):
+        assert mine == other
+    assert leaped[1] in ("finished", "time_limit"), leaped[0]
