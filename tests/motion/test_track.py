@@ -47,9 +47,9 @@ def wrist_turn(q_start: Six, joint: int, angle: float) -> JointTrack:
     return follow(ARM, LIMITS, path, q_start, 0.5, 1.2)
 
 
-def q_beside_base(distance: float) -> Six:
-    """Joint angles with the tool down and the wrist centre on y = distance, short of x = 0."""
-    T = transform_from_pose((0.03, distance, 0.45, pi, 0.0, 0.0))
+def q_beside_base(distance: float, x: float = 0.03) -> Six:
+    """Joint angles with the tool down and the wrist centre at (x, distance), beside the base."""
+    T = transform_from_pose((x, distance, 0.45, pi, 0.0, 0.0))
     q = solve_branch(ARM, T, 0)
     assert q is not None
     return q
@@ -213,6 +213,16 @@ def test_line_that_grazes_the_base_column_is_refused(distance: float, code: str,
     with pytest.raises(MotionError, match=words) as caught:
         track_to(q_start, shifted(q_start, -0.06))
     assert caught.value.code == code
+
+
+@pytest.mark.parametrize("depth", [1e-4, 3e-4, 1e-3])
+@pytest.mark.parametrize("before", [0.03, 0.06, 0.065, 0.07, 0.075, 0.1])
+@pytest.mark.parametrize("behind", [0.02, 0.025, 0.06, 0.065, 0.07, 0.1, 0.125])
+def test_base_column_between_two_grid_points_is_not_overlooked(depth: float, before: float, behind: float) -> None:
+    q_start = q_beside_base(ARM.d4 - depth, before)
+    with pytest.raises(MotionError) as caught:
+        track_to(q_start, shifted(q_start, -before - behind), 0.05)
+    assert caught.value.code in {"R111", "R112"}
 
 
 def test_line_just_beside_the_base_column_is_followed() -> None:
