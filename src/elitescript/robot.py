@@ -15,6 +15,7 @@ from elitescript.controller.trace import Trace, TraceRow
 from elitescript.errors import AlarmError, UsageError
 from elitescript.language.compiler import CompiledUnit, Options, compile_unit
 from elitescript.language.source import SourceFile
+from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, Printed, TextMessage, Warned
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask, WriteSignal
 from elitescript.messages.motion import Six
@@ -336,9 +337,11 @@ class VirtualRobot:
             ScriptStateError: a program is running.
         """
         unit = program if isinstance(program, CompiledUnit) else self.compile(program)
+        run = Run(unit, self.tick)
+        if self.controller.task_state is TaskState.STOPPED:
+            self._run = run
         self.controller.task_started(unit.name)
         self._is_interrupted = False
-        self._run = run = Run(unit, self.tick)
         self._trace = trace if isinstance(trace, Trace) else Trace(run.trace.append, trace_step_s) if trace else None
         host = self._new_host(unit)
         self._host = host

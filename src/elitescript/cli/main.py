@@ -33,7 +33,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 3 if isinstance(error, ProgramError) else 1
     except BrokenPipeError:
         # The reader went away (`| head`): nothing is wrong with us.
-        sys.stderr = None  # type: ignore[assignment]
+        sys.stderr = None
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
 

@@ -1,0 +1,246 @@
+"""The Python API as its users know it."""
+
+from pathlib import Path
+
+import pytest
+
+from elitescript import AlarmError, ProgramError, UsageError, VirtualRobot
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import MotionEnded, SignalChanged, TaskStateChanged
+
+HOME = (0.0, -1.5707963267948966, -1.5707963267948966, -1.5707963267948966, 1.5707963267948966, 0.0)
+
+
+@pytest.fixture
+def robot():
+    return VirtualRobot("CS66")
+
+
+def test_a_program_runs_to_its_end(robot):
+    run = robot.run('def a():\n  global n\n  n = 3\n  sleep(1.5)\n  textmsg("n=", n)\n  print("done")\nend\n')
+    assert (run.state, run.time_s, run.globals) == ("finished", 1.5, {"n": 3})
+    assert (run.log, run.printed, run.alarms) == (["n=3"], ["done"], [])
+    assert run.check() is run
+
+
+def test_a_run_begins_where_the_last_one_ended(robot):
+    robot.run("def a():\n  movej([0.2, -1.5, -1.5, -1.5, 1.5, 0])\n  set_flag(3, True)\nend\n")
+    end_tick = robot.tick
+    run = robot.run("def b():\n  textmsg(get_flag(3))\n  sleep(0.1)\nend\n")
+    assert run.log == ["True"]
+    assert run.time_s == 0.1
+    assert robot.tick == end_tick + 25
+    assert run.joints == (0.2, -1.5, -1.5, -1.5, 1.5, 0.0)
+
+
+def test_an_alarm_says_what_where_and_with_which_limit(robot):
+    run = robot.run("def a():\n  sleep(0.5)\n  movej([0, 0, 0, 0, 0, 7])\nend\n")
+    (alarm,) = run.alarms
+    assert run.state == "alarm"
+    assert (alarm.line, alarm.thread, alarm.code, alarm.tick) == (3, "main", "R110", 125)
+    assert "wrist3" in alarm.text
+    assert "7" in alarm.text
+    assert alarm.source_line.strip() == "movej([0, 0, 0, 0, 0, 7])"
+    with pytest.raises(AlarmError, match="line 3"):
+        run.check()
+
+
+def test_a_text_that_does_not_compile_is_refused_with_all_problems(robot):
+    with pytest.raises(ProgramError) as caught:
+        robot.run("def a():\n  x = (1\n  y = = 2\nend\n")
+    assert len(caught.value.problems) >= 2
+    assert robot.state.task_state is TaskState.STOPPED
+
+
+def test_halt_is_a_stop_and_not_an_alarm(robot):
+    run = robot.run("def a():\n  halt()\nend\n")
+    assert (run.state, run.alarms) == ("stopped", [])
+
+
+def test_a_time_limit_stops_the_program_where_it_is(robot):
+    run = robot.run("def a():\n  global n\n  n = 0\n  while True:\n    n += 1\n    sleep(1)\n  end\nend\n", until_s=10)
+    assert (run.state, run.time_s, run.globals["n"]) == ("time_limit", 10.0, 10)
+    assert robot.state.task_state is TaskState.STOPPED
+
+
+@pytest.mark.parametrize(
+    "body", ["while True:\n    pass", "[0 for x in iter(int, 1)]", "f = lambda: f()\n  while True: f"]
+)
+def test_an_endless_loop_stops_neither_time_nor_its_limit(robot, body):
+    assert robot.run(f"def a():\n  {body}\n", until_s=0.2).state == "time_limit"
+
+
+def test_what_can_never_go_on_is_stuck_and_names_every_thread(robot):
+    run = robot.run(
+        "def a():\n  import queue\n  q = queue.Queue()\n  def f():\n    q.get()\n  end\n"
+        "  h = start_thread(f, ())\n  join_thread(h)\nend\n"
+    )
+    assert run.state == "stuck"
+    assert "line 5" in run.alarms[0].text
+    assert "line 8" in run.alarms[0].text
+    assert [thread.line for thread in run.threads] == [8, 5]
+
+
+def test_signals_are_set_read_and_reported(robot):
+    robot.signals["standard_digital_in[3]"] = True
+    robot.signals["input_float_register[7]"] = 2.5
+    run = robot.run(
+        "def a():\n  set_standard_digital_out(1, get_standard_digital_in(3))\n"
+        "  write_output_float_register(0, read_input_float_register(7))\nend\n"
+    )
+    assert robot.signals["standard_digital_out[1]"] is True
+    assert run.signals == {
+        "standard_digital_in[3]": True,
+        "standard_digital_out[1]": True,
+        "input_float_register[7]": 2.5,
+        "output_float_register[0]": 2.5,
+    }
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("standard_digital_in[3]", 2), ("input_int_register[0]", 1.5), ("nope", 1)]
+)
+def test_a_senseless_signal_is_refused(robot, name, value):
+    with pytest.raises(UsageError):
+        robot.signals[name] = value
+
+
+def test_an_input_can_be_scripted(robot):
+    robot.at(0.2, "standard_digital_in[0]", True)
+    run = robot.run("def a():\n  while not get_standard_digital_in(0):\n    sync()\n  end\nend\n")
+    assert run.time_s == 0.2
+    assert [event.tick for event in run.events if isinstance(event, SignalChanged)] == [50]
+
+
+def test_a_program_can_be_stepped_and_looked_at(robot):
+    run = robot.start("def a():\n  movej([0.5, -1.5, -1.5, -1.5, 1.5, 0])\n  textmsg(1)\nend\n")
+    robot.advance(0.1)
+    assert robot.state.is_moving
+    assert robot.state.line == 2
+    assert run.state == ""
+    robot.advance(10)
+    assert run.state == "finished"
+    assert robot.time_s == pytest.approx(10.1)
+
+
+def test_a_paused_program_goes_on_where_it_was(robot):
+    run = robot.start("def a():\n  movej([0.5, -1.5, -1.5, -1.5, 1.5, 0])\nend\n")
+    robot.advance(0.3)
+    robot.pause()
+    robot.advance(1.0)
+    q = robot.state.q_target
+    robot.advance(1.0)
+    assert robot.state.q_target == q
+    assert robot.state.task_state is TaskState.PAUSED
+    robot.resume()
+    robot.advance(5.0)
+    assert run.state == "finished"
+    assert robot.state.q_target == (0.5, -1.5, -1.5, -1.5, 1.5, 0.0)
+
+
+def test_a_stopped_program_brakes_and_ends(robot):
+    run = robot.start("def a():\n  movej([0.5, -1.5, -1.5, -1.5, 1.5, 0])\n  textmsg(1)\nend\n")
+    robot.advance(0.4)
+    robot.stop()
+    robot.advance(1.0)
+    assert (run.state, run.log) == ("stopped", [])
+    assert not robot.state.is_moving
+    assert [event.is_complete for event in run.events if isinstance(event, MotionEnded)] == [False]
+
+
+def test_a_second_program_is_refused_while_one_runs(robot):
+    robot.start("def a():\n  sleep(1)\nend\n")
+    with pytest.raises(Exception, match="a task is running"):
+        robot.start("def b():\n  pass\nend\n")
+
+
+def test_a_secondary_program_reads_and_sets_globals(robot):
+    run = robot.start("def a():\n  global go\n  go = False\n  while not go:\n    sync()\n  end\n  textmsg(go)\nend\n")
+    robot.advance(0.1)
+    robot.submit_secondary("sec s():\n  global go\n  go = 7\nend\n")
+    robot.advance(0.1)
+    assert (run.state, run.log) == ("finished", ["7"])
+
+
+def test_a_secondary_program_runs_without_a_program(robot):
+    robot.submit_secondary("sec s():\n  set_standard_digital_out(2, True)\nend\n")
+    robot.advance(0.1)
+    assert robot.signals["standard_digital_out[2]"] is True
+
+
+def test_presets_are_globals_of_the_program(robot):
+    run = robot.run("def a():\n  textmsg(count + 1)\nend\n", presets={"count": 4})
+    assert (run.log, run.globals) == (["5"], {"count": 4})
+
+
+def test_the_trace_has_a_row_for_each_tick_after_its_motion(robot):
+    run = robot.run("def a():\n  movej([0.1, -1.5, -1.5, -1.5, 1.5, 0])\n  sleep(0.02)\nend\n", trace=True)
+    assert [row.t for row in run.trace] == [tick / 250 for tick in range(robot.tick + 1)]
+    assert run.trace[0].q != HOME
+    assert run.trace[-1].q == run.joints
+    assert [row.line for row in run.trace[-7:]] == [2, 3, 3, 3, 3, 3, 0]
+    assert {row.state for row in run.trace[:-1]} == {"playing"}
+
+
+def test_a_coarser_trace_is_a_part_of_the_full_one():
+    program = "def a():\n  movej([0.3, -1.5, -1.5, -1.5, 1.5, 0])\nend\n"
+    full = VirtualRobot("CS66").run(program, trace=True).trace
+    coarse = VirtualRobot("CS66").run(program, trace=True, trace_step_s=0.02).trace
+    assert coarse[:-1] == full[:-1:5]
+    assert coarse[-1] == full[-1]
+
+
+def test_the_clock_of_a_free_run_is_the_same_every_day(robot):
+    assert robot.run("def a():\n  sleep(1)\n  textmsg(controller_timestamp())\nend\n").log == ["1704067201.0"]
+
+
+def test_random_numbers_follow_the_seed():
+    program = "def a():\n  textmsg(random())\nend\n"
+    logs = [VirtualRobot(seed=seed).run(program).log for seed in (1, 1, 2)]
+    assert logs[0] == logs[1] != logs[2]
+
+
+def test_a_program_from_a_file_has_that_files_folder(tmp_path):
+    (tmp_path / "points.txt").write_text("1 2 3\n", encoding="utf-8")
+    program = tmp_path / "job.script"
+    program.write_text("def job():\n  textmsg(open(get_task_path() + 'points.txt').read())\nend\n", encoding="utf-8")
+    assert VirtualRobot().run(program).log == ["1 2 3\n"]
+    assert VirtualRobot().run(str(program)).log == ["1 2 3\n"]
+
+
+def test_a_program_text_has_an_empty_folder_of_its_own(robot):
+    run = robot.run("def a():\n  with open(get_task_path() + 'x', 'w') as f:\n    f.write('1')\n  end\nend\n")
+    assert run.state == "finished"
+    assert not Path("x").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"model": "CS99"}, "CS99"),
+        ({"firmware": "9.9"}, "9.9"),
+        ({"joints": (0, 0, 0)}, "six"),
+        ({"joints": (0, 0, 0, 0, 0, 9)}, "wrist3"),
+        ({"speed": 1.5}, "speed"),
+    ],
+)
+def test_a_senseless_robot_is_refused(arguments, words):
+    with pytest.raises(UsageError, match=words):
+        VirtualRobot(**arguments)
+
+
+def test_a_missing_file_is_named(robot):
+    with pytest.raises(UsageError, match=r"nowhere\.script"):
+        robot.run("nowhere.script")
+
+
+def test_two_robots_do_not_see_each_other():
+    first, second = VirtualRobot(), VirtualRobot("CS620")
+    first.run("def a():\n  global x\n  x = 1\n  set_flag(0, True)\nend\n")
+    assert second.run("def a():\n  textmsg(get_flag(0))\nend\n").log == ["False"]
+
+
+def test_the_task_state_is_told(robot):
+    run = robot.run("def job():\n  pass\nend\n")
+    states = [(event.state, event.name) for event in run.events if isinstance(event, TaskStateChanged)]
+    assert states == [(TaskState.PLAYING, "job"), (TaskState.STOPPED, "job")]
