@@ -1,0 +1,206 @@
+"""What rules look at: the tree of a program, its names, the commands it calls, the firmware it is for."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import re
+from collections.abc import Iterator
+from functools import cached_property
+from typing import Final, NamedTuple, TypeVar
+
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.registry import Command
+from elitescript.language.hooks import HOOKS
+from elitescript.language.kinds import SECONDARY
+from elitescript.language.nodes import Census
+from elitescript.language.parser import Parsed
+from elitescript.language.symbols import Resolution, Scope, Symbols
+from elitescript.lint.arguments import Arguments, arrange
+from elitescript.lint.constants import Constants
+from elitescript.lint.refusals import Refusal, refuse
+from elitescript.lint.registry import Span
+from elitescript.messages.profile import Profile, release_of
+
+_Node = TypeVar("_Node", bound=ast.AST)
+
+PRELOADED: Final = frozenset(("copy", "elicopy", "exit", "long", "quit", "unichr"))
+"""Names that programs find besides commands and Python's own built-ins."""
+
+KNOWN: Final = frozenset(dir(builtins)) | PRELOADED | frozenset(HOOKS)
+"""Every name that is there without a definition, but for the commands."""
+
+
+class Use(NamedTuple):
+    """A use of a name that the program itself does not define."""
+
+    node: ast.Name
+    scope: Scope
+    is_call: bool
+    """It is called on the spot."""
+
+    @property
+    def name(self) -> str:
+        return self.node.id
+
+
+class CommandCall(NamedTuple):
+    """A call of a command."""
+
+    command: Command
+    call: ast.Call
+    scope: Scope
+
+
+class Program:
+    """One text, analysed.
+
+    Attributes:
+        parsed: the text and its tree.
+        profile: the firmware.
+        is_strict: what only this implementation accepts is an error.
+        symbols: scopes and names.
+        constants: values of expressions.
+    """
+
+    def __init__(self, parsed: Parsed, profile: Profile, *, is_strict: bool = False) -> None:
+        self.parsed = parsed
+        self.source = parsed.source
+        self.profile = profile
+        self.is_strict = is_strict
+        self.symbols = Symbols(parsed)
+        self.constants = Constants(self.symbols)
+        self._census = Census(parsed.tree)
+
+    # The tree
+
+    def nodes(self, kind: type[_Node]) -> list[_Node]:
+        """All nodes of one kind, in no particular order."""
+        return self._census.of(kind)
+
+    def span(self, node: ast.AST) -> Span:
+        """Where a node stands."""
+        return Span(*self.symbols.range_of(node))
+
+    def header_span(self, node: ast.AST) -> Span:
+        """The first line of a node."""
+        line, column = self.symbols.place(node)
+        span = self.span(node)
+        end = span.end_column if span.end_line == line else len(self.source.line(line).rstrip()) + 1
+        return Span(line, column, line, end)
+
+    def name_span(self, node: ast.AST, name: str) -> Span:
+        """Where the name stands that a node binds: for a definition, behind its keyword."""
+        line, column, _, _ = self.symbols.range_of(node)
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.alias, ast.ExceptHandler)):
+            row = self.source.line(line)
+            found = re.search(rf"(?<!\w){re.escape(name)}(?!\w)", row[column - 1 :])
+            column += found.start() if found else 0
+        return Span(line, column, line, column + len(name))
+
+    @cached_property
+    def secondaries(self) -> tuple[ast.FunctionDef, ...]:
+        """The secondary programs in the text."""
+        lines = self.parsed.translation.secondaries
+        return tuple(
+            node for node in self.parsed.tree.body if isinstance(node, ast.FunctionDef) and node.lineno in lines
+        )
+
+    # Names
+
+    @property
+    def shares_globals(self) -> bool:
+        """It is a secondary program, which finds the globals of the running program."""
+        return self.parsed.kind == SECONDARY
+
+    @cached_property
+    def unread_names(self) -> frozenset[str]:
+        """Words of the lines that could not be read: any of them may be defined there."""
+        parsed = self.parsed
+        if not parsed.has_errors:
+            return frozenset()
+        rows: set[int] = set()
+        for problem in parsed.diagnostics:
+            if problem.is_error:
+                rows.update(range(problem.line, problem.end_line + 1))
+        logical = parsed.translation.lines
+        for line in (*(logical[index] for index in parsed.hidden), *parsed.translation.dropped):
+            rows.update(range(line.line, line.last_line + 1))
+        return frozenset(word for row in rows for word in re.findall(r"[^\W\d]\w*", self.source.line(row)))
+
+    @cached_property
+    def outside(self) -> tuple[Use, ...]:
+        """Uses of names that come from outside the program: commands, built-ins, or nothing."""
+        return tuple(self._outside())
+
+    def _outside(self) -> Iterator[Use]:
+        parent = self.symbols.parent
+        for scope in self.symbols.scopes:
+            for name, reads in scope.reads.items():
+                if scope.resolve(name) is Resolution.BUILTIN:
+                    for node in reads:
+                        above = parent(node)
+                        yield Use(node, scope, isinstance(above, ast.Call) and above.func is node)
+
+    @cached_property
+    def unknown(self) -> tuple[Use, ...]:
+        """Uses of names that nothing defines, in what could be read."""
+        if any(alias.name == "*" for node in self.nodes(ast.ImportFrom) for alias in node.names):
+            return ()
+        return tuple(
+            use
+            for use in self.outside
+            if use.name not in KNOWN and CATALOGUE.get(use.name) is None and use.name not in self.unread_names
+        )
+
+    def command(self, name: str, scope: Scope) -> Command | None:
+        """The command that `name` means in `scope`; None if the program gives it another meaning."""
+        found = CATALOGUE.get(name)
+        return found if found is not None and scope.resolve(name) is Resolution.BUILTIN else None
+
+    def is_available(self, command: Command) -> bool:
+        """Whether the firmware has a command."""
+        return release_of(command.since) <= self.profile.release
+
+    def expects_missing_names(self, node: ast.AST) -> bool:
+        """Whether a `try` around a node catches `NameError`: then the program asks what there is."""
+        child = node
+        for above in self.symbols.ancestors(node):
+            if isinstance(above, (ast.FunctionDef, ast.Lambda)):
+                return False
+            if isinstance(above, ast.Try) and child in above.body:
+                caught = [part for handler in above.handlers if handler.type for part in ast.walk(handler.type)]
+                if any(isinstance(part, ast.Name) and part.id == "NameError" for part in caught):
+                    return True
+            child = above
+        return False
+
+    # Calls
+
+    @cached_property
+    def command_calls(self) -> tuple[CommandCall, ...]:
+        """The calls of commands that the firmware has."""
+        calls = []
+        for scope in self.symbols.scopes:
+            for call in scope.calls:
+                if isinstance(call.func, ast.Name):
+                    command = self.command(call.func.id, scope)
+                    if command is not None and self.is_available(command):
+                        calls.append(CommandCall(command, call, scope))
+        return tuple(calls)
+
+    @cached_property
+    def arguments(self) -> tuple[Arguments, ...]:
+        """The arguments of `command_calls`, in order."""
+        return tuple(arrange(found.command, found.call) for found in self.command_calls)
+
+    @cached_property
+    def refusals(self) -> tuple[Refusal, ...]:
+        """The arguments that commands will certainly refuse."""
+        found = []
+        for called, arguments in zip(self.command_calls, self.arguments, strict=True):
+            for param, node in arguments.given:
+                error = refuse(param, self.constants.value(node, called.scope))
+                if error is not None:
+                    found.append(Refusal(called.command, param, node, error))
+        return tuple(found)

@@ -1,0 +1,105 @@
+"""What a lint rule is, and all of them.
+
+A rule is one decorated function in a file of its own under `rules`. It looks at a `Program` and yields
+findings; its code is written there and nowhere else but in the table of `errors`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterable
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from elitescript.errors import CODES, InternalError
+from elitescript.language.diagnostics import Fix
+
+if TYPE_CHECKING:
+    from elitescript.lint.program import Program
+
+
+class Span(NamedTuple):
+    """A stretch of the text; lines and columns from 1, columns in characters, the end exclusive."""
+
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+
+class Finding(NamedTuple):
+    """What a rule yields; the engine adds the code.
+
+    Attributes:
+        where: the node, or the stretch of text, that is wrong.
+        text: what is wrong, in plain words, with value, limit and unit.
+        hint: what to do about it; may be empty.
+        fix: a repair that a tool can make.
+        is_error: it is an error although the row of its code says warning.
+    """
+
+    where: ast.AST | Span
+    text: str
+    hint: str = ""
+    fix: Fix | None = None
+    is_error: bool = False
+
+
+Check = Callable[["Program"], Iterable[Finding]]
+
+
+class Rule(NamedTuple):
+    """A rule; see `rule` for the fields."""
+
+    code: str
+    since: str
+    check: Check
+    instead_of: tuple[str, ...]
+    needs_all_lines: bool
+
+    @property
+    def title(self) -> str:
+        """What it finds, in a few words."""
+        return CODES[self.code].title
+
+    @property
+    def explanation(self) -> str:
+        """What it finds, why, and an example."""
+        return import_module(self.check.__module__).__doc__ or ""
+
+
+_RULES: Final[dict[str, Rule]] = {}
+
+
+def rule(
+    *, code: str, since: str, instead_of: tuple[str, ...] = (), needs_all_lines: bool = False
+) -> Callable[[Check], Check]:
+    """Make the function below a rule.
+
+    Args:
+        code: its row of `errors.CODES`.
+        since: release of elitescript that brought it.
+        instead_of: codes that say the same less well; their findings at the same place are dropped.
+        needs_all_lines: a line that could not be read may be what it misses, so it is left out then.
+    """
+
+    def register(check: Check) -> Check:
+        if code in _RULES or code not in CODES:
+            raise InternalError(f"{check.__module__}: {code} is another rule's, or no code")
+        _RULES[code] = Rule(code, since, check, instead_of, needs_all_lines)
+        return check
+
+    return register
+
+
+@cache
+def all_rules() -> tuple[Rule, ...]:
+    """Every rule, by code."""
+    from pkgutil import iter_modules
+
+    from elitescript.lint import rules
+
+    for module in iter_modules(rules.__path__):
+        import_module(f"{rules.__name__}.{module.name}")
+    return tuple(_RULES[code] for code in sorted(_RULES))

@@ -1,0 +1,22 @@
+"""A call of a command with the wrong number or names of arguments.
+
+def job():
+  set_standard_digital_out(1)          # E303: the level is missing
+  movel(TARGET, speed=0.1)             # E303: it is called `v`
+end
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from elitescript.lint.program import Program
+from elitescript.lint.registry import Finding, rule
+
+
+@rule(code="E303", since="0.1")
+def argument_count(program: Program) -> Iterator[Finding]:
+    """Report what is surplus, missing, misnamed or given twice."""
+    for called, arguments in zip(program.command_calls, program.arguments, strict=True):
+        for misfit in arguments.misfits:
+            yield Finding(misfit.node, misfit.text, f"it is called as {called.command.signature}")

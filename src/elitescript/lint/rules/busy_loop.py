@@ -1,0 +1,34 @@
+"""A loop that waits for something without ever waiting.
+
+Found are loops that nothing inside them can end: `while True` without a way out, and loops whose condition
+only an input or another thread can change. If no call in them takes time, also none in the functions that they
+call, they burn the controller's time and starve other threads.
+
+    def job():
+      while not get_standard_digital_in(0):    # W204
+        pass                                   # write sync(), or sleep(0.01)
+      end
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from elitescript.lint.program import Program
+from elitescript.lint.registry import Finding, rule
+from elitescript.lint.repetition import Analyst
+
+
+@rule(code="W204", since="0.1", needs_all_lines=True)
+def busy_loop(program: Program) -> Iterator[Finding]:
+    """Report each such loop."""
+    loops = program.nodes(ast.While)
+    if not loops:
+        return
+    analyst = Analyst(program)
+    for loop in loops:
+        if analyst.is_busy(loop):
+            text = "this loop never waits: no call in it takes time, so it starves the other threads"
+            yield Finding(program.header_span(loop), text, "put sync() or sleep(0.01) into it")

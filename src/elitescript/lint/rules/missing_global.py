@@ -1,0 +1,86 @@
+"""An assignment that makes a local variable where a global is meant.
+
+In a function an assignment makes a new local variable, whatever the rest of the program calls global; the
+global keeps its value, and nobody says so. Found are names that the program's body declares `global` and a
+function assigns without declaring them; names that a function assigns for nobody while another one declares
+them; and names that the body assigns for itself while a function declares them.
+
+    def job():
+      global level
+      level = 0
+      def fill():
+        level = 100              # W202: the global stays 0
+      end
+      fill()
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.language.diagnostics import Edit, Fix
+from elitescript.language.symbols import Binding, Scope
+from elitescript.lint.program import Program
+from elitescript.lint.registry import Finding, rule
+
+
+@rule(code="W202", since="0.1")
+def missing_global(program: Program) -> Iterator[Finding]:
+    """Report the first assignment of each such name in each scope."""
+    for scope in program.symbols.scopes:
+        if scope.kind not in ("function", "body"):
+            continue
+        for name, bindings in scope.bindings.items():
+            first = next((binding for binding in bindings if binding.kind in _ASSIGNMENTS), None)
+            if first is None or not scope.has_local(name) or name in scope.parameters or name in program.unread_names:
+                continue
+            owner = _declaring_scope(name, scope, program)
+            if owner is not None:
+                yield Finding(
+                    program.name_span(first.node, name),
+                    f"`{name}` is a local variable here; {_place(owner)} declares it global",
+                    f"write `global {name}` at the start of {_place(scope)}, or use another name",
+                    _fix(first, scope, program),
+                )
+
+
+_ASSIGNMENTS: Final = ("assign", "augmented", "annotated", "walrus")
+
+
+def _declaring_scope(name: str, scope: Scope, program: Program) -> Scope | None:
+    """The scope whose `global` statement the assignment in `scope` misses."""
+    if name not in program.symbols.global_names:
+        return None
+    others = [other for other in program.symbols.scopes if name in other.globals]
+    body = program.symbols.body
+    if scope is body:
+        return others[0]
+    if scope.home(name) is not scope or any(name in above.nonlocals for above in scope.walk()):
+        return None
+    if body in others:
+        return body
+    # Two functions may use the same name for different things, but nobody assigns a variable for nothing.
+    is_used = any(name in inner.reads for inner in scope.walk() if inner is scope or inner.home(name) is scope)
+    return None if is_used else others[0]
+
+
+def _place(scope: Scope) -> str:
+    if scope.kind == "body":
+        return "the program" if not scope.name else f"the program `{scope.name}`"
+    return f"the function `{scope.name}`" if scope.name else "another function"
+
+
+def _fix(binding: Binding, scope: Scope, program: Program) -> Fix | None:
+    statements = scope.statements
+    first = statements[0]
+    is_docstring = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)
+    if is_docstring and len(statements) > 1:
+        first = statements[1]
+    line, column = program.symbols.place(first)
+    before = program.source.line(line)[: column - 1]
+    separator = "; " if before.strip() else f"\n{before}"
+    edit = Edit(line, column, line, column, f"global {binding.name}{separator}")
+    return Fix(f"declare `{binding.name}` global", (edit,), safe=False)

@@ -1,0 +1,53 @@
+"""A `global` that nothing gives a value.
+
+Reading it is an alarm (`NameError`), and the variable monitor never shows it. Often the assignment uses a
+slightly different name. A secondary program declares the globals of the running program, so it is left alone;
+a script without a `def` may be part of a larger program, so only a name that it never mentions again counts.
+
+    def job():
+      global parts
+      part = 0                   # and not `parts`: W206 in the line above
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+
+from elitescript.language.kinds import SCRIPT
+from elitescript.lint.program import Program
+from elitescript.lint.registry import Finding, Span, rule
+from elitescript.lint.suggestions import nearest
+
+
+@rule(code="W206", since="0.1")
+def unassigned_global(program: Program) -> Iterator[Finding]:
+    """Report the first declaration of each such name."""
+    if program.shares_globals or program.secondaries:
+        return
+    scopes = program.symbols.scopes
+    for name in sorted(program.symbols.global_names - program.unread_names):
+        if any(binding.kind != "delete" for binding in program.symbols.global_bindings(name)):
+            continue
+        if program.parsed.kind == SCRIPT and any(name in scope.reads for scope in scopes):
+            continue
+        first = min(
+            (statement for scope in scopes for statement in scope.globals.get(name, ())), key=lambda node: node.lineno
+        )
+        assigned = {other for scope in scopes for other in scope.bindings}
+        meant = nearest(name, assigned)
+        hint = f"is `{meant}` meant?" if meant else "give it a value, or leave the line out"
+        yield Finding(_name_in(first, name, program), f"nothing gives the global `{name}` a value", hint)
+
+
+def _name_in(statement: ast.Global, name: str, program: Program) -> Span:
+    """The place of the name in its declaration."""
+    line, column, end_line, end_column = program.span(statement)
+    for number in range(line, end_line + 1):
+        start = column if number == line else 1
+        found = re.search(rf"(?<!\w){re.escape(name)}(?!\w)", program.source.line(number)[start - 1 :])
+        if found:
+            return Span(number, start + found.start(), number, start + found.end())
+    return Span(line, column, end_line, end_column)

@@ -1,0 +1,105 @@
+"""Code that is never reached, because the line above always leaves.
+
+Behind `return`, `raise`, `break`, `continue` and `halt()` nothing of the same block runs, nor behind an `if`
+of which every branch leaves. Lines that nobody misses (`pass`, a line mark, one more `return`, the `sync()` that
+generators put at the end of each loop) do not count.
+
+    def job():
+      return
+      movej(HOME)                # W207
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.language.hooks import LINE
+from elitescript.language.symbols import Resolution
+from elitescript.lint.program import Program
+from elitescript.lint.registry import Finding, rule
+
+
+@rule(code="W207", since="0.1", needs_all_lines=True)
+def unreachable_code(program: Program) -> Iterator[Finding]:
+    """Report the first such statement of each block."""
+    reported: list[tuple[int, int]] = []
+    blocks = sorted(_blocks(program), key=lambda block: block[0].lineno)
+    for block in blocks:
+        for index, statement in enumerate(block):
+            if not _leaves(statement, program):
+                continue
+            rest = block[index + 1 :]
+            first = next((other for other in rest if not _is_missed_by_nobody(other)), None)
+            if first is None or _makes_generator(rest):
+                break
+            if not any(start <= first.lineno <= end for start, end in reported):
+                reported.append((first.lineno, rest[-1].end_lineno or rest[-1].lineno))
+                what = _WORDS.get(type(statement), "the lines above")
+                text = f"this is never reached: {what} in line {statement.lineno} always leaves"
+                yield Finding(program.header_span(first), text, "remove it, or put it before that line")
+            break
+
+
+_WORDS: Final[dict[type[ast.stmt], str]] = {
+    ast.Return: "the `return`",
+    ast.Raise: "the `raise`",
+    ast.Break: "the `break`",
+    ast.Continue: "the `continue`",
+    ast.If: "every branch of the `if`",
+    ast.Expr: "the call",
+}
+_BLOCK_OWNERS: Final = (
+    ast.Module,
+    ast.FunctionDef,
+    ast.ClassDef,
+    ast.If,
+    ast.For,
+    ast.While,
+    ast.With,
+    ast.Try,
+    ast.ExceptHandler,
+    ast.match_case,
+)
+_FILLERS: Final = (LINE, "labelmsg", "sync")
+_LEAVING: Final = frozenset(("exit", "halt", "quit"))
+
+
+def _blocks(program: Program) -> Iterator[list[ast.stmt]]:
+    for kind in _BLOCK_OWNERS:
+        for owner in program.nodes(kind):
+            for field in ("body", "orelse", "finalbody"):
+                block = getattr(owner, field, None)
+                if block:
+                    yield block
+
+
+def _leaves(statement: ast.stmt, program: Program) -> bool:
+    """Whether the statement behind can never be reached from this one."""
+    if isinstance(statement, (ast.Return, ast.Raise, ast.Break, ast.Continue)):
+        return True
+    if isinstance(statement, ast.If):
+        branches = (statement.body, statement.orelse)
+        return all(any(_leaves(inner, program) for inner in branch) for branch in branches)
+    call = statement.value if isinstance(statement, ast.Expr) else None
+    if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name) or call.func.id not in _LEAVING:
+        return False
+    return program.symbols.scope_of(call).resolve(call.func.id) is Resolution.BUILTIN
+
+
+def _is_missed_by_nobody(statement: ast.stmt) -> bool:
+    if isinstance(statement, (ast.Pass, ast.Global, ast.Nonlocal, ast.Break, ast.Continue)):
+        return True
+    if isinstance(statement, ast.Return):
+        return statement.value is None
+    value = statement.value if isinstance(statement, ast.Expr) else None
+    if isinstance(value, ast.Call) and isinstance(value.func, ast.Name):
+        return value.func.id in _FILLERS
+    return isinstance(value, ast.Constant)
+
+
+def _makes_generator(statements: list[ast.stmt]) -> bool:
+    """`return` and a `yield` behind it: a generator without elements."""
+    return any(isinstance(node, (ast.Yield, ast.YieldFrom)) for top in statements for node in ast.walk(top))
