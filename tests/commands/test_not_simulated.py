@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -70,3 +71,11 @@ def test_values_of_several_kinds_are_refused_in_plain_words(script: Any, text: s
 def test_control_time_of_servoj_is_a_number(script: Any) -> None:
     with pytest.raises(ArgumentTypeError, match=r"^servoj: t must be a number, not str 'fast'"):
         script("servoj([0, 0, 0, 0, 0, 0], 'fast')")
+
+
+def test_serial_ports_are_off_and_can_be_switched_off(script: Callable[[str], Any]) -> None:
+    assert script("tool_serial_config(False, 115200, 0, 1, modbus_rtu=False, usage=0)") is False
+    assert script("serial_config(False, 115200, 0, 1)") is True
+    assert script("masterboard_serial_config(False, 115200, 0, 1)") is True
+    assert script("[tool_serial_is_open(), serial_is_open()]") == [False, False]
+    assert script("[tool_serial_mode(), serial_mode()]") == ["CLOSE", "CLOSE"]

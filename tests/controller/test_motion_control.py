@@ -9,7 +9,7 @@ from elitescript.controller.controller import Controller
 from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import MotionEnded, MotionStarted
+from elitescript.messages.events import MotionEnded, MotionStarted, Warned
 from elitescript.messages.machine import PauseTask, PowerDown, ResumeTask, SetSpeedScale
 from elitescript.messages.motion import MoveJ, MoveL, StopJ, StopL
 from elitescript.messages.timing import PERIOD_S
@@ -219,6 +219,24 @@ def test_a_session_leaps_as_it_steps(seed):
     _, leaped_events, leaped_q = random_session(seed, leap=True)
     assert stepped_events == leaped_events
     assert stepped_q == leaped_q
+
+
+def test_what_is_not_quite_as_asked_is_said_once_for_each_line_of_a_program(machine):
+    def say(line):
+        machine.controller.request_motion(MoveJ(TARGET, 1.4, 1.05, 0.01, 0.05), line, "main")
+        machine.run(1000)
+        machine.controller.request_motion(MoveJ(HOME, 1.4, 1.05), 99, "main")
+        machine.run(1000)
+
+    machine.controller.task_started("first")
+    for line in (3, 3, 4):
+        say(line)
+    warnings = [event for event in machine.events if isinstance(event, Warned)]
+    assert [(warning.line, "blends" in warning.text) for warning in warnings] == [(3, False), (3, True), (4, False)]
+    machine.controller.task_ended()
+    machine.controller.task_started("second")
+    say(3)
+    assert len([event for event in machine.events if isinstance(event, Warned)]) == 5
 
 
 def test_the_end_of_the_task_brakes_the_arm(machine):

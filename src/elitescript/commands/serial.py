@@ -1,4 +1,8 @@
-"""RS-485 ports of the tool and of the control box (manual 2.10 sections 3.29 to 3.56)."""
+"""RS-485 ports of the tool and of the control box (manual 2.10 sections 3.29 to 3.56).
+
+The ports cannot be switched on yet. Switching them off works, and so does asking whether they are on: programs of the
+pendant do both before they begin.
+"""
 
 from __future__ import annotations
 
@@ -33,17 +37,17 @@ _Received = Annotated[Any, Anything("list[int] or bytes", "byte")]
 _ByteCount = Annotated[int, Integer(0, unit="byte")]
 
 
-@command(family="serial", manual="3.29", is_simulated=False)
+@command(family="serial", manual="3.29")
 def tool_serial_is_open() -> Bool:
     """Whether the serial port of the tool is enabled.
 
     Returns:
         True if it is.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return False
 
 
-@command(family="serial", manual="3.30", is_simulated=False)
+@command(family="serial", manual="3.30")
 def tool_serial_config(
     enabled: Bool,
     baud_rate: Annotated[int, Choice(9600, 19200, 38400, 57600, 115200, 1000000, 2000000, unit="baud")],
@@ -54,6 +58,8 @@ def tool_serial_config(
     usage: Annotated[int, Choice(0, 1)] = 0,
 ) -> Bool:
     """Enable, disable and set up the serial port of the tool.
+
+    Only disabling it is simulated yet.
 
     Args:
         enabled: True enables the port.
@@ -67,7 +73,9 @@ def tool_serial_config(
     Returns:
         True if the port is open now.
     """
-    raise NotSimulatedError(_NOT_YET)
+    if enabled:
+        raise NotSimulatedError(_NOT_YET)
+    return False
 
 
 @command(family="serial", manual="3.31", waits=True, is_simulated=False)
@@ -98,17 +106,17 @@ def tool_serial_write(write_data: _Data) -> _ByteCount:
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="serial", manual="3.41", is_simulated=False)
+@command(family="serial", manual="3.41")
 def tool_serial_mode() -> Str:
     """Mode of the serial port of the tool.
 
     Returns:
         `"MODBUS-RTU"`, `"RS485"`, or `"CLOSE"` when the port is off.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return "CLOSE"
 
 
-@command(family="serial", manual="3.43", is_simulated=False)
+@command(family="serial", manual="3.43")
 def serial_config(
     enable: Bool,
     baud: Annotated[
@@ -122,6 +130,8 @@ def serial_config(
 ) -> Bool:
     """Enable, disable and set up the serial port of the control box.
 
+    Only disabling it is simulated yet.
+
     Args:
         enable: True enables the port.
         baud: baud rate.
@@ -134,7 +144,9 @@ def serial_config(
     Returns:
         True if it worked.
     """
-    raise NotSimulatedError(_NOT_YET)
+    if enable:
+        raise NotSimulatedError(_NOT_YET)
+    return True
 
 
 @command(family="serial", manual="3.44", spellings={"timeout": "time_out"}, waits=True, is_simulated=False)
@@ -172,7 +184,7 @@ def serial_write(data: _Data, port: CabinetPort = CABINET_PORT) -> Bool:
     raise NotSimulatedError(_NOT_YET)
 
 
-@command(family="serial", manual="3.46", is_simulated=False)
+@command(family="serial", manual="3.46")
 def serial_is_open(port: CabinetPort = CABINET_PORT) -> Bool:
     """Whether the serial port of the control box is enabled.
 
@@ -182,10 +194,10 @@ def serial_is_open(port: CabinetPort = CABINET_PORT) -> Bool:
     Returns:
         True if it is.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return False
 
 
-@command(family="serial", manual="3.47", is_simulated=False)
+@command(family="serial", manual="3.47")
 def serial_mode(port: CabinetPort = CABINET_PORT) -> Str:
     """Mode of the serial port of the control box.
 
@@ -195,7 +207,7 @@ def serial_mode(port: CabinetPort = CABINET_PORT) -> Str:
     Returns:
         `"MODBUS-RTU"`, `"RS485"`, or `"CLOSE"` when the port is off.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return "CLOSE"
 
 
 @command(family="serial", manual="3.56", is_simulated=False)

@@ -335,6 +335,7 @@ class Controller:
         """A program begins in this tick."""
         self._task.name = name
         self._node = (0, "")
+        self._motion.begin_program()
         self._task.apply("start")
 
     def task_ended(self) -> None:

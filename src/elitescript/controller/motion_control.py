@@ -93,6 +93,7 @@ class MotionControl:
         "_limits",
         "_move",
         "_next",
+        "_noted",
         "_on_end",
         "_on_event",
         "_q_rest",
@@ -125,7 +126,12 @@ class MotionControl:
         self._is_paused = False
         self._sampled_tick = -1
         self._sampled: Six = home
+        self._noted: set[tuple[int, str]] = set()
         self.waypoint: Six | None = None
+
+    def begin_program(self) -> None:
+        """Say again, once for each line, what has been said to the program before."""
+        self._noted.clear()
 
     @property
     def is_moving(self) -> bool:
@@ -194,7 +200,10 @@ class MotionControl:
         self.waypoint = waypoint
         self._on_event(MotionStarted(tick, request, line, thread, plan.segment.duration_s))
         for note in plan.notes:
-            self._on_event(Warned(tick, note.text, thread, line))
+            self._warn_once(line, note.kind, Warned(tick, note.text, thread, line))
+        if request.r > 0.0:
+            text = f"blends are not simulated yet: the arm stops at each waypoint (here r = {request.r:g} m)"
+            self._warn_once(0, "blend", Warned(tick, text, thread, line))
         return accepted.number
 
     def is_done(self, number: int) -> bool:
@@ -245,6 +254,11 @@ class MotionControl:
             self._sampled_tick = -1
             self._move, self._next = self._next, None
             self._end(move, move.end_tick, is_complete)
+
+    def _warn_once(self, line: int, kind: str, warning: Warned) -> None:
+        if (line, kind) not in self._noted:
+            self._noted.add((line, kind))
+            self._on_event(warning)
 
     def _end(self, move: Move, tick: int, is_complete: bool) -> None:
         self._on_event(MotionEnded(tick, is_complete))
