@@ -1,0 +1,180 @@
+"""`elitescript run` as its contract says: events, exit codes, traces."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from elitescript.cli.main import main
+from elitescript.controller.trace import TRACE_COLUMNS
+
+
+@pytest.fixture
+def program(tmp_path):
+    def write(text, name="job.script"):
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        return str(path)
+
+    return write
+
+
+@pytest.fixture
+def run_json(program, capsys):
+    def run(text, *options):
+        code = main(["run", program(text), "--json", *options])
+        return code, [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+    return run
+
+
+def test_a_program_that_ends(run_json):
+    code, records = run_json(
+        'def a():\n  global n, p\n  n = 1\n  p = (1, float("nan"))\n  sleep(0.5)\n'
+        '  textmsg("n=", n)\n  print(n, 2)\n  popup("look", blocking=True)\nend\n'
+    )
+    assert code == 0
+    assert records[0] == {
+        "type": "log", "t": 0.5, "level": "info", "text": "n=1", "thread": "main", "line": 6,
+    }  # fmt: skip
+    assert records[1] == {"type": "print", "t": 0.5, "text": "1 2", "thread": "main", "line": 7}
+    assert (records[2]["type"], records[2]["text"], records[2]["confirmed"]) == ("popup", "look", True)
+    end = records[-1]
+    assert list(end) == ["type", "state", "t", "globals", "joints", "tcp_pose", "signals"]
+    assert (end["state"], end["t"], end["globals"]) == ("finished", 0.5, {"n": 1, "p": [1, "NaN"]})
+    assert len(end["joints"]) == len(end["tcp_pose"]) == 6
+
+
+def test_an_alarm(run_json):
+    code, records = run_json("def a():\n  sleep(0.1)\n  movej([0, 0, 0, 0, 0, 9])\nend\n")
+    assert code == 1
+    alarm, end = records[-2:]
+    assert (alarm["type"], alarm["t"], alarm["line"], alarm["column"], alarm["thread"]) == ("alarm", 0.1, 3, 3, "main")
+    assert (alarm["code"], alarm["class"]) == ("R110", "RuntimeError")
+    assert end["state"] == "alarm"
+
+
+def test_a_text_that_does_not_compile(run_json):
+    code, records = run_json("def a():\n  while True:\n  end\n  x = = 1\nend\n")
+    assert code == 3
+    assert [(record["code"], record["line"]) for record in records] == [("E104", 2), ("E001", 4)]
+    assert all(record["severity"] == "error" and record["hint"] is not None for record in records)
+
+
+def test_findings_against_the_catalogue_warn_and_fail_only_when_strict(run_json):
+    text = "def a():\n  if False:\n    set_digital_out(1, True)\n  end\nend\n"
+    code, records = run_json(text)
+    assert (code, records[0]["code"], records[0]["severity"]) == (0, "E301", "warning")
+    code, records = run_json(text, "--strict")
+    assert (code, records[0]["severity"]) == (3, "error")
+
+
+def test_halt_is_no_failure(run_json):
+    code, records = run_json("def a():\n  halt()\nend\n")
+    assert (code, records[-1]["state"]) == (0, "stopped")
+
+
+def test_a_time_limit(run_json):
+    code, records = run_json("def a():\n  while True:\n    sync()\n  end\nend\n", "--until", "1.5")
+    assert (code, records[-1]["state"], records[-1]["t"]) == (4, "time_limit", 1.5)
+    assert records[-1]["threads"][0]["line"] == 3
+
+
+def test_a_limit_of_wall_time(run_json):
+    code, records = run_json("def a():\n  while True:\n    pass\n  end\nend\n", "--max-wall", "0.1")
+    assert (code, records[-1]["state"]) == (4, "time_limit")
+
+
+def test_a_program_that_is_stuck(run_json):
+    code, records = run_json("def a():\n  pause()\nend\n")
+    assert (code, records[-1]["state"]) == (5, "stuck")
+    assert records[-2]["code"] == "R130"
+    assert "line 2" in records[-2]["text"]
+
+
+def test_settings_reach_the_program(run_json):
+    code, records = run_json(
+        "def a():\n  textmsg(get_standard_digital_in(3), count)\n  set_standard_digital_out(0, True)\nend\n",
+        *("--set", "standard_digital_in[3]=true", "--set", "count=7"),
+    )
+    assert code == 0
+    assert records[0]["text"] == "True7"
+    assert records[-1]["signals"] == {"standard_digital_in[3]": True, "standard_digital_out[0]": True}
+
+
+def test_start_joints_speed_robot_and_epoch(run_json):
+    text = "def a():\n  textmsg(get_target_joint_positions())\n  textmsg(controller_timestamp())\nend\n"
+    _, records = run_json(text, "--joints", "0.1,-1.5,-1.5,-1.5,1.5,0", "--epoch", "2025-01-01", "--robot", "cs620")
+    assert records[0]["text"] == "[0.1, -1.5, -1.5, -1.5, 1.5, 0.0]"
+    assert records[1]["text"] == "1735689600.0"
+    move = "def a():\n  movej([0.5, -1.5, -1.5, -1.5, 1.5, 0])\nend\n"
+    fast, slow = run_json(move)[1][-1]["t"], run_json(move, "--speed", "0.5")[1][-1]["t"]
+    assert slow == pytest.approx(2 * fast, abs=0.008)
+
+
+@pytest.mark.parametrize("options", [[], ["--step", "0.02"]])
+def test_a_trace_as_csv_and_as_json_lines_is_the_same(program, tmp_path, capsys, options):
+    path = program("def a():\n  movel([0.45, -0.15, 0.45, 3.14159, 0, -1.5708])\n  sleep(0.05)\nend\n")
+    for ending in ("csv", "jsonl"):
+        assert main(["run", path, "--trace", str(tmp_path / f"out.{ending}"), *options]) == 0
+    with (tmp_path / "out.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    records = [json.loads(line) for line in (tmp_path / "out.jsonl").read_text().splitlines()]
+    assert tuple(rows[0]) == TRACE_COLUMNS == tuple(records[0])
+    assert len(rows) == len(records) > 10
+    for row, record in zip(rows, records, strict=True):
+        assert {key: str(value) for key, value in record.items()} == row
+    assert float(records[-1]["x"]) == pytest.approx(0.45, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--robot", "CS1"], "CS1"),
+        (["--speed", "2"], "speed"),
+        (["--joints", "1,2"], "six"),
+        (["--set", "x"], "NAME=VALUE"),
+        (["--set", "standard_digital_in[99]=1"], "indices 0 to 15"),
+        (["--trace", "out.txt"], ".csv or .jsonl"),
+        (["--step", "1"], "--trace"),
+        (["--until", "nan"], "--until"),
+        (["--task-dir", "/nowhere/at/all"], "/nowhere/at/all"),
+    ],
+)
+def test_a_call_that_makes_no_sense_is_refused(program, capsys, options, words):
+    assert main(["run", program("def a():\n  pass\nend\n"), *options]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_missing_file_is_named(capsys):
+    assert main(["run", "missing.script"]) == 2
+    assert "missing.script" in capsys.readouterr().err
+
+
+def test_a_file_that_is_not_utf_8_is_refused_with_its_place(tmp_path, capsys):
+    path = tmp_path / "latin.script"
+    path.write_bytes(b"def a():\n  textmsg('\xe4')\nend\n")
+    assert main(["run", str(path)]) == 3
+    assert "E002" in capsys.readouterr().err
+
+
+def test_people_see_what_happened_and_where_it_went_wrong(program, capsys):
+    assert main(["run", program("def a():\n  textmsg('go')\n  sleep(1)\n  x = [1][3]\nend\n")]) == 1
+    captured = capsys.readouterr()
+    assert "0.000 s  go" in captured.out
+    assert "1.000 s  ended by an alarm" in captured.out
+    assert "in line 4: IndexError: list index out of range" in captured.err
+    assert "4 |   x = [1][3]" in captured.err
+
+
+def test_the_process_gives_the_same_bytes_for_every_hash_seed(program):
+    path = program("def a():\n  textmsg({'a', 'b', 'c', 'd', 'e'})\n  textmsg(random())\n  print(object())\nend\n")
+    outputs = set()
+    for seed in ("1", "2", "random"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)}
+        command = [sys.executable, "-m", "elitescript", "run", path, "--json"]
+        outputs.add(subprocess.run(command, env=environment, capture_output=True, check=True).stdout)
+    assert len(outputs) == 1
