@@ -72,7 +72,8 @@ def _parser() -> argparse.ArgumentParser:
         description="Run and check EliteScript, the language of the Elite Robots CS arms, without a robot.",
     )
     parser.add_argument("--version", action="version", version=f"elitescript {__version__}")
-    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    # With a given prog, argparse builds no help formatter at this point, which saves importing shutil.
+    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", prog="elitescript")
 
     firmware = argparse.ArgumentParser(add_help=False)
     firmware.add_argument(

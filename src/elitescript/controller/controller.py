@@ -12,9 +12,9 @@ from typing import Any, Final
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SignalImage
 from elitescript.controller.modes import WHY_NOT_READY, Power
-from elitescript.controller.motion_control import MotionControl
+from elitescript.controller.motion_control import MotionControl, motion_limits
 from elitescript.controller.snapshot import build_state
-from elitescript.controller.tasks import ProgramPort, Task
+from elitescript.controller.tasks import NoProgram, ProgramPort, Task
 from elitescript.errors import ArgumentRangeError, ScriptError, ScriptStateError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import IDENTITY, Transform, pose_from_transform, transform_from_pose
@@ -53,32 +53,7 @@ from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.state import ZERO_SIX, JointState, Payload, RobotState
 from elitescript.messages.timing import seconds
 from elitescript.models.model import RobotModel
-from elitescript.motion.limits import MotionLimits
-
-
-class _NoProgram:
-    """Stands in until a program port is attached."""
-
-    line = 0
-
-    def run_tick(self, tick: int) -> None:
-        """Nothing runs."""
-
-    def next_tick(self, tick: int) -> int | None:
-        """Nothing is due."""
-        return None
-
-    def motion_ended(self, move: int, is_complete: bool) -> None:
-        """Nobody waits."""
-
-    def pause(self) -> None:
-        """Nothing runs."""
-
-    def resume(self) -> None:
-        """Nothing runs."""
-
-    def stop(self, reason: str) -> None:
-        """Nothing runs."""
+from elitescript.motion.segment import Setpoint
 
 
 class Controller:
@@ -130,7 +105,7 @@ class Controller:
         self._epoch_s = epoch_s
         self._on_event = on_event
         self._tick = 0
-        self._program: ProgramPort = _NoProgram()
+        self._program: ProgramPort = NoProgram()
         self._inbox = Inbox()
         self._signals = SignalImage(self._signal_changed)
         self._power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)))
@@ -222,9 +197,7 @@ class Controller:
     @property
     def target_waypoint(self) -> Six:
         """Pose of the waypoint that the arm moves to, or moved to last; before any move the present target pose."""
-        return self._motion.waypoint or pose_from_transform(
-            self.arm.forward_tcp(self._motion.q(self._tick), self._T_flange_tcp)
-        )
+        return self._motion.waypoint or self.tcp_pose(self._motion.setpoint(self._tick).q)
 
     @property
     def joint_temperatures(self) -> Six:
@@ -247,6 +220,11 @@ class Controller:
         return self._task.state
 
     @property
+    def line(self) -> int:
+        """Line of the main thread; 0 without a program."""
+        return self._program.line
+
+    @property
     def is_moving(self) -> bool:
         """Whether a move is under way."""
         return self._motion.is_moving
@@ -259,14 +237,22 @@ class Controller:
     def joints(self) -> JointState:
         """Joints of the present tick; the plant is ideal, so actual equals target."""
         if self._joints_tick != self._tick:
-            q, qd = self._motion.q(self._tick), self._motion.qd(self._tick)
+            q, qd = self._motion.setpoint(self._tick)
             self._joints = JointState(q, qd, q, qd)
             self._joints_tick = self._tick
         return self._joints
 
+    def setpoint_at(self, tick: int) -> Setpoint:
+        """Target joints at a tick from the present one up to the next at which something is due."""
+        return self._motion.setpoint(tick)
+
+    def tcp_pose(self, q: Six) -> Six:
+        """Pose of the active TCP at joint positions, base frame."""
+        return pose_from_transform(self.arm.forward_tcp(q, self._T_flange_tcp))
+
     def state_at(self, tick: int) -> RobotState:
-        """The machine at a tick from the present one up to the next at which something is due."""
-        q, qd = self._motion.q(tick), self._motion.qd(tick)
+        """The machine at such a tick."""
+        q, qd = self._motion.setpoint(tick)
         return build_state(
             tick=tick,
             joints=JointState(q, qd, q, qd),
@@ -450,22 +436,3 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     **dict.fromkeys(_SIGNAL_SETTINGS, Controller._signal_setting),
 }
 """Every kind of machine request and who handles it."""
-
-
-def motion_limits(model: RobotModel) -> MotionLimits:
-    """The limits of a model in the form that the planner takes."""
-    joints = model.joints
-    return MotionLimits(
-        q_min=_six(joint.q_min for joint in joints),
-        q_max=_six(joint.q_max for joint in joints),
-        qd_max=_six(joint.qd_max for joint in joints),
-        qdd_max=_six(joint.qdd_max for joint in joints),
-        tool_speed_max=model.max_tool_speed,
-        tool_acceleration_max=model.max_tool_acceleration,
-        equivalent_radius_m=model.equivalent_radius_m,
-    )
-
-
-def _six(values: Any) -> Six:
-    a, b, c, d, e, f = values
-    return (a, b, c, d, e, f)

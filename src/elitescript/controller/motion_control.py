@@ -8,7 +8,7 @@ never jumps.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import isinf
 from typing import Final
 
@@ -19,9 +19,10 @@ from elitescript.messages.events import Event, MotionEnded, MotionStarted, Warne
 from elitescript.messages.motion import MotionRequest, MoveJ, MoveL, MoveRequest, Six, StopJ, StopL
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
+from elitescript.models.model import RobotModel
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
-from elitescript.motion.segment import Segment
+from elitescript.motion.segment import Segment, Setpoint
 from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
 
 SPEED_RAMP_S: Final = 0.2
@@ -125,7 +126,7 @@ class MotionControl:
         self._speed_scale = 1.0
         self._is_paused = False
         self._sampled_tick = -1
-        self._sampled: Six = home
+        self._sampled = Setpoint(home, ZERO_SIX)
         self._noted: set[tuple[int, str]] = set()
         self.waypoint: Six | None = None
 
@@ -149,25 +150,25 @@ class MotionControl:
         move = self._move
         return None if move is None or move.end_tick >= NEVER else move.end_tick
 
-    def q(self, tick: int) -> Six:
-        """Target joint positions at the time of a tick, from the present one on, rad."""
-        if tick == self._sampled_tick:
-            return self._sampled
-        move = self._move_at(tick)
-        q = self._q_rest if move is None else self._q_of(move, tick)
-        self._sampled_tick, self._sampled = tick, q
-        return q
+    def setpoint(self, tick: int) -> Setpoint:
+        """Target joints at the time of a tick, from the present one on: rad, rad/s."""
+        if tick != self._sampled_tick:
+            self._sampled = self._sample(tick)
+            self._sampled_tick = tick
+        return self._sampled
 
-    def qd(self, tick: int) -> Six:
-        """Target joint speeds at the time of a tick, rad/s."""
+    def _sample(self, tick: int) -> Setpoint:
         move = self._move_at(tick)
         if move is None:
-            return ZERO_SIX
+            return Setpoint(self._q_rest, ZERO_SIX)
+        if tick >= move.end_tick:
+            return Setpoint(self._rest_of(move), ZERO_SIX)
+        q, qd = move.segment.setpoint(move.path_time_s(tick))
         rate = move.scale.rate(tick * PERIOD_S)
-        if rate == 0.0:
-            return ZERO_SIX
-        a, b, c, d, e, f = move.segment.sample_speed(move.path_time_s(tick))
-        return (a * rate, b * rate, c * rate, d * rate, e * rate, f * rate)
+        if rate != 1.0:
+            a, b, c, d, e, f = qd
+            qd = (a * rate, b * rate, c * rate, d * rate, e * rate, f * rate)
+        return Setpoint(q, qd)
 
     def request(self, request: MotionRequest, tick: int, T_flange_tcp: Transform, line: int, thread: str) -> int:
         """Begin a move or a stop; return the number of the move whose end is the end of it.
@@ -303,12 +304,28 @@ class MotionControl:
             return self._next
         return move
 
-    def _q_of(self, move: Move, tick: int) -> Six:
-        return self._rest_of(move) if tick >= move.end_tick else move.segment.sample(move.path_time_s(tick))
-
     def _rest_of(self, move: Move) -> Six:
         """Where the arm rests when the move is over."""
         path_time_s = move.path_time_s(move.end_tick)
         if path_time_s >= move.segment.duration_s:
             return move.segment.q_end
         return move.segment.sample(path_time_s)
+
+
+def motion_limits(model: RobotModel) -> MotionLimits:
+    """The limits of a model in the form that the planner takes."""
+    joints = model.joints
+    return MotionLimits(
+        q_min=_six(joint.q_min for joint in joints),
+        q_max=_six(joint.q_max for joint in joints),
+        qd_max=_six(joint.qd_max for joint in joints),
+        qdd_max=_six(joint.qdd_max for joint in joints),
+        tool_speed_max=model.max_tool_speed,
+        tool_acceleration_max=model.max_tool_acceleration,
+        equivalent_radius_m=model.equivalent_radius_m,
+    )
+
+
+def _six(values: Iterable[float]) -> Six:
+    a, b, c, d, e, f = values
+    return (a, b, c, d, e, f)

@@ -38,6 +38,31 @@ class ProgramPort(Protocol):
         """Line of the main thread; 0 without a program."""
 
 
+class NoProgram:
+    """Stands in until a program port is attached."""
+
+    line = 0
+
+    def run_tick(self, tick: int) -> None:
+        """Nothing runs."""
+
+    def next_tick(self, tick: int) -> int | None:
+        """Nothing is due."""
+        return None
+
+    def motion_ended(self, move: int, is_complete: bool) -> None:
+        """Nobody waits."""
+
+    def pause(self) -> None:
+        """Nothing runs."""
+
+    def resume(self) -> None:
+        """Nothing runs."""
+
+    def stop(self, reason: str) -> None:
+        """Nothing runs."""
+
+
 TRANSITIONS: Final[dict[tuple[TaskState, str], TaskState]] = {
     (TaskState.STOPPED, "start"): TaskState.PLAYING,
     (TaskState.PLAYING, "pause"): TaskState.PAUSED,

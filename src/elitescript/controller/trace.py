@@ -80,10 +80,8 @@ class Trace:
 
     @staticmethod
     def _row(controller: Controller, tick: int) -> TraceRow:
-        state = controller.state_at(tick + 1)
-        return TraceRow(
-            seconds(tick), state.line, state.q_target, state.qd_target, state.tcp_pose_target, _STATES[state.task_state]
-        )
+        q, qd = controller.setpoint_at(tick + 1)
+        return TraceRow(seconds(tick), controller.line, q, qd, controller.tcp_pose(q), _STATES[controller.task_state])
 
 
 _STATES: Final = {state: state.name.lower() for state in TaskState}
