@@ -66,6 +66,18 @@ def test_a_move_ends_exactly_at_its_target_at_the_tick_its_duration_says(machine
     assert machine.ended() == [(end_tick, True)]
 
 
+@pytest.mark.parametrize("ticks", range(60, 400, 7))
+def test_a_duration_of_whole_ticks_ends_at_its_tick_exactly_on_the_target(machine, ticks):
+    machine.controller.request(SetSpeedScale(0.3))
+    machine.movej(t_s=ticks * 3 * PERIOD_S * 0.3 + 1.0)
+    duration_s = machine.events[-1].duration_s
+    machine.run(6000, leap=True)
+    assert machine.q == TARGET
+    ((tick, is_complete),) = machine.ended()
+    assert is_complete
+    assert tick == pytest.approx(duration_s / 0.3 / PERIOD_S, abs=1.001)
+
+
 def test_leaping_and_stepping_end_at_the_same_tick():
     stepped, leaped = Machine(), Machine()
     for machine in (stepped, leaped):

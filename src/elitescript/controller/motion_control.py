@@ -35,7 +35,17 @@ NEVER: Final = 1 << 62
 class Move:
     """One accepted move, from its start to standstill."""
 
-    __slots__ = ("end_tick", "is_stopping", "number", "scale", "segment", "start_tick", "thread", "waypoint")
+    __slots__ = (
+        "end_tick",
+        "is_stopping",
+        "number",
+        "reaches_end",
+        "scale",
+        "segment",
+        "start_tick",
+        "thread",
+        "waypoint",
+    )
 
     def __init__(
         self, number: int, segment: Segment, start_tick: int, scale: TimeScale, thread: str, waypoint: Six
@@ -47,6 +57,8 @@ class Move:
         self.thread = thread
         self.waypoint = waypoint
         self.is_stopping = False
+        self.reaches_end = True
+        """Whether the path's end is where the arm comes to rest."""
         self.end_tick = self._arrival_tick()
 
     def _arrival_tick(self) -> int:
@@ -63,16 +75,18 @@ class Move:
         """Come to rest on the path within `ramp_s`, or at its end if that is nearer."""
         self.set_rate(tick, 0.0, ramp_s)
         self.is_stopping = True
-        self.end_tick = min(self.end_tick, max(ticks_for(tick * PERIOD_S + ramp_s), self.start_tick + 1))
+        standstill_tick = max(ticks_for(tick * PERIOD_S + ramp_s), self.start_tick + 1)
+        self.reaches_end = self.end_tick <= standstill_tick
+        self.end_tick = min(self.end_tick, standstill_tick)
 
     def path_time_s(self, tick: float) -> float:
         """How far along the segment the arm is, as time at full speed."""
         return min(self.scale.path_time(tick * PERIOD_S), self.segment.duration_s)
 
     @property
-    def is_complete_at_end(self) -> bool:
-        """Whether the path's end is reached at `end_tick`."""
-        return self.path_time_s(self.end_tick) >= self.segment.duration_s
+    def q_rest(self) -> Six:
+        """Where the arm rests when the move is over."""
+        return self.segment.q_end if self.reaches_end else self.segment.sample(self.path_time_s(self.end_tick))
 
 
 class MotionControl:
@@ -162,7 +176,7 @@ class MotionControl:
         if move is None:
             return Setpoint(self._q_rest, ZERO_SIX)
         if tick >= move.end_tick:
-            return Setpoint(self._rest_of(move), ZERO_SIX)
+            return Setpoint(move.q_rest, ZERO_SIX)
         q, qd = move.segment.setpoint(move.path_time_s(tick))
         rate = move.scale.rate(tick * PERIOD_S)
         if rate != 1.0:
@@ -187,7 +201,7 @@ class MotionControl:
                 hint="let one thread do all moves, or wait for the other with join_thread",
             )
         start_tick = tick if move is None else move.end_tick
-        q_start = self._q_rest if move is None else self._rest_of(move)
+        q_start = self._q_rest if move is None else move.q_rest
         plan = self._plan(request, q_start, T_flange_tcp)
         self._count += 1
         scale = TimeScale.start(start_tick * PERIOD_S, 0.0 if self._is_paused else self._speed_scale)
@@ -250,18 +264,17 @@ class MotionControl:
         """Note what has ended by `tick`; call it before scripts run in that tick."""
         while self._move is not None and self._move.end_tick <= tick:
             move = self._move
-            is_complete = move.is_complete_at_end
-            self._q_rest = self._rest_of(move)
+            self._q_rest = move.q_rest
             self._sampled_tick = -1
             self._move, self._next = self._next, None
-            self._end(move, move.end_tick, is_complete)
+            self._end(move, move.end_tick, is_complete=move.reaches_end)
 
     def _warn_once(self, line: int, kind: str, warning: Warned) -> None:
         if (line, kind) not in self._noted:
             self._noted.add((line, kind))
             self._on_event(warning)
 
-    def _end(self, move: Move, tick: int, is_complete: bool) -> None:
+    def _end(self, move: Move, tick: int, *, is_complete: bool) -> None:
         self._on_event(MotionEnded(tick, is_complete))
         self._on_end(move.number, is_complete)
 
@@ -303,13 +316,6 @@ class MotionControl:
         if move is not None and tick >= move.end_tick and self._next is not None:
             return self._next
         return move
-
-    def _rest_of(self, move: Move) -> Six:
-        """Where the arm rests when the move is over."""
-        path_time_s = move.path_time_s(move.end_tick)
-        if path_time_s >= move.segment.duration_s:
-            return move.segment.q_end
-        return move.segment.sample(path_time_s)
 
 
 def motion_limits(model: RobotModel) -> MotionLimits:
