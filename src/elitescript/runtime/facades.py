@@ -15,10 +15,11 @@ from collections.abc import Callable
 from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, NoReturn, Protocol
 
+from elitescript.language.modules import AVAILABLE, NETWORK
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
 
-SHARED: Final[dict[str, str]] = {
+SHARED_NAMES: Final[dict[str, str]] = {
     "base64": "b64encode b64decode standard_b64encode standard_b64decode urlsafe_b64encode urlsafe_b64decode"
     " b32encode b32decode b16encode b16decode b85encode b85decode a85encode a85decode encodebytes decodebytes",
     "binascii": "a2b_base64 a2b_hex a2b_uu b2a_base64 b2a_hex b2a_uu crc32 crc_hqx hexlify unhexlify Error Incomplete",
@@ -40,7 +41,7 @@ SHARED: Final[dict[str, str]] = {
 }
 """Names of the installed module; `*` stands for all its public ones. What hands out attributes by name is left out."""
 
-COPIED: Final[dict[str, str]] = {
+COPIED_NAMES: Final[dict[str, str]] = {
     "collections": "ChainMap Counter OrderedDict UserDict UserList defaultdict deque namedtuple",
     "collections.abc": "*",
     "dataclasses": "FrozenInstanceError InitVar KW_ONLY MISSING asdict astuple dataclass field fields is_dataclass"
@@ -60,15 +61,6 @@ COPIED: Final[dict[str, str]] = {
     " main_thread",
 }
 """Names of a private copy; those that this Python does not have are left out."""
-
-OWN: Final = frozenset(("elicopy", "itertools", "os", "random", "re", "signal", "subprocess", "sys", "time", "typing"))
-"""Modules of ours; see `stdlib.own`."""
-
-NETWORK: Final = frozenset(("http", "socket", "ssl", "urllib", "xmlrpc"))
-"""Modules whose work the robot's own commands do."""
-
-AVAILABLE: Final = frozenset((*SHARED, *COPIED, *OWN, "os.path"))
-"""Every name that `import` finds."""
 
 
 class Facade(metaclass=Sealed):
@@ -164,11 +156,11 @@ class ModuleShelf:
         if name == "os.path":
             path: Facade = vars(self.facade("os"))["path"]
             return path
-        if name in SHARED:
-            names = _chosen(vars(real(name)), SHARED[name])
+        if name in SHARED_NAMES:
+            names = _chosen(vars(real(name)), SHARED_NAMES[name])
             names = {key: forwarded(item) if type(item) is FunctionType else item for key, item in names.items()}
-        elif name in COPIED:
-            names = _chosen(vars(self.copy(name)), COPIED[name])
+        elif name in COPIED_NAMES:
+            names = _chosen(vars(self.copy(name)), COPIED_NAMES[name])
             _FIXES.get(name, _no_fix)(names)
             if name == "collections":
                 names["abc"] = self.facade("collections.abc")

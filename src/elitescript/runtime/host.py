@@ -14,12 +14,12 @@ from typing import Any, Final, NamedTuple
 from elitescript.commands.context import Machine
 from elitescript.errors import ScriptStateError
 from elitescript.language.compiler import CompiledUnit
+from elitescript.language.modules import COPIED
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.alarms import summary_of
 from elitescript.runtime.context import POPUP
-from elitescript.runtime.facades import COPIED
 from elitescript.runtime.program import Program
 from elitescript.runtime.scheduler import WORK_PER_TICK, Scheduler
 from elitescript.runtime.strand import STOP, Strand
@@ -222,12 +222,14 @@ class ScriptHost:
         """Run every thread that is due, until each waits or has used up its work of this tick."""
         scheduler = self._scheduler
         scheduler.begin_tick(tick)
-        self._settle()
-        while True:
-            scheduler.run_ready()
-            if not self._settle():
-                break
-        scheduler.end_tick()
+        try:
+            self._settle()
+            while True:
+                scheduler.run_ready()
+                if not self._settle():
+                    break
+        finally:
+            scheduler.end_tick()
 
     def next_tick(self, tick: int) -> int | None:
         """Earliest tick after `tick` at which a thread is due; None while all wait for something else."""

@@ -7,7 +7,7 @@ for every `work_per_tick` checkpoints and can stop nothing. How fast the real co
 number is *assumed*.
 
 Compiled scripts evaluate `tick() or checkpoint()`, where `tick` pops from the list `fuel`. The list holds True
-for every checkpoint that costs nothing more, above one False that leads to `checkpoint`. It is filled in
+for every checkpoint that costs nothing more, above False values that lead to `checkpoint`. It is filled in
 portions; the books are kept exactly, so the size of a portion shows nowhere.
 """
 
@@ -26,11 +26,18 @@ WORK_PER_TICK: Final = 10_000
 WORK_PER_ACTIVATION: Final = 20
 """Checkpoints that it costs to be woken, so that threads which only wake each other use up the tick too."""
 
+FLOOR: Final = 1000
+"""False values below the fuel. One is enough as long as `checkpoint` can be called; in the last calls before the
+recursion limit it cannot, and each try takes one away."""
+
 PORTION: Final = 500
 """Checkpoints that are paid out at a time."""
 
 _ORPHAN_WORK: Final = 1000
 """Checkpoints for script code that no thread runs: `finally` blocks of generators that are collected."""
+
+
+_FLOOR: Final = (False,) * FLOOR
 
 
 class Scheduler:
@@ -84,7 +91,7 @@ class Scheduler:
         self.now = 0
         self.current: Strand | None = None
         self.strands: list[Strand] = []
-        self.fuel: list[bool] = [False]
+        self.fuel: list[bool] = list(_FLOOR)
         self.is_ending = False
         self.needs_attention = False
         self.is_paused = False
@@ -124,6 +131,7 @@ class Scheduler:
     def begin_tick(self, tick: int) -> None:
         """Make everything ready that is due at a tick."""
         self.now = tick
+        self._is_in_tick = True
         if self._is_pausing:
             self._is_pausing = False
             self._timers.hold(tick)
@@ -144,24 +152,21 @@ class Scheduler:
         """Run strands until none is ready in this tick, or something needs attention."""
         ready = self._ready
         now = self.now
-        self._is_in_tick = True
-        try:
-            while ready and not self.needs_attention and not self._is_interrupted:
-                strand = ready.popleft()
-                if strand.state is not READY:
-                    continue
-                if not strand.is_dying and (
-                    (self.is_paused and not strand.is_secondary)
-                    or (strand.work_tick == now and strand.work >= self._work_per_tick)
-                ):
-                    self._next.append(strand)
-                    continue
-                self._activate(strand)
-        finally:
-            self._is_in_tick = False
+        while ready and not self.needs_attention and not self._is_interrupted:
+            strand = ready.popleft()
+            if strand.state is not READY:
+                continue
+            if not strand.is_dying and (
+                (self.is_paused and not strand.is_secondary)
+                or (strand.work_tick == now and strand.work >= self._work_per_tick)
+            ):
+                self._next.append(strand)
+                continue
+            self._activate(strand)
 
     def end_tick(self) -> None:
         """Leave the tick; an interruption is over with it."""
+        self._is_in_tick = False
         self._is_interrupted = False
 
     def next_tick(self, tick: int) -> int | None:
@@ -275,12 +280,15 @@ class Scheduler:
             Stopped: it may not.
         """
         fuel = self.fuel
-        if not fuel:
+        taken = FLOOR - len(fuel)
+        if taken == 1:
             fuel.append(False)
+        else:
+            fuel[:] = _FLOOR
         strand = self.current
         if strand is None or not strand.is_running:
             return self._orphan()
-        strand.work += self._loaded + 1
+        strand.work += self._loaded + taken
         self._loaded = 0
         if strand.is_dying:
             self._spend_cleanup(strand)
@@ -309,15 +317,15 @@ class Scheduler:
         strand = self.current
         if strand is None or strand.is_dying or not strand.is_running:
             raise Stopped
-        strand.state = WAITING
-        strand.waits_for = reason
-        strand.until = until
         strand.ticket += 1
         if until is not None:
             if self.is_paused and not strand.is_secondary:
                 self._timers.set_held(strand, until - self.now)
             else:
                 self._timers.set(strand, until)
+        strand.waits_for = reason
+        strand.until = until
+        strand.state = WAITING
         strand.suspend()
         strand.waits_for = ""
         strand.until = None
@@ -389,14 +397,16 @@ class Scheduler:
         self.is_ending = strand.is_dying
         fuel = self.fuel
         allowed = 0 if strand.is_dying else max(0, self._work_per_tick - strand.work - 1)
-        if len(fuel) - 1 > allowed:
-            del fuel[allowed + 1 :]
-        self._loaded = len(fuel) - 1
+        if len(fuel) - FLOOR > allowed:
+            del fuel[FLOOR + allowed :]
+        self._loaded = len(fuel) - FLOOR
         try:
             strand.resume()
         finally:
-            strand.work += self._loaded - (len(fuel) - 1)
-            self._loaded = len(fuel) - 1
+            strand.work += self._loaded - (len(fuel) - FLOOR)
+            if len(fuel) < FLOOR:
+                fuel[:] = _FLOOR
+            self._loaded = len(fuel) - FLOOR
             self.current, self.is_ending = outer, outer_ending
             if strand.is_finished:
                 self._retire(strand)
@@ -415,8 +425,8 @@ class Scheduler:
             self._loaded = count
 
     def _drain(self) -> None:
-        self._loaded -= max(0, len(self.fuel) - 1)
-        self.fuel[:] = [False]
+        self._loaded -= max(0, len(self.fuel) - FLOOR)
+        self.fuel[:] = _FLOOR
 
     def _retire(self, strand: Strand) -> None:
         strand.state = ENDED

@@ -21,8 +21,12 @@ ENDED: Final = "ended"
 CLEANUP_WORK: Final = 1000
 """Checkpoints that the `finally` blocks of a stopped thread may pass; what takes longer is cut off."""
 
-REFUSALS_MAX: Final = 100
-"""How often a thread may swallow its stop before it is given up."""
+REFUSALS_MAX: Final = 10_000
+"""How often a thread may swallow its stop before it is given up. One that is deep in a recursion swallows it once
+for every level without meaning to."""
+
+_CONTEXTS_MAX: Final = 64
+"""Exceptions during the handling of exceptions that are looked through for a stop."""
 
 STOP: Final = GreenletExit
 """What every `try` of a script lets pass: `Stopped`, and what a forgotten strand gets when it is collected."""
@@ -44,6 +48,8 @@ class Strand:
         is_secondary: whether it is a secondary program.
 
     Attributes:
+        resume: gives it control, until it suspends itself or ends. Not inside a strand of the same scheduler.
+        suspend: gives control back to whoever resumed it; returns when it is resumed again. Only inside the strand.
         state: `READY`, `WAITING` or `ENDED`.
         work: checkpoints counted in the tick `work_tick`.
         waits_for: in plain words; empty while it does not wait.
@@ -77,6 +83,7 @@ class Strand:
         "refusals",
         "resume",
         "state",
+        "suspend",
         "ticket",
         "until",
         "waits_for",
@@ -103,6 +110,7 @@ class Strand:
         self._builtins = builtins
         self._greenlet: greenlet | None = None
         self.resume: Callable[[], Any] = self._begin
+        self.suspend: Callable[[], Any] = _not_begun
         self.state = READY
         self.work = 0
         self.work_tick = -1
@@ -124,6 +132,8 @@ class Strand:
     def _begin(self) -> None:
         self._greenlet = greenlet(self._body)
         self.resume = self._greenlet.switch
+        # Not a method of ours: a call in Python could fail at the recursion limit, half way into a wait.
+        self.suspend = self._greenlet.parent.switch
         self.resume()
 
     @property
@@ -140,11 +150,6 @@ class Strand:
     def is_running(self) -> bool:
         """Whether the caller runs in this strand."""
         return self._greenlet is getcurrent()
-
-    def suspend(self) -> None:
-        """Give control back to whoever resumed it; returns when it is resumed again. Only inside the strand."""
-        assert self._greenlet is not None and self._greenlet.parent is not None
-        self._greenlet.parent.switch()
 
     def abandon(self) -> None:
         """Give it up: it can be neither run nor stopped, and its stack is kept for ever."""
@@ -192,6 +197,10 @@ class Strand:
         return f"<Strand {self.name} {self.state}>"
 
 
+def _not_begun() -> None:
+    raise RuntimeError("a strand that has not begun cannot be suspended")
+
+
 def is_stop(error: BaseException | None) -> bool:
     """Whether an exception ends a strand."""
     return isinstance(error, GreenletExit)
@@ -203,9 +212,9 @@ def is_unwinding() -> bool:
     Once script code has swallowed the stop, it is not.
     """
     error = sys.exception()
-    while error is not None:
-        if isinstance(error, GreenletExit):
-            return True
+    for _ in range(_CONTEXTS_MAX):
+        if error is None or isinstance(error, GreenletExit):
+            return error is not None
         error = error.__context__
     return False
 

@@ -3,7 +3,8 @@
 Semantics are those of `_thread` in CPython, with three additions. A released lock is handed to the thread that
 has waited longest. A thread that gets the lock in the tick in which its time-out ends has got it. A thread that
 is being stopped never waits: a lock that it cannot have is taken in pretence and given back in pretence, so that
-`with condition:` unwinds without disturbing the owner.
+`with condition:` unwinds without disturbing the owner. Left-over code that no thread runs, such as `__del__` of an
+object that is collected late, runs alone, so locks mean nothing to it.
 """
 
 from __future__ import annotations
@@ -51,15 +52,16 @@ class _Mutex:
         """
         scheduler = self.scheduler
         strand = scheduler.current
+        if strand is None:
+            return True
         if not self.is_locked:
             self.is_locked = True
             self.owner = strand
             return True
         if timeout_s == 0.0:
             return False
-        if strand is None or strand.is_dying:
+        if strand.is_dying:
             scheduler.refuse_if_stopped()
-            assert strand is not None
             strand.owed[self] = strand.owed.get(self, 0) + 1
             return True
         claim = _Claim(strand)
@@ -84,7 +86,9 @@ class _Mutex:
             RuntimeError: nobody holds it.
         """
         strand = self.scheduler.current
-        if strand is not None and strand.is_dying:
+        if strand is None:
+            return
+        if strand.is_dying:
             owed = strand.owed.get(self, 0)
             if owed:
                 strand.owed[self] = owed - 1
@@ -236,7 +240,7 @@ _rmutex_of = _rmutex.__get__
 def _retake(mutex: _Mutex, timeout_s: float | None, count: int) -> bool:
     if not mutex.take(timeout_s):
         return False
-    if mutex.owner is mutex.scheduler.current:
+    if mutex.owner is not None and mutex.owner is mutex.scheduler.current:
         mutex.count = count
     return True
 
@@ -244,7 +248,9 @@ def _retake(mutex: _Mutex, timeout_s: float | None, count: int) -> bool:
 def _give_back_unowned(mutex: _Mutex) -> None:
     """Release by a thread that does not own it: a dying one may."""
     strand = mutex.scheduler.current
-    if strand is None or not strand.is_dying:
+    if strand is None:
+        return
+    if not strand.is_dying:
         raise RuntimeError("cannot release un-acquired lock")
     owed = strand.owed.get(mutex, 0)
     if owed:

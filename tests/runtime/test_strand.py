@@ -1,0 +1,149 @@
+import sys
+
+import pytest
+
+from elitescript.runtime import strand as strand_module
+from elitescript.runtime.strand import ENDED, STOP, Stopped, Strand, is_stop, is_unwinding
+
+SCRIPT = {"__builtins__": {}}["__builtins__"]
+
+
+def make(body, builtins=None):
+    return Strand(0, 7, "work", body, SCRIPT if builtins is None else builtins)
+
+
+def script_function(text, builtins, **names):
+    """A function whose frames count as script code."""
+    space = {"__builtins__": builtins, **names}
+    exec(compile(text, "<script>", "exec"), space)
+    return space["main"]
+
+
+def test_it_keeps_its_place_between_two_turns():
+    seen = []
+
+    def body():
+        seen.append(1)
+        strand.suspend()
+        seen.append(2)
+
+    strand = make(body)
+    strand.resume()
+    assert (seen, strand.is_started, strand.is_finished) == ([1], True, False)
+    strand.resume()
+    assert (seen, strand.is_finished) == ([1, 2], True)
+
+
+def test_it_can_give_way_inside_a_built_in_function():
+    strand = make(lambda: seen.append(sorted([3, 1, 2], key=key)))
+    seen = []
+
+    def key(value):
+        strand.suspend()
+        return value
+
+    for _ in range(4):
+        assert seen == []
+        strand.resume()
+    assert seen == [[1, 2, 3]]
+
+
+def test_its_line_is_the_innermost_one_of_script_text():
+    builtins = {}
+    text = "def main():\n  first()\n\n  second()\n"
+    strand = make(lambda: main(), builtins)
+    main = script_function(text, builtins, first=lambda: strand.suspend(), second=lambda: strand.suspend())
+    assert strand.line == 0
+    lines = []
+    for _ in range(2):
+        strand.activations += 1
+        strand.resume()
+        lines.append(strand.line)
+    strand.activations += 1
+    strand.resume()
+    strand.state = ENDED
+    assert (lines, strand.line) == ([2, 4], 0)
+
+
+def test_its_line_is_known_while_it_runs():
+    builtins = {}
+    strand = make(lambda: main(), builtins)
+    seen = []
+    main = script_function("def main():\n\n  look()\n", builtins, look=lambda: seen.append(strand.line))
+    strand.resume()
+    assert seen == [3]
+
+
+def test_what_the_script_has_called_is_found():
+    builtins = {}
+    strand = make(lambda: main(), builtins)
+
+    def outer():
+        inner()
+
+    def inner():
+        strand.suspend()
+
+    main = script_function("def main():\n  outer()\n", builtins, outer=outer)
+    strand.resume()
+    assert strand.called_from_script().f_code.co_name == "outer"
+
+
+@pytest.mark.parametrize("handler", [Exception, ValueError])
+def test_a_stop_passes_handlers_of_exceptions(handler):
+    with pytest.raises(Stopped):
+        try:
+            raise Stopped
+        except handler:
+            pass
+    assert issubclass(Stopped, STOP)
+
+
+def test_a_stop_is_told_from_other_exceptions():
+    assert is_stop(Stopped())
+    assert is_stop(STOP())
+    assert not is_stop(KeyboardInterrupt())
+    assert not is_stop(None)
+
+
+def test_a_finally_block_that_a_stop_passes_is_unwinding():
+    seen = []
+    with pytest.raises(Stopped):
+        try:
+            raise Stopped
+        finally:
+            seen.append(is_unwinding())
+            try:
+                raise ValueError
+            except ValueError:
+                seen.append(is_unwinding())
+    assert seen == [True, True]
+    assert not is_unwinding()
+
+
+def test_a_stop_that_was_swallowed_is_not_unwinding():
+    def swallow():
+        try:
+            raise Stopped
+        finally:
+            return is_unwinding()  # noqa: B012
+
+    with pytest.warns(SyntaxWarning) if sys.version_info >= (3, 14) else nothing():
+        assert swallow() is True
+    assert not is_unwinding()
+
+
+def nothing():
+    from contextlib import nullcontext
+
+    return nullcontext()
+
+
+def test_an_abandoned_stack_is_kept(monkeypatch):
+    kept = []
+    monkeypatch.setattr(strand_module, "_abandoned", kept)
+    strand = make(lambda: strand.suspend())
+    strand.resume()
+    strand.abandon()
+    assert strand.is_abandoned and len(kept) == 1
+    strand.resume()
