@@ -12,7 +12,7 @@ from functools import cache
 
 from elitescript.language.diagnostics import Fix
 from elitescript.language.lexer import LogicalLine
-from elitescript.language.masked import header_colon
+from elitescript.language.masked import WIDE_COLON, header_colon
 from elitescript.language.options import LINE
 from elitescript.language.rewriting import Draft
 
@@ -84,7 +84,8 @@ class _Reader:
             if self._skipped(line, deeper_follows):
                 continue
             if line.word == "end" and _end().fullmatch(self.draft.code(line)):
-                self._end(line)
+                following = lines[index + 1] if index < last else line
+                self._end(line, following.word in _CLAUSES and following.column == line.column)
                 continue
             if self._indent(line, deeper_follows):
                 self._line(line, deeper_follows)
@@ -158,7 +159,8 @@ class _Reader:
             waiting.waits = False
         while self.blocks and self.blocks[-1].column > line.column:
             self._leave(line)
-        if word in _CLAUSES and self._clause(line, closed, deeper_follows):
+        if word in _CLAUSES:
+            self._clause(line, closed, deeper_follows)
             return
         if self.blocks and self.blocks[-1].column == line.column:
             self._leave(line)
@@ -183,10 +185,14 @@ class _Reader:
     def _header(self, block: _Block, line: LogicalLine, code: str, deeper_follows: bool) -> None:
         colon = header_colon(code)
         if colon < 0:
-            if line.broken and (deeper_follows or code.endswith(":")):
-                colon = len(code) - 1
-            elif deeper_follows or (code == line.word and line.word in ("else", "try", "finally")):
-                if not line.broken:
+            if line.broken:
+                # What belongs to its body may have been read as a part of the header.
+                self._open(block, line, len(code), code)
+                block.waits = deeper_follows
+                self.waiting = block if deeper_follows else None
+                return
+            if deeper_follows or (code == line.word and line.word in ("else", "try", "finally")):
+                if not code.endswith(WIDE_COLON):
                     self._report_colon(line)
                 block.colon_missing = True
                 colon = len(code)
@@ -196,6 +202,13 @@ class _Reader:
 
     def _report_colon(self, line: LogicalLine) -> None:
         draft, end = self.draft, line.end
+        code = draft.code(line)
+        if code.endswith((" then", ")then")):
+            start = end - len("then")
+            text = draft.lexed.text[line.start : start].rstrip()
+            fix = Fix("write a colon", (draft.edit(line.start + len(text), end, ":"),), safe=True)
+            draft.report("E001", start, end, "`then` does not exist here", "end the line with `:`", fix)
+            return
         draft.report(
             "E001",
             end,
@@ -227,8 +240,8 @@ class _Reader:
         self.draft.secondaries.add(line.line)
         self.draft.replace(line.start, line.start + 3, "def")
 
-    def _clause(self, line: LogicalLine, closed: tuple[_Block, LogicalLine] | None, deeper_follows: bool) -> bool:
-        """Go on with the open statement in this column; False if there is none."""
+    def _clause(self, line: LogicalLine, closed: tuple[_Block, LogicalLine] | None, deeper_follows: bool) -> None:
+        """Go on with the open statement in this column."""
         draft, word = self.draft, line.word
         code = draft.code(line)
         block = self.blocks[-1] if self.blocks else None
@@ -247,12 +260,13 @@ class _Reader:
             )
             self.blocks.append(block)
         else:
+            if block and block.column == line.column:
+                self._leave(line)
             self._orphan(line)
-            return False
+            return
         block.clauses.append(word)
         block.waits = block.colon_missing = False
         self._header(block, line, code, deeper_follows)
-        return True
 
     def _orphan(self, line: LogicalLine) -> None:
         takers = [word for word, clauses in _CLAUSES_OF.items() if line.word in clauses and word != "async"]
@@ -279,7 +293,7 @@ class _Reader:
         if colon >= 0:
             self._open(_Block(line, "if"), line, colon, code)
 
-    def _end(self, line: LogicalLine) -> None:
+    def _end(self, line: LogicalLine, clause_follows: bool) -> None:
         draft = self.draft
         draft.blank(line.start, line.end)
         depth = len(self.blocks)
@@ -289,8 +303,11 @@ class _Reader:
             self._stray(line)
             return
         block = self.blocks[depth - 1]
-        while len(self.blocks) >= depth:
+        while len(self.blocks) > depth:
             self._close(self.blocks.pop(), line)
+        self.blocks.pop()
+        if not clause_follows:
+            self._close(block, line)
         self.waiting = None
         while self.indents[-1] > line.column:
             self.indents.pop()

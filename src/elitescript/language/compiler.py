@@ -18,7 +18,7 @@ from elitescript.language.checkpoints import insert_checkpoints
 from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
 from elitescript.language.hooks import HOOKS, MAIN
 from elitescript.language.nodes import FUNCTIONS, Census
-from elitescript.language.options import DEFAULT, Options
+from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import Parsed, character_offset, parse, parse_without, syntax_tree
 from elitescript.language.policy import guard_formats, review
 from elitescript.language.source import SourceFile
@@ -98,21 +98,26 @@ def compile_expression(source: SourceFile) -> CodeType:
     Raises:
         ProgramError: it is not an expression, or names what programs may not use.
     """
-    text = source.text.strip(" \t\n")
-    stripped = SourceFile(source.name, text)
-    problems: list[Diagnostic] = []
-    try:
-        tree = syntax_tree(text, source.name, "eval")
+    parsed = parse(SourceFile(source.name, source.text.strip(" \t")), Options(kind=LINE))
+    problems = list(parsed.diagnostics)
+    statements = parsed.tree.body
+    if not parsed.has_errors and not (len(statements) == 1 and isinstance(statements[0], ast.Expr)):
+        hint = "it takes one value, such as 1 + 2"
+        problems.append(diagnostic("E001", 1, 1, "this is not an expression", hint=hint))
+    elif not parsed.has_errors:
+        assert isinstance(statements[0], ast.Expr)
+        tree = ast.Expression(statements[0].value)
         census = Census(tree)
-        problems = review(stripped, census)
-        if not problems:
+        problems += review(parsed.source, census)
+        if not any(problem.is_error for problem in problems):
             insert_checkpoints(census)
             guard_formats(tree, census)
-            return _python(tree, source.name, "eval")
-    except SyntaxError as error:
-        problems = [_syntax_problem(error, stripped)]
-    except (RecursionError, MemoryError, ValueError, OverflowError):
-        problems = [diagnostic("E001", 1, 1, "the expression cannot be read")]
+            try:
+                return _python(tree, source.name, "eval")
+            except SyntaxError as error:
+                problems.append(_syntax_problem(error, parsed.source))
+            except (RecursionError, MemoryError, ValueError, OverflowError):
+                problems.append(diagnostic("E001", 1, 1, "the expression is nested too deeply to be compiled"))
     raise ProgramError(in_order(problems))
 
 
@@ -186,7 +191,7 @@ def _own_yields(parsed: Parsed) -> list[Diagnostic]:
 def _code(parsed: Parsed, problems: list[Diagnostic]) -> CodeType | None:
     """Compile; a mistake that only Python's compiler finds is reported and left out, to find the next."""
     known = {(problem.code, problem.line, problem.column) for problem in problems}
-    damaged = bool(parsed.hidden)
+    blamed = {problem.line for problem in problems if problem.is_error}
     current: Parsed | None = parsed
     while current is not None and current.is_complete:
         module = _wrapped(current)
@@ -201,15 +206,24 @@ def _code(parsed: Parsed, problems: list[Diagnostic]) -> CodeType | None:
             known.update((item.code, item.line, item.column) for item in fresh)
             if late:
                 continue
+            problem = _syntax_problem(error, parsed.source)
             # A variable may be missing only because the line that makes it is left out.
-            if not (damaged and error.msg.startswith("no binding for nonlocal")):
-                problems.append(_syntax_problem(error, parsed.source))
+            is_consequence = error.msg.startswith("no binding for nonlocal") and _is_hidden(current, error.msg)
+            if problem.line not in blamed and not is_consequence:
+                problems.append(problem)
+                blamed.add(problem.line)
             current = parse_without(current, error.lineno or 1)
-            damaged = True
         except (RecursionError, MemoryError, ValueError, OverflowError):
             problems.append(diagnostic("E001", 1, 1, "the program is nested too deeply to be compiled"))
             return None
     return None
+
+
+def _is_hidden(parsed: Parsed, message: str) -> bool:
+    """Whether the name in a message of Python's stands in a line that was left out."""
+    name = message.split("'")[1]
+    lines = (parsed.translation.lines[index] for index in parsed.hidden)
+    return any(name in parsed.source.line(row) for line in lines for row in range(line.line, line.last_line + 1))
 
 
 def _python(tree: ast.AST, name: str, mode: str) -> CodeType:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from elitescript.language import python2
 from elitescript.language.diagnostics import Fix
 from elitescript.language.lexer import LogicalLine
-from elitescript.language.masked import NAME, OPERATOR_WORDS, compiled, operand_before
+from elitescript.language.masked import NAME, OPERATOR_WORDS, WIDE_COLON, compiled, operand_before
 from elitescript.language.rewriting import Draft
 
 _LOOK_ALIKES = {
@@ -33,7 +33,7 @@ _LOOK_ALIKES = {
     "\uff0d": "-",
     "\uff0e": ".",
     "\uff0f": "/",
-    "\uff1a": ":",
+    WIDE_COLON: ":",
     "\uff1b": ";",
     "\uff1c": "<",
     "\uff1d": "=",
@@ -113,7 +113,7 @@ def _steps(draft: Draft) -> None:
         sign = found.group()[0]
         target = masked[line.start : start].rstrip()
         fix = None
-        if end >= line.end and compiled(r"[\w.]+").fullmatch(target):
+        if (not rest or rest[0] == ";") and compiled(r"[\w.]+").fullmatch(target):
             begin = line.start + len(target)
             fix = Fix(f"write {sign}= 1", (draft.edit(begin, end, f" {sign}= 1"),), safe=True)
         draft.report(

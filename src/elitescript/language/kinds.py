@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 
-from elitescript.language.options import PROGRAM, SCRIPT, SECONDARY
+from elitescript.language.options import KINDS, LINE, PROGRAM, SCRIPT, SECONDARY
+
+__all__ = ["KINDS", "LINE", "PROGRAM", "SCRIPT", "SECONDARY", "is_text", "kind_of", "outer_definition"]
 
 
 def outer_definition(tree: ast.Module) -> ast.FunctionDef | None:

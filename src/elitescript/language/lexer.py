@@ -207,7 +207,7 @@ class _Scanner:
         # Comments are already in `fills`; the code ends before the last one and its blanks.
         if self.fills and self.fills[-1][1] == end and self.text[self.fills[-1][0]] == "#":
             end = self.fills[-1][0]
-        logical.end = logical.start + len(self.text[logical.start : end].rstrip(" \t\f\\\n"))
+        logical.end = logical.start + max(1, len(self.text[logical.start : end].rstrip(" \t\f\\\n")))
         logical.last_line = self.line
         logical.broken = self.broken
         return position
@@ -280,8 +280,11 @@ class _Scanner:
 
         What follows belongs to the bracket as long as it is indented deeper than the statement.
         """
-        opener, at = self.stack[-1]
-        self._flaw(at, at + 1, f"this '{opener}' is never closed", f"add the missing '{CLOSER_OF[opener]}'")
+        opener, at = self.stack[0]
+        hint = f"add the missing '{CLOSER_OF[opener]}'"
+        if opener == "{" and self.text[at + 1 : at + 2] in ("", "\n"):
+            hint += ", or `:` if a block begins here"
+        self._flaw(at, at + 1, f"this '{opener}' is never closed", hint)
         self.broken = True
         self.rescans += 1
         starts, text = self.lexed.starts, self.text

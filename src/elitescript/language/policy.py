@@ -91,7 +91,7 @@ _SYNTAX: Final = {
 
 def is_dunder(name: str) -> bool:
     """Whether a name is one of Python's special names, `__like_this__`."""
-    return len(name) > 4 and name[:2] == "__" and name[-2:] == "__"
+    return name[:2] == "__" == name[-2:] and name.strip("_") != ""
 
 
 def is_attribute_allowed(name: str) -> bool:
@@ -108,23 +108,23 @@ def review(source: SourceFile, census: Census) -> list[Diagnostic]:
 
 def guard_formats(tree: ast.AST, census: Census) -> None:
     """Replace loads of `.format` and `.format_map` by calls of the `@format` hook."""
-    loads = {
-        id(node)
+    calls = {
+        id(node): _guarded(node)
         for node in census.of(ast.Attribute)
         if node.attr in GUARDED_ATTRIBUTES and isinstance(node.ctx, ast.Load)
     }
-    if not loads:
+    if not calls:
         return
+    for call in calls.values():
+        call.args[0] = calls.get(id(call.args[0]), call.args[0])
     for nodes in census.by_kind.values():
         for node in nodes:
             for field in CHILDREN[type(node)]:
                 child = getattr(node, field)
                 if type(child) is list:
-                    for index, item in enumerate(child):
-                        if id(item) in loads:
-                            child[index] = _guarded(item)
-                elif id(child) in loads:
-                    setattr(node, field, _guarded(child))
+                    child[:] = [calls.get(id(item), item) for item in child]
+                elif id(child) in calls:
+                    setattr(node, field, calls[id(child)])
 
 
 def _guarded(node: ast.Attribute) -> ast.Call:

@@ -190,13 +190,14 @@ def read_numbers(draft: Draft) -> None:
     pattern = r"(?<![\w.])(?:0[xX][0-9a-fA-F_]+|0[oO][0-7_]+|0[bB][01_]+|[1-9][0-9_]*|0+)[lL](?!\w)"
     for _, found in draft.find(pattern):
         start, end = found.span()
+        blank = " " if draft.lexed.masked[end : end + 1] == "." else ""
         draft.report(
             "E110",
             start,
             end,
             "the suffix L is Python 2; a Python 3 controller refuses it",
             "leave it out: integers have no limit",
-            Fix("leave the L out", (draft.edit(end - 1, end, ""),), safe=True),
+            Fix("leave the L out", (draft.edit(end - 1, end, blank),), safe=True),
             draft.tolerated(),
         )
         draft.blank(end - 1, end)

@@ -19,7 +19,6 @@ _TABLE: Final = (
     ),
     (
         r"invalid syntax\. Maybe you meant '==' or ':=' instead of '='"
-        r"|cannot assign to .* here\. Maybe you meant '==' instead of '='"
         r"|expression cannot contain assignment, perhaps you meant \"==\"",
         "`=` assigns and cannot stand here",
         "`==` compares",
@@ -43,9 +42,9 @@ _TABLE: Final = (
         "outside strings and comments use plain letters, digits and signs",
     ),
     (
-        r"cannot (?:assign to|use|delete) (attribute|subscript|.*?)(?: here)?(?: as .*)?$|'(.*?)' is an illegal",
+        r"cannot (?:assign to|use|delete) (.*?)(?: here.*| as .*)?$",
         r"a value cannot be put into this: \1",
-        "on the left of `=` stands a name, an element `a[0]` or an attribute `a.b`",
+        "on the left of `=` stands a name, an element `a[0]` or an attribute `a.b`; a comparison is written `==`",
     ),
     (
         r"inconsistent use of tabs and spaces in indentation",
@@ -113,7 +112,6 @@ _TABLE: Final = (
     (r"unterminated (?:triple-quoted )?string literal", "this string is not closed", "add the missing quote"),
     (r"'(.)' was never closed", r"this '\1' is never closed", "add the missing bracket"),
     (r"unmatched '(.)'", r"this '\1' closes nothing", "remove it, or open the bracket before it"),
-    (r"f-string: (.*)|f-string (.*)", r"in the f-string: \1\2", "check the braces { } and what stands between them"),
     (r"(?:unexpected EOF|unexpected end of file)", "the text ends too early", ""),
 )
 
@@ -132,6 +130,9 @@ _AT_PLACE: Final = (
 
 def explain(message: str, row: str) -> tuple[str, str]:
     """(text, hint) for one of Python's messages about the line `row`."""
+    if message.startswith("f-string: "):
+        text, hint = explain(message.removeprefix("f-string: "), "")
+        return f"in the f-string: {text}", hint or "check the braces { } and what stands between them"
     vague = message == "invalid syntax" or message.startswith("expected ")
     if vague:
         stripped = row.strip()

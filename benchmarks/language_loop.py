@@ -1,0 +1,177 @@
+"""What checkpoints cost: programs that only compute, against the same text as plain Python.
+
+Ours is compiled code with the cheapest possible hooks, `fuel.pop() or cp()`, as the runtime has
+them; nothing is scheduled. Both run in turn, and the best of several runs counts.
+"""
+
+from __future__ import annotations
+
+import builtins
+from collections.abc import Callable
+from math import prod
+from time import perf_counter
+from typing import Any
+
+from elitescript.language.compiler import compile_unit
+from elitescript.language.dialect import translate
+from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, MAIN, STOP, TICK
+from elitescript.language.source import SourceFile
+
+RUNS = 15
+FUEL = 10_000
+
+PROGRAMS = {
+    "for loop, nearly empty body": """
+def job():
+  total = 0
+  for i in range(60000):
+    total += i
+  end
+end
+""",
+    "while loop, arithmetic": """
+def job():
+  x = 0.0
+  n = 0
+  while n < 30000:
+    x = x * 0.5 + n
+    n = n + 1
+  end
+end
+""",
+    "while loop, global variables": """
+def job():
+  global n, level
+  n = 0
+  level = 0
+  while n < 20000:
+    level = level + n % 7
+    n = n + 1
+  end
+end
+""",
+    "recursive function": """
+def job():
+  def fib(n):
+    if n < 2:
+      return n
+    end
+    return fib(n - 1) + fib(n - 2)
+  end
+  fib(17)
+end
+""",
+    "lists, dicts, text": """
+def job():
+  counts = {}
+  for i in range(4000):
+    key = "k%d" % (i % 50)
+    if key in counts:
+      counts[key].append(i)
+    else:
+      counts[key] = [i]
+    end
+  end
+  parts = [str(len(v)) for v in counts.values()]
+  line = ",".join(parts)
+end
+""",
+    "4x4 matrix products": """
+def job():
+  a = [[1.0, 0.1, 0.0, 0.2], [0.0, 1.0, 0.3, 0.1], [0.2, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+  c = a
+  for n in range(150):
+    d = []
+    for i in range(4):
+      row = []
+      for j in range(4):
+        s = 0.0
+        for k in range(4):
+          s += c[i][k] * a[k][j]
+        end
+        row.append(s)
+      end
+      d.append(row)
+    end
+    c = d
+  end
+end
+""",
+    "method calls": """
+def job():
+  class Counter:
+    def __init__(self):
+      self.value = 0
+    end
+    def add(self, n):
+      self.value += n
+    end
+  end
+  counter = Counter()
+  for i in range(15000):
+    counter.add(i)
+  end
+end
+""",
+    "comprehensions": """
+def job():
+  for n in range(300):
+    squares = [i * i for i in range(50)]
+    total = sum(v for v in squares if v % 2)
+  end
+end
+""",
+}
+
+
+def rows() -> list[tuple[str, str, str, str]]:
+    """What, ours, plain Python, ratio."""
+    table = []
+    ratios = []
+    for what, text in PROGRAMS.items():
+        ours_s, plain_s = _best_s(_instrumented(text), _plain(text))
+        ratios.append(ours_s / plain_s)
+        table.append((what, f"{ours_s * 1e3:.2f} ms", f"{plain_s * 1e3:.2f} ms (Python)", f"{ratios[-1]:.2f}"))
+    mean = prod(ratios) ** (1 / len(ratios))
+    table.append(("language loops, geometric mean", "-", "-", f"{mean:.2f}"))
+    return table
+
+
+def _instrumented(text: str) -> Callable[[], object]:
+    fuel: list[bool] = []
+
+    def refill() -> bool:
+        fuel[:] = [False] + [True] * FUEL
+        return True
+
+    def nothing(*_: object) -> None: ...
+
+    refill()
+    hooks = {TICK: fuel.pop, CHECKPOINT: refill, STOP: KeyboardInterrupt, LINE: nothing, FORMAT: getattr}
+    namespace: dict[str, Any] = {"__builtins__": {**vars(builtins), **hooks}}
+    exec(compile_unit(SourceFile("benchmark", text)).code, namespace)
+    program: Callable[[], object] = namespace[MAIN]
+    return program
+
+
+def _plain(text: str) -> Callable[[], object]:
+    namespace: dict[str, Any] = {}
+    exec(compile(translate(SourceFile("benchmark", text)).text, "benchmark", "exec"), namespace)
+    program: Callable[[], object] = namespace["job"]
+    return program
+
+
+def _best_s(*programs: Callable[[], object]) -> list[float]:
+    """Best time of each, s; in turn, so that a busy machine disturbs all alike."""
+    best = [float("inf")] * len(programs)
+    for _ in range(RUNS):
+        for index, program in enumerate(programs):
+            began = perf_counter()
+            program()
+            best[index] = min(best[index], perf_counter() - began)
+    return best
+
+
+if __name__ == "__main__":
+    for row in rows():
+        print("  ".join(cell.ljust(32) for cell in row).rstrip())
