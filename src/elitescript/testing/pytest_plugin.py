@@ -23,7 +23,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
     """Collect `.md` files of the folders."""
     folders = parent.config.getini("elitescript_spec")
     if file_path.suffix == ".md" and any(file_path.is_relative_to(folder) for folder in folders):
-        return Page.from_parent(parent, path=file_path)  # type: ignore[no-any-return]
+        return Page.from_parent(parent, path=file_path)
     return None
 
 
