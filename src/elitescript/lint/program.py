@@ -15,6 +15,7 @@ from elitescript.language.hooks import HOOKS
 from elitescript.language.kinds import SECONDARY
 from elitescript.language.nodes import Census
 from elitescript.language.parser import Parsed
+from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
 from elitescript.lint.arguments import Arguments, arrange
 from elitescript.lint.constants import Constants
@@ -150,7 +151,8 @@ class Program:
         return tuple(
             use
             for use in self.outside
-            if use.name not in KNOWN and CATALOGUE.get(use.name) is None and use.name not in self.unread_names
+            if not (use.name in KNOWN or use.name in self.unread_names or is_dunder(use.name))
+            and CATALOGUE.get(use.name) is None
         )
 
     def command(self, name: str, scope: Scope) -> Command | None:

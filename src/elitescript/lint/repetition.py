@@ -67,7 +67,7 @@ class Analyst:
             work.exits.append([loop.test])
             self._expression(loop.test, work)
         self._block(loop.body, [], work, is_nested=False)
-        if work.is_uncertain or (work.exits and self._is_guarded(loop)):
+        if work.is_uncertain or self._is_guarded(loop):
             return False
         return all(guards and all(self._comes_from_outside(test, work) for test in guards) for guards in work.exits)
 

@@ -1,9 +1,11 @@
 """A call of a command with the wrong number or names of arguments.
 
-def job():
-  set_standard_digital_out(1)          # E303: the level is missing
-  movel(TARGET, speed=0.1)             # E303: it is called `v`
-end
+The rules are those of the run: names may be spelt as the manuals spell them, and nothing is dropped in silence.
+
+    def job():
+      set_standard_digital_out(1)          # E303: the level is missing
+      movel(TARGET, speed=0.1)             # E303: it is called `v`
+    end
 """
 
 from __future__ import annotations

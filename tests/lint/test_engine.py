@@ -1,0 +1,248 @@
+from __future__ import annotations
+
+from pathlib import Path
+from random import Random
+from textwrap import dedent
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from elitescript.language.source import SourceFile
+from elitescript.lint.engine import check_source
+from elitescript.lint.registry import all_rules
+from elitescript.messages.profile import profile
+from elitescript.testing.spec import Case, Expectation, parse_page
+from tests.invariants.random_programs import random_program
+from tests.lint.checking import body, found, problems
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+EXAMPLES = sorted((ROOT / "examples").glob("*.script"))
+
+
+def spec_cases() -> list[tuple[Case, Expectation]]:
+    """The programs of the specification that stand in one text and are expected to run."""
+    pages = sorted(path for path in (ROOT / "tests" / "spec").glob("*.md") if path.name != "README.md")
+    cases = [case for page in pages for case in parse_page(page.read_text(encoding="utf-8"))]
+    return [
+        (case, expectation)
+        for case in cases
+        for expectation in case.expectations
+        if len(case.texts) == 1 and not case.is_stream and not case.needs
+    ]
+
+
+CASES = spec_cases()
+IDS = [f"{case.title} {expectation.label}" for case, expectation in CASES]
+
+
+class TestOrder:
+    def test_problems_come_in_the_order_of_the_text(self):
+        places = body("sleep = nothing", "x = = 1", "set_digital_out(p[1, 2])", "sync(1)")
+        assert places == ["W203 2:3", "W201 2:11", "E001 3:7", "E301 4:3", "W211 4:19", "E303 5:8"]
+
+    def test_the_same_text_gives_the_same_problems(self):
+        text = "def job():\n  a(b, c)\n  sleep(-1, d)\n  global e\nend\n"
+        assert problems(text) == problems(text)
+
+
+class TestMerging:
+    def test_in_one_place_the_specific_code_wins(self):
+        assert body("job()") == ["W208 2:3"]
+        assert body("xrange(3)") == ["W209 2:3"]
+        assert body("x = p[0, 0, 0, 0, 0, 0]") == ["W211 2:7"]
+
+    def test_a_specific_error_wins_over_the_syntax_error(self):
+        assert body("if 1 <> 2: pass") == ["E111 2:8"]
+        assert body("global x = 1") == ["E108 2:3"]
+
+    def test_compile_errors_and_findings_stand_side_by_side(self):
+        assert body("sleep('1')", "x = = 1", "nothing()") == ["E304 2:9", "E001 3:7", "E301 4:3"]
+
+
+class TestNamesBetweenErrors:
+    @pytest.mark.parametrize(
+        "line", ["x = (1", "def f(x)", "for x in range(3)", "import x y", "except E, x:", "global x = 1", "x = 1 +"]
+    )
+    def test_what_a_broken_line_may_define_is_not_reported(self, line):
+        codes = {finding.split()[0] for finding in body(line, "textmsg(x)", "f(1)" if "def" in line else "pass")}
+        assert codes & {"W201", "E301", "W206", "W202"} == set()
+
+
+class TestFirmware:
+    def test_the_profile_decides_what_exists(self):
+        assert body("halt()") == []
+        assert body("halt()", firmware="2.10") == ["E302 2:3"]
+
+
+class TestUnits:
+    def test_programs_scripts_and_secondary_programs_are_checked(self):
+        assert found("def job():\n  sleep('a')\nend\n") == ["E304 2:9"]
+        assert found("sleep('a')\n") == ["E304 1:7"]
+        assert found("sec job():\n  get_flag('a')\nend\n") == ["E304 2:12"]
+
+    def test_columns_count_characters(self):
+        assert found("def job():\n  textmsg('温度', nothing)\nend\n") == ["W201 2:17"]
+
+    @pytest.mark.parametrize("text", ["", "\n", "# nothing\n", "pass", "end\n"])
+    def test_short_texts_are_no_trouble(self, text):
+        assert all(finding.startswith("E101") for finding in found(text))
+
+
+class TestRealTexts:
+    @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+    def test_the_examples_have_no_problem(self, path):
+        assert check_source(SourceFile(str(path), path.read_text(encoding="utf-8")), profile()) == ()
+
+    @pytest.mark.parametrize("seed", range(40))
+    def test_random_programs_have_none_either(self, seed):
+        assert problems(random_program(Random(seed))) == ()
+
+    @pytest.mark.parametrize(("case", "expectation"), CASES, ids=IDS)
+    def test_what_the_specification_expects_is_found(self, case, expectation):
+        text = SourceFile("<page>", case.texts[0].sent)
+        firmware = expectation.words.get("firmware", "2.14")
+        found = check_source(text, profile(firmware), strict="strict" in expectation.words)
+        lines = {f"{problem.severity} {problem.code} line {problem.line}" for problem in found}
+        wanted = {f"warning {value}" for value in expectation.values("warn")}
+        wanted |= {f"error {value}" for value in (*expectation.values("finding"), *expectation.values("error"))}
+        assert wanted <= lines
+
+    @pytest.mark.parametrize(("case", "expectation"), CASES, ids=IDS)
+    def test_a_program_of_the_specification_that_runs_has_no_error(self, case, expectation):
+        if expectation.values("alarm") or expectation.values("error") or expectation.values("finding"):
+            return
+        found = check_source(SourceFile("<page>", case.texts[0].sent), profile(), strict=False)
+        caught = "except" in case.texts[0].text
+        assert [problem for problem in found if problem.is_error and not caught] == []
+
+
+FRAGMENTS = [
+    "def",
+    "sec",
+    "end",
+    "if",
+    "else:",
+    "while",
+    "True:",
+    "for",
+    "in",
+    "return",
+    "global",
+    "x",
+    "y",
+    "=",
+    "==",
+    "(",
+    ")",
+    "[",
+    "]",
+    "{",
+    "}",
+    ":",
+    ",",
+    ".",
+    ";",
+    "#",
+    "check:",
+    "ignore",
+    "p[",
+    "job()",
+    "movej",
+    "sleep(",
+    "1",
+    "-2.5",
+    '"a"',
+    "'b",
+    'f"{',
+    '}"',
+    "\\",
+    "lambda",
+    "import",
+    "math",
+    "class",
+    "try:",
+    "except",
+    "with",
+    "as",
+    "*args",
+    "**kw",
+    "$",
+    "LINE:",
+    '(1,"a")',
+    "match",
+    "case",
+    "print",
+    "raise",
+    "halt()",
+    "xrange",
+    "True",
+    "None",
+    "not",
+    "and",
+    "or",
+    "+=",
+    "!=",
+    "<>",
+    "温度",
+    "nonlocal",
+    "yield",
+    "@",
+    "->",
+    ":=",
+    "start_thread(",
+    "del",
+    "assert",
+]
+BREAKS = ["\n", "\n", "\n  ", "\n    ", "\t", "\n  x = 1\n", "def job():\n", "\nend\n", "\x00", "\ufeff", "\r"]
+WORDS = st.sampled_from([*FRAGMENTS, *BREAKS])
+
+
+class TestGarbage:
+    @settings(max_examples=150)
+    @given(st.lists(WORDS, max_size=40))
+    def test_fragments_of_programs_never_raise(self, words):
+        check_source(SourceFile("<garbage>", " ".join(words)), profile())
+
+    @settings(max_examples=60)
+    @given(st.text(max_size=80))
+    def test_any_text_never_raises(self, text):
+        check_source(SourceFile("<garbage>", text), profile(), strict=True)
+
+    @settings(max_examples=60)
+    @given(st.integers(0, 10_000), st.randoms(use_true_random=False))
+    def test_damaged_programs_never_raise(self, seed, chance):
+        text = random_program(Random(seed % 50))
+        start = chance.randrange(len(text))
+        damaged = (
+            text[:start] + chance.choice(["", "(", '"', "\n", "end", ":", " = "]) + text[start + chance.randrange(9) :]
+        )
+        check_source(SourceFile("<garbage>", damaged), profile("2.10"))
+
+    @pytest.mark.parametrize(
+        "text",
+        [
+            "x = " + "(" * 300 + ")" * 300,
+            "x = " + "1 + " * 3000 + "1",
+            "x = " + "-" * 3000 + "1",
+            "x" + ".a" * 3000,
+            "movej(" + "[" * 90 + "]" * 90 + ")",
+            "if a: b\n" + "".join(" " * n + "if a:\n" for n in range(1, 150)),
+            "while a:\n" + "".join("  " * n + "while a:\n" for n in range(1, 90)) + "  " * 90 + "pass",
+            "def f():\n" + "".join("  " * n + "def f():\n" for n in range(1, 90)) + "  " * 90 + "return f()",
+        ],
+        ids=range(8),
+    )
+    def test_deep_texts_never_raise(self, text):
+        check_source(SourceFile("<deep>", text), profile())
+
+
+def test_the_docstring_example_of_each_rule_gives_its_code():
+    for rule in all_rules():
+        lines = rule.explanation.split("\n")
+        example = dedent("\n".join(line for line in lines if line.startswith("    ") or not line.strip())).lstrip("\n")
+        firmware = "2.10" if "--firmware 2.10" in example else "2.14"
+        expected = [number for number, line in enumerate(example.split("\n"), 1) if f"# {rule.code}" in line]
+        seen = {problem.line for problem in problems(example, firmware=firmware) if problem.code == rule.code}
+        assert seen, rule.code
+        assert seen >= set(expected), rule.code

@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+import pytest
+
+from elitescript.errors import CODES, InternalError
+from elitescript.lint import rules
+from elitescript.lint.registry import all_rules, rule
+
+REPORTED_ELSEWHERE = {"W210"}
+"""What the language package reports while it reads the text."""
+
+
+def test_every_code_of_the_checker_has_one_rule():
+    codes = [each.code for each in all_rules()]
+    wanted = {code for code in CODES if code[:2] in ("W2", "E3")} - REPORTED_ELSEWHERE
+    assert len(codes) == len(set(codes))
+    assert set(codes) == wanted
+
+
+@pytest.mark.parametrize("each", all_rules(), ids=lambda each: each.code)
+def test_a_rule_explains_itself_with_an_example(each):
+    lines = each.explanation.split("\n")
+    assert lines[0].endswith(".")
+    assert any(line.startswith("    ") and each.code in line for line in lines), "no example"
+    assert each.check.__doc__
+    assert each.title
+
+
+@pytest.mark.parametrize("each", all_rules(), ids=lambda each: each.code)
+def test_a_rule_has_a_file_of_its_own(each):
+    assert [other.code for other in all_rules() if other.check.__module__ == each.check.__module__] == [each.code]
+    assert each.check.__module__.startswith(f"{rules.__name__}.")
+
+
+def test_rules_come_in_the_order_of_their_codes():
+    codes = [each.code for each in all_rules()]
+    assert codes == sorted(codes)
+
+
+@pytest.mark.parametrize("code", ["W201", "X999"])
+def test_a_code_that_is_taken_or_unknown_is_a_mistake_of_ours(code):
+    with pytest.raises(InternalError, match=code):
+        rule(code=code, since="0.1")(lambda program: [])
+
+
+def test_codes_that_a_rule_replaces_exist():
+    assert {code for each in all_rules() for code in each.instead_of} <= set(CODES)
