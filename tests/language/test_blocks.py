@@ -1,0 +1,171 @@
+from __future__ import annotations
+
+import pytest
+
+from elitescript.language.diagnostics import apply_fix
+from tests.language.marked import check_marks, codes, findings
+from tests.language.stage import output
+
+EMPTY = [
+    "def a():\n  «while True:»\n    # nothing\n  end\nend",
+    "«def a():»\nend",
+    "def a():\n  if x:\n    y()\n  «else:»\n  end\nend",
+    "def a():\n  «if x:»\n  else:\n    y()\n  end\nend",
+    "def a():\n  for i in r:\n    «if i:»\n  end\nend",
+    "def a():\n  «class B:»  # later\nend",
+    "def a():\n  «while f(1,\n    2):»\n  end\nend",
+    "def a():\n  try:\n    f()\n  «except E:»\n  end\nend",
+    "def a():\n  match x:\n    «case 1:»\n  end\nend",
+    "def a():\n  f()\n  «with b:»\n",
+    "x = 1\n«def f():»",
+]
+
+
+@pytest.mark.parametrize("text", EMPTY)
+def test_an_empty_body_is_reported_at_its_header(text):
+    check_marks("E104", text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def a():\n  while True:\n    pass\n  end\nend",
+        "def a():\n  '''only a text'''\nend",
+        "def a():\n  if True: f()\n  end\nend",
+        'def a():\n  if True:\n    $ LINE: (7, "only this")\n  end\nend',
+        "def a():\n  if f(1, # one\n      2): g()\nend",
+        "x = {1: 2}\ny = x[1:]\nz = lambda: 0\n",
+        "def a():\n  f = lambda x: x\n  if (lambda: 1)(): g()\n  end\n  while lambda: 0: break\n  end\nend",
+        "def a():\n  while n := f():\n    pass\n  end\nend",
+    ],
+)
+def test_bodies_that_are_not_empty(text):
+    assert codes(text) == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def a():\n  x = 1\n    «end»\nend",
+        "def a():\n  while False:\n    pass\n  x = 1\n  «end»\nend",
+        "x = 1\n«end»\n",
+        "def a():\n  x = 1\nend\n«end»",
+        "def a():\n  if x:\n    f()\n «end» ; # odd\nend",
+        "def a():\n\tif x:\n\t    f()\n    «end»\nend",
+    ],
+)
+def test_a_closer_without_a_block_in_its_column(text):
+    (found,) = check_marks("E101", text)
+    assert found.hint
+
+
+def test_a_stray_closer_names_the_block_that_was_meant():
+    (found,) = findings("def a():\n  while x:\n    f()\n  g()\n  end\nend")
+    assert "`while` of line 2" in found.hint and "line 4" in found.hint
+    (found,) = findings("def a():\n  while x:\n    f()\n   end\nend")
+    assert "`while` of line 2" in found.hint and "column 3" in found.hint
+
+
+@pytest.mark.parametrize("suffix", ["", ";", "  ; ", "  # done", " ;# done", "\t"])
+def test_closers_take_semicolons_blanks_and_comments(suffix):
+    assert output(f"def a():\n  if True:\n    textmsg(1)\n  end{suffix}\n  textmsg(2)\nend{suffix}") == ["1", "2"]
+
+
+def test_one_closer_closes_everything_inside():
+    assert output("def a():\n for i in [1]:\n  while True:\n   if i:\n    textmsg(i)\n    break\nend") == ["1"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "end = 3; textmsg(end)",
+        "v = [\nend := 3,\n]\ntextmsg(end)",
+        "end = 3\nv = [\nend\n]\ntextmsg(v[0])",
+        's = """\nend\n"""\ntextmsg(len(s) - 2)',
+        "class C: end = 3\ntextmsg(C.end)",
+        "def f(end): return end\ntextmsg(f(3))",
+        "end = 3\nx = \\\nend\ntextmsg(x)",
+        "for end in [3]: textmsg(end)",
+        "sec = 3\ntextmsg(sec)",
+        "def sec(n): return n\ntextmsg(sec (3))",
+        "match = 3\ncase = 0\ntextmsg(match)",
+        "thread = 3\ntextmsg(thread)",
+    ],
+)
+def test_the_words_of_the_dialect_stay_names(text):
+    assert output(text)[-1] == "3"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def a():\n  if False:\n    pass\n  end\n  «else»:\n    pass\n  end\nend",
+        "def a():\n  try:\n    pass\n  end\n  «except» E:\n    pass\nend",
+        "def a():\n  for i in r:\n    pass\n  end\n  «else»:\n    pass\n  end\nend",
+        "def a():\n  if x:\n    pass\n  end\n  «elif» y:\n    pass\n  else:\n    pass\n  end\nend",
+    ],
+)
+def test_a_clause_behind_the_closer_of_its_statement(text):
+    check_marks("E103", text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def a():\n  «sec» inner():\n    pass\n  end\nend",
+        "def a():\n  if x:\n    «sec» inner ():\n      pass\nend",
+        "«sec» one():\n  pass\nend\nsec_ = 1",
+    ],
+)
+def test_a_secondary_program_inside_something(text):
+    check_marks("E105", text)
+
+
+def test_a_secondary_program_by_itself():
+    assert codes("sec one():\n  pass\nend") == []
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("def a():\nif True:\ntextmsg(1)\nend\nend\n", ["E001 2", "E001 3"]),
+        ("def a():\n  x = 1\n    y = 2\n    z = 3\n  w = 4\nend", ["E001 3"]),
+        ("def a():\n    x = 1\n   y = 2\n    z = 3\nend", ["E001 3"]),
+        ("def a():\n    while x:\n        f()\n      g()\n      h()\n    i()\nend", ["E001 4"]),
+        ("  x = 1\n  y = 2\n", ["E001 1"]),
+        ("while x:\n  f()\nend\n  g()\n", ["E001 4"]),
+        ("def a():\n  else:\n    f()\nend", ["E001 2"]),
+        ("def a():\n  if x:\n    f()\n  g()\n  else:\n    h()\nend", ["E001 5"]),
+        ("def a():\n  try:\n    f()\n  g()\nend", ["E001 2"]),
+        ("def a():\n  while x\n    f()\n  else\n    g()\nend", ["E001 2", "E001 4"]),
+        ("def a():\n  while x\n    f()\n  end\n  else\nend", ["E001 2", "E103 5", "E104 5", "E001 5"]),
+        ("def a():\nelse:\n  f()\nend", ["E001 2", "E001 2"]),
+        ("def a()\n  f()\nend", ["E001 1"]),
+    ],
+)
+def test_structure_mistakes_are_reported_once_each(text, expected):
+    assert codes(text) == expected
+
+
+def test_a_line_behind_the_closer_of_its_block_is_explained():
+    (found,) = findings("while x:\n  f()\nend\n  g()\n")
+    assert "`end` in line 3" in found.text
+
+
+@pytest.mark.parametrize("header", ["def a()", "while x", "if x", "else", "for i in r", "try", "class C", "with x"])
+def test_a_missing_colon_is_put_there_by_the_fix(header):
+    before = "if y:\n  g()\n" if header == "else" else ""
+    after = "except E:\n  pass\n" if header == "try" else ""
+    text = f"{before}{header}\n  f()\n{after}"
+    (found,) = findings(text)
+    assert (found.code, found.column) == ("E001", len(header) + 1)
+    assert findings(apply_fix(text, found.fix)) == []
+
+
+def test_tabs_and_blanks_mix_as_in_python():
+    assert output('def a():\n\tx = 1\n\tif x:\n\t    textmsg("tab")\nend\n') == ["tab"]
+    assert codes("def a():\n\tx = 1\n        y = 2\nend") == ["E001 3"]
+
+
+def test_comments_at_the_margin_do_not_close_blocks():
+    assert output("def a():\n  if True:\n# left\n    textmsg(1)\n# left\n  end\nend") == ["1"]
