@@ -6,20 +6,21 @@ for the others.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
+# What type checkers look for; importing `typing` for it would cost every start some milliseconds.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from elitescript.errors import AlarmError as AlarmError
     from elitescript.errors import ElitescriptError as ElitescriptError
     from elitescript.errors import ProgramError as ProgramError
     from elitescript.errors import UsageError as UsageError
-    from elitescript.robot import Run as Run
     from elitescript.robot import VirtualRobot as VirtualRobot
+    from elitescript.run import Run as Run
 
 __version__ = "0.1.0"
 
 _HOMES = {
     "VirtualRobot": "elitescript.robot",
-    "Run": "elitescript.robot",
+    "Run": "elitescript.run",
     "AlarmError": "elitescript.errors",
     "ElitescriptError": "elitescript.errors",
     "ProgramError": "elitescript.errors",
@@ -29,7 +30,7 @@ _HOMES = {
 __all__ = [*_HOMES, "__version__"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _HOMES:
         raise AttributeError(f"module 'elitescript' has no attribute {name!r}")
     import importlib

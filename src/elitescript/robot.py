@@ -6,26 +6,29 @@ who wants real time passes a `pace`, which is called before every tick that is r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 from elitescript.controller.controller import Controller
-from elitescript.controller.trace import Trace, TraceRow
-from elitescript.errors import AlarmError, UsageError
+from elitescript.controller.signal_view import Signals, signal_write
+from elitescript.controller.trace import Trace
+from elitescript.errors import UsageError
 from elitescript.language.compiler import CompiledUnit, Options, compile_unit
 from elitescript.language.source import SourceFile
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm, Event, Printed, TextMessage, Warned
-from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask, WriteSignal
+from elitescript.messages.events import Alarm, Event
+from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
-from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
+from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
+from elitescript.run import EndState, Run
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.world import World
+from elitescript.worlds.program_file import source_of
 
 EPOCH_S: Final = 1_704_067_200.0
 """2024-01-01T00:00:00Z: where the clock of a free run begins, so that every run is the same."""
@@ -33,130 +36,8 @@ EPOCH_S: Final = 1_704_067_200.0
 WATCH_EVERY: Final = 64
 """Ticks run between two calls of a watcher; looking at a wall clock more often costs more than it tells."""
 
-EndState = Literal["finished", "alarm", "stopped", "time_limit", "stuck"]
 Pace = Callable[[int], None]
 Watch = Callable[["VirtualRobot"], bool]
-
-
-class Run:
-    """What a program did.
-
-    Attributes:
-        state: `finished`, `alarm`, `stopped`, `time_limit` or `stuck`; empty while it runs.
-        time_s: virtual time at the end, since the program began.
-        globals: the variable monitor at the end: names declared `global` and their values.
-        log: texts of `textmsg`, in order.
-        printed: texts of `print`, in order.
-        warnings: texts of warnings, those of the compiler included.
-        alarms: what stopped the program.
-        events: everything that happened, in order.
-        trace: rows, if a trace was asked for.
-        joints: target joint positions at the end, rad.
-        tcp_pose: target TCP pose at the end, base frame, m and rad.
-        signals: every output and register that is not at its default.
-        threads: script threads at the end of a program that did not end by itself: where each was.
-    """
-
-    __slots__ = (
-        "alarms",
-        "events",
-        "globals",
-        "joints",
-        "log",
-        "printed",
-        "signals",
-        "start_tick",
-        "state",
-        "tcp_pose",
-        "threads",
-        "time_s",
-        "trace",
-        "unit",
-        "warnings",
-    )
-
-    def __init__(self, unit: CompiledUnit, start_tick: int) -> None:
-        self.unit = unit
-        self.start_tick = start_tick
-        self.state: EndState | Literal[""] = ""
-        self.time_s = 0.0
-        self.globals: dict[str, Any] = {}
-        self.log: list[str] = []
-        self.printed: list[str] = []
-        self.warnings: list[str] = [str(problem) for problem in unit.diagnostics]
-        self.alarms: list[Alarm] = []
-        self.events: list[Event] = []
-        self.trace: list[TraceRow] = []
-        self.joints: Six | tuple[()] = ()
-        self.tcp_pose: Six | tuple[()] = ()
-        self.signals: dict[str, Value] = {}
-        self.threads: tuple[Any, ...] = ()
-
-    def check(self) -> Run:
-        """Return the run itself.
-
-        Raises:
-            AlarmError: the program ended with an alarm, or nothing could ever happen again.
-        """
-        if self.alarms:
-            raise AlarmError(self.alarms[-1])
-        return self
-
-    def add(self, event: Event) -> None:
-        """Note an event of this run."""
-        self.events.append(event)
-        if isinstance(event, TextMessage):
-            self.log.append(event.text)
-        elif isinstance(event, Printed):
-            self.printed.append(event.text)
-        elif isinstance(event, Warned):
-            self.warnings.append(event.text)
-        elif isinstance(event, Alarm):
-            self.alarms.append(event)
-
-    def __repr__(self) -> str:
-        return f"<Run {self.state or 'running'} after {self.time_s:.3f} s>"
-
-
-class Signals(Mapping[str, Value]):
-    """The robot's signals by name: `robot.signals["standard_digital_in[3]"] = True`.
-
-    Setting takes effect at once, between two ticks.
-    """
-
-    __slots__ = ("_controller",)
-
-    def __init__(self, controller: Controller) -> None:
-        self._controller = controller
-
-    def __getitem__(self, name: str) -> Value:
-        signal, index = parse_signal_name(name)
-        return self._controller.read(signal.name, index)
-
-    def __setitem__(self, name: str, value: Value) -> None:
-        self._controller.request(signal_write(name, value))
-
-    def __iter__(self) -> Iterator[str]:
-        return (signal_name(row, index) for row in SIGNALS.values() for index in range(row.size))
-
-    def __len__(self) -> int:
-        return sum(row.size for row in SIGNALS.values())
-
-
-def signal_write(name: str, value: object) -> WriteSignal:
-    """The request that sets one signal, with the value checked against its kind.
-
-    Raises:
-        UsageError: no such signal, or a value of another kind.
-    """
-    signal, index = parse_signal_name(name)
-    if signal.kind == "bool":
-        if value not in (True, False):
-            raise UsageError(f"{name} takes True or False, not {value!r}")
-        return WriteSignal(signal.name, index, bool(value))
-    if not isinstance(value, (int, float)) or (signal.kind == "int" and int(value) != value):
-        raise UsageError(f"{name} takes {'an int' if signal.kind == 'int' else 'a number'}, not {value!r}")
-    return WriteSignal(signal.name, index, int(value) if signal.kind == "int" else float(value))
 
 
 class VirtualRobot:
@@ -406,9 +287,10 @@ class VirtualRobot:
             if self._is_interrupted:
                 return
             run = self._run
-            if not stays and run is not None and run.state != "" and not controller.is_moving:
+            if run is not None and run.state != "" and not controller.is_moving:
                 self._rest(run)
-                return
+                if not stays:
+                    return
             due = controller.next_tick()
             if due is None:
                 if run is not None and run.state == "" and not stays:
@@ -430,7 +312,9 @@ class VirtualRobot:
                     return
 
     def _rest(self, run: Run) -> None:
-        """Everything is over: take the last look."""
+        """Program and arm have come to rest: take the last look, once."""
+        if run.joints:
+            return
         if self._trace is not None:
             self._trace.finish(self.controller)
             self._trace = None
@@ -476,22 +360,3 @@ class VirtualRobot:
             self._run.add(event)
         if self._on_event is not None:
             self._on_event(event)
-
-
-def source_of(program: str | Path) -> SourceFile:
-    """The source of a program: a path, or a text.
-
-    A str is a path if it is a single line that ends in `.script`; everything else is program text.
-
-    Raises:
-        UsageError: the file cannot be read.
-        ProgramError: the file is not UTF-8.
-    """
-    if isinstance(program, str) and ("\n" in program or not program.strip().endswith(".script")):
-        return SourceFile("<program>", program)
-    path = Path(program)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror or error}") from error
-    return SourceFile.from_bytes(str(path), data)

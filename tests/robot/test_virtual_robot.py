@@ -119,7 +119,8 @@ def test_a_program_can_be_stepped_and_looked_at(robot):
     assert robot.state.line == 2
     assert run.state == ""
     robot.advance(10)
-    assert run.state == "finished"
+    assert (run.state, run.log, run.joints) == ("finished", ["1"], (0.5, -1.5, -1.5, -1.5, 1.5, 0.0))
+    assert 0.5 < run.time_s < 2.0
     assert robot.time_s == pytest.approx(10.1)
 
 

@@ -1,19 +1,22 @@
-"""The command `elitescript`: one subcommand a file, loaded when it is asked for."""
+"""The command `elitescript`: one subcommand a file, loaded when it is asked for.
+
+`run` may have to start Python once more, so that this module is loaded twice: it imports next to nothing.
+"""
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
-from collections.abc import Sequence
-from typing import Final
 
-from elitescript.errors import ElitescriptError, ProgramError, UsageError
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Sequence
 
-USAGE: Final = 2
+USAGE = 2
 """Exit code of a call that makes no sense."""
 
-HASH_SEED: Final = "0"
+HASH_SEED = "0"
 """The order of a set of strings depends on it; every process that we start has the same."""
 
 
@@ -22,6 +25,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     if argv is None and arguments[:1] == ["run"] and os.environ.get("PYTHONHASHSEED") != HASH_SEED:
         return _run_again_with_fixed_hash_seed(arguments)
+    from elitescript.errors import ElitescriptError, ProgramError, UsageError
+
     options = _parser().parse_args(arguments)
     try:
         return _dispatch(options)
@@ -64,6 +69,8 @@ def _run_again_with_fixed_hash_seed(arguments: list[str]) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
+    import argparse
+
     from elitescript import __version__
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 
@@ -115,7 +122,7 @@ def _parser() -> argparse.ArgumentParser:
         "check",
         parents=[firmware],
         help="report every problem of programs without running them",
-        description="Report every problem with file, line, column, code, text and hint. Exit code 3 if there are errors.",
+        description="Report every problem with its place, code, text and hint. Exit code 3 if there are errors.",
     )
     check.add_argument("files", nargs="+", metavar="FILE")
 

@@ -13,7 +13,8 @@ from elitescript.language.diagnostics import Diagnostic, render, to_json
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm, Event, Popup, Printed, TextMessage, Warned
 from elitescript.messages.timing import seconds
-from elitescript.robot import Run, VirtualRobot
+from elitescript.robot import VirtualRobot
+from elitescript.run import Run
 
 
 class Report(Protocol):

@@ -17,7 +17,8 @@ from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import Trace
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, Severity
-from elitescript.robot import EPOCH_S, Run, VirtualRobot, source_of
+from elitescript.robot import EPOCH_S, VirtualRobot
+from elitescript.worlds.program_file import source_of
 
 EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "stuck": 5}
 DOES_NOT_COMPILE: Final = 3
@@ -68,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
         elif options.step is not None:
             raise UsageError("--step goes with --trace")
         report.start(robot, path)
-        watch = _Watch(report, options.max_wall)
+        watch = stack.enter_context(_Watch(report, options.max_wall))
         with _InterruptHandler(robot) as interrupted:
             result = robot.run(
                 unit,
@@ -110,12 +111,21 @@ class _Watch:
         self._report = report
         self._start_s = time.monotonic()
         self._next_hint_s = self._start_s + HINT_AFTER_S
-        self._end_s = None if max_wall_s is None else self._start_s + max_wall_s
-        if max_wall_s is not None:
-            self._arm(max_wall_s)
+        self._max_wall_s = max_wall_s
+        self._timer: Any = None
 
-    def _arm(self, max_wall_s: float) -> None:
-        """End the process when a single call into C never comes back to a checkpoint."""
+    def __enter__(self) -> _Watch:
+        if self._max_wall_s is not None:
+            self._timer = self._armed(self._max_wall_s)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+
+    @staticmethod
+    def _armed(max_wall_s: float) -> Any:
+        """A timer that ends the process when a single call into C never comes back to a checkpoint."""
         import os
         import threading
 
@@ -131,10 +141,11 @@ class _Watch:
         timer = threading.Timer(max_wall_s + KILL_AFTER_S, end_process)
         timer.daemon = True
         timer.start()
+        return timer
 
     def __call__(self, robot: VirtualRobot) -> bool:
         now_s = time.monotonic()
-        if self._end_s is not None and now_s >= self._end_s:
+        if self._max_wall_s is not None and now_s - self._start_s >= self._max_wall_s:
             return True
         if now_s >= self._next_hint_s:
             self._next_hint_s = now_s + HINT_AFTER_S
@@ -162,6 +173,3 @@ class _InterruptHandler:
 
     def __exit__(self, *_: object) -> None:
         signal.signal(signal.SIGINT, self._previous)
-
-
-__all__ = ["Run", "run"]

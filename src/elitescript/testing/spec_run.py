@@ -24,7 +24,8 @@ from elitescript.messages.events import (
 )
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
 from elitescript.messages.timing import PERIOD_S, seconds
-from elitescript.robot import Run, VirtualRobot
+from elitescript.robot import VirtualRobot
+from elitescript.run import Run
 from elitescript.testing.spec import Case, Expectation, Outcome, Text, differences
 
 FILE_LIMIT_S: Final = 100_000.0

@@ -1,0 +1,51 @@
+"""A controller's signals by name, as people set and read them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from elitescript.controller.controller import Controller
+from elitescript.errors import UsageError
+from elitescript.messages.machine import WriteSignal
+from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
+
+
+class Signals(Mapping[str, Value]):
+    """The robot's signals by name: `robot.signals["standard_digital_in[3]"] = True`.
+
+    Setting takes effect at once, between two ticks.
+    """
+
+    __slots__ = ("_controller",)
+
+    def __init__(self, controller: Controller) -> None:
+        self._controller = controller
+
+    def __getitem__(self, name: str) -> Value:
+        signal, index = parse_signal_name(name)
+        return self._controller.read(signal.name, index)
+
+    def __setitem__(self, name: str, value: Value) -> None:
+        self._controller.request(signal_write(name, value))
+
+    def __iter__(self) -> Iterator[str]:
+        return (signal_name(row, index) for row in SIGNALS.values() for index in range(row.size))
+
+    def __len__(self) -> int:
+        return sum(row.size for row in SIGNALS.values())
+
+
+def signal_write(name: str, value: object) -> WriteSignal:
+    """The request that sets one signal, with the value checked against its kind.
+
+    Raises:
+        UsageError: no such signal, or a value of another kind.
+    """
+    signal, index = parse_signal_name(name)
+    if signal.kind == "bool":
+        if value not in (True, False):
+            raise UsageError(f"{name} takes True or False, not {value!r}")
+        return WriteSignal(signal.name, index, bool(value))
+    if not isinstance(value, (int, float)) or (signal.kind == "int" and int(value) != value):
+        raise UsageError(f"{name} takes {'an int' if signal.kind == 'int' else 'a number'}, not {value!r}")
+    return WriteSignal(signal.name, index, int(value) if signal.kind == "int" else float(value))

@@ -1,0 +1,94 @@
+"""What a program did: the record that a run leaves behind."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from elitescript.controller.trace import TraceRow
+from elitescript.errors import AlarmError
+from elitescript.language.compiler import CompiledUnit
+from elitescript.messages.events import Alarm, Event, Printed, TextMessage, Warned
+from elitescript.messages.motion import Six
+from elitescript.messages.signals import Value
+
+EndState = Literal["finished", "alarm", "stopped", "time_limit", "stuck"]
+
+
+class Run:
+    """What a program did.
+
+    Attributes:
+        state: `finished`, `alarm`, `stopped`, `time_limit` or `stuck`; empty while it runs.
+        time_s: virtual time at the end, since the program began.
+        globals: the variable monitor at the end: names declared `global` and their values.
+        log: texts of `textmsg`, in order.
+        printed: texts of `print`, in order.
+        warnings: texts of warnings, those of the compiler included.
+        alarms: what stopped the program.
+        events: everything that happened, in order.
+        trace: rows, if a trace was asked for.
+        joints: target joint positions at the end, rad.
+        tcp_pose: target TCP pose at the end, base frame, m and rad.
+        signals: every output and register that is not at its default.
+        threads: script threads at the end of a program that did not end by itself: where each was.
+    """
+
+    __slots__ = (
+        "alarms",
+        "events",
+        "globals",
+        "joints",
+        "log",
+        "printed",
+        "signals",
+        "start_tick",
+        "state",
+        "tcp_pose",
+        "threads",
+        "time_s",
+        "trace",
+        "unit",
+        "warnings",
+    )
+
+    def __init__(self, unit: CompiledUnit, start_tick: int) -> None:
+        self.unit = unit
+        self.start_tick = start_tick
+        self.state: EndState | Literal[""] = ""
+        self.time_s = 0.0
+        self.globals: dict[str, Any] = {}
+        self.log: list[str] = []
+        self.printed: list[str] = []
+        self.warnings: list[str] = [str(problem) for problem in unit.diagnostics]
+        self.alarms: list[Alarm] = []
+        self.events: list[Event] = []
+        self.trace: list[TraceRow] = []
+        self.joints: Six | tuple[()] = ()
+        self.tcp_pose: Six | tuple[()] = ()
+        self.signals: dict[str, Value] = {}
+        self.threads: tuple[Any, ...] = ()
+
+    def check(self) -> Run:
+        """Return the run itself.
+
+        Raises:
+            AlarmError: the program ended with an alarm, or nothing could ever happen again.
+        """
+        if self.alarms:
+            raise AlarmError(self.alarms[-1])
+        return self
+
+    def add(self, event: Event) -> None:
+        """Note an event of this run."""
+        self.events.append(event)
+        if isinstance(event, TextMessage):
+            self.log.append(event.text)
+        elif isinstance(event, Printed):
+            self.printed.append(event.text)
+        elif isinstance(event, Warned):
+            self.warnings.append(event.text)
+        elif isinstance(event, Alarm):
+            self.alarms.append(event)
+
+    def __repr__(self) -> str:
+        return f"<Run {self.state or 'running'} after {self.time_s:.3f} s>"
