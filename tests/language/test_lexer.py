@@ -115,6 +115,11 @@ def test_an_open_bracket_before_a_docstring_does_not_cut_the_docstring():
     assert len(lexed.flaws) == 1
 
 
+def test_masked_rows_are_those_of_physical_lines():
+    lexed = lex("f('a', # b\n  2)  # c\n# d\nx")
+    assert [lexed.masked_row(line).rstrip() for line in (1, 2, 3, 4)] == ['f(""",', "  2)", "", "x"]
+
+
 def test_places_count_from_one():
     lexed = lex("ab\ncd\n")
     assert [lexed.place(offset) for offset in (0, 1, 3, 4, 6)] == [(1, 1), (1, 2), (2, 1), (2, 2), (3, 1)]

@@ -230,7 +230,20 @@ def test_numbers_that_begin_with_zero(text, fixed):
 
 
 @pytest.mark.parametrize(
-    "text", ["x = 0", "x = 000", "x = 0.12", "x = 012.5", "x = 01e5", "x = 0o12", "x = 0x012", "a012 = 1", "x = 10"]
+    "text",
+    [
+        "x = 0",
+        "x = 000",
+        "x = 0.12",
+        "x = 012.5",
+        "x = 01e5",
+        "x = 1e-08",
+        "x = 1.5E+03 - 2.e-01",
+        "x = 0o12",
+        "x = 0x012",
+        "a012 = 1",
+        "x = 10",
+    ],
 )
 def test_numbers_that_may_begin_with_zero(text):
     assert codes(text) == []

@@ -19,7 +19,7 @@ from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
 from elitescript.language.hooks import HOOKS, MAIN
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
-from elitescript.language.parser import Parsed, character_offset, parse, parse_without, syntax_tree
+from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, syntax_tree
 from elitescript.language.policy import guard_formats, review
 from elitescript.language.source import SourceFile
 from elitescript.language.syntax_errors import explain
@@ -113,7 +113,7 @@ def compile_expression(source: SourceFile) -> CodeType:
             insert_checkpoints(census)
             guard_formats(tree, census)
             try:
-                return _python(tree, source.name, "eval")
+                return _named(_python(tree, "eval"), source.name, "")
             except SyntaxError as error:
                 problems.append(_syntax_problem(error, parsed.source))
             except (RecursionError, MemoryError, ValueError, OverflowError):
@@ -183,7 +183,7 @@ def _own_yields(parsed: Parsed) -> list[Diagnostic]:
             problems.append(
                 diagnostic("E001", node.lineno, column, text, end_column=column + 5, hint="put it into a function")
             )
-        if not isinstance(node, (*FUNCTIONS, ast.ClassDef)):
+        if not isinstance(node, (*FUNCTIONS, ast.AsyncFunctionDef, ast.ClassDef)):
             stack.extend(ast.iter_child_nodes(node))
     return problems
 
@@ -196,7 +196,7 @@ def _code(parsed: Parsed, problems: list[Diagnostic]) -> CodeType | None:
     while current is not None and current.is_complete:
         module = _wrapped(current)
         try:
-            return _named(_python(module, parsed.source.name, "exec"), parsed.name or _SCRIPT_NAME)
+            return _named(_python(module, "exec"), parsed.source.name, parsed.name or _SCRIPT_NAME)
         except SyntaxError as error:
             from elitescript.language.hoisting import hoist_late_globals
 
@@ -226,10 +226,10 @@ def _is_hidden(parsed: Parsed, message: str) -> bool:
     return any(name in parsed.source.line(row) for line in lines for row in range(line.line, line.last_line + 1))
 
 
-def _python(tree: ast.AST, name: str, mode: str) -> CodeType:
+def _python(tree: ast.AST, mode: str) -> CodeType:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        code = compile(tree, name, mode, dont_inherit=True, optimize=0)  # type: ignore[call-overload]
+        code = compile(tree, NO_FILE, mode, dont_inherit=True, optimize=0)  # type: ignore[call-overload]
     assert isinstance(code, CodeType)
     return code
 
@@ -238,9 +238,7 @@ def _wrapped(parsed: Parsed) -> ast.Module:
     """A module that defines the program as the function `MAIN`."""
     unit = parsed.unit
     if unit is None:
-        template = syntax_tree("def main(): pass", "")
-        assert isinstance(template, ast.Module)
-        definition = template.body[0]
+        definition = syntax_tree("def main(): pass").body[0]
         assert isinstance(definition, ast.FunctionDef)
         if parsed.tree.body:
             definition.body = parsed.tree.body
@@ -249,16 +247,17 @@ def _wrapped(parsed: Parsed) -> ast.Module:
     return ast.Module(body=[unit], type_ignores=[])
 
 
-def _named(code: CodeType, name: str) -> CodeType:
-    """Give the program its own name back wherever Python shows one."""
-    constants = tuple(_named(item, name) if isinstance(item, CodeType) else item for item in code.co_consts)
+def _named(code: CodeType, file: str, name: str) -> CodeType:
+    """Give the program its own names back wherever Python shows one: of its file, and of itself."""
+    constants = tuple(_named(item, file, name) if isinstance(item, CodeType) else item for item in code.co_consts)
     qualified = code.co_qualname
     if qualified != MAIN and not qualified.startswith(f"{MAIN}."):
-        return code.replace(co_consts=constants)
+        return code.replace(co_filename=file, co_consts=constants)
     own = name + qualified[len(MAIN) :]
     # The body of a class carries its qualified name as a constant.
     constants = tuple(own if item == qualified else item for item in constants)
-    return code.replace(co_consts=constants, co_qualname=own, co_name=name if code.co_name == MAIN else code.co_name)
+    short = name if code.co_name == MAIN else code.co_name
+    return code.replace(co_filename=file, co_consts=constants, co_qualname=own, co_name=short)
 
 
 def _syntax_problem(error: SyntaxError, source: SourceFile) -> Diagnostic:

@@ -85,6 +85,12 @@ class Lexed:
         line = bisect_right(self.starts, offset)
         return line, offset - self.starts[line - 1] + 1
 
+    def masked_row(self, line: int) -> str:
+        """The masked text of one physical line, counted from 1; blank where there are only comments."""
+        start = self.starts[line - 1]
+        end = self.starts[line] - 1 if line < len(self.starts) else len(self.text)
+        return self.masked[start:end]
+
 
 def lex(text: str) -> Lexed:
     """Scan a text with LF line ends. Never fails: flaws are part of the result."""

@@ -25,6 +25,8 @@ from elitescript.language.source import SourceFile
 from elitescript.language.syntax_errors import explain
 
 MAX_SYNTAX_ERRORS = 20
+NO_FILE = "<elitescript>"
+"""Python looks into the file of this name to report a mistake, so it gets a name that no file has."""
 
 _PLACEHOLDERS = {
     "if": "if 1:",
@@ -106,12 +108,12 @@ def parse_without(parsed: Parsed, line: int) -> Parsed | None:
     return reader.read()
 
 
-def syntax_tree(text: str, name: str, mode: str = "exec") -> ast.AST:
+def syntax_tree(text: str) -> ast.Module:
     """Python's parser, without its warnings on standard error."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        tree = compile(text, name, mode, ast.PyCF_ONLY_AST, dont_inherit=True)
-    assert isinstance(tree, ast.AST)
+        tree = compile(text, NO_FILE, "exec", ast.PyCF_ONLY_AST, dont_inherit=True)
+    assert isinstance(tree, ast.Module)
     return tree
 
 
@@ -199,16 +201,13 @@ class _Reader:
         text = self.translation.text
         while True:
             try:
-                tree = syntax_tree("\n".join(self.rows) if self.rows else text, self.source.name)
+                return syntax_tree("\n".join(self.rows) if self.rows else text)
             except SyntaxError as error:
                 if not self._blame(error):
                     break
             except (RecursionError, MemoryError, ValueError, OverflowError):
                 self._report(1, 1, "the program is nested too deeply to be read", "split long expressions")
                 break
-            else:
-                assert isinstance(tree, ast.Module)
-                return tree
         self.complete = False
         return ast.Module(body=[], type_ignores=[])
 

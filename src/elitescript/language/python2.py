@@ -176,7 +176,7 @@ def _lone_backquote(draft: Draft, line: LogicalLine, at: int) -> None:
 
 
 def read_numbers(draft: Draft) -> None:
-    for _, found in draft.find(r"(?<![\w.])0[0-9_]*[1-9][0-9_]*[lL]?(?![\w.])"):
+    for _, found in draft.find(r"(?<![\w.])(?<![0-9.][eE][+-])0[0-9_]*[1-9][0-9_]*[lL]?(?![\w.])"):
         start, end = found.span()
         digits = found.group().rstrip("lL").lstrip("0_")
         fix = None
