@@ -62,7 +62,7 @@ class Constants:
 
     def __init__(self, symbols: Symbols) -> None:
         self._symbols = symbols
-        self._sources: dict[Binding, ast.expr | None] = {}
+        self._values: dict[Binding, Any] = {}
         self._unchanged: dict[Binding, bool] = {}
 
     def value(self, node: ast.expr, scope: Scope) -> Any:
@@ -147,23 +147,21 @@ class Constants:
         bindings = home.bindings[node.id]
         if len(bindings) != 1:
             return UNKNOWN
-        source = self._source(bindings[0], home)
-        if source is None:
-            return UNKNOWN
-        # The wide step ends `a = b; b = a` soon.
-        value = self._value(source, home, depth + 5)
+        binding = bindings[0]
+        if binding not in self._values:
+            # Whoever comes here again before there is a value asks in a circle: `a = b; b = a`.
+            self._values[binding] = UNKNOWN
+            source = self._source(binding, home)
+            if source is not None:
+                self._values[binding] = self._value(source, home, depth + 1)
+        value = self._values[binding]
         if isinstance(value, (list, tuple)):
             is_flat = not any(isinstance(element, (list, tuple)) for element in value)
-            return value if is_flat and self._is_never_changed(bindings[0], home) else UNKNOWN
+            return value if is_flat and self._is_never_changed(binding, home) else UNKNOWN
         return value
 
     def _source(self, binding: Binding, home: Scope) -> ast.expr | None:
         """The expression that alone gives a variable its value."""
-        if binding not in self._sources:
-            self._sources[binding] = self._find_source(binding, home)
-        return self._sources[binding]
-
-    def _find_source(self, binding: Binding, home: Scope) -> ast.expr | None:
         statement = self._symbols.parent(binding.node)
         if not isinstance(statement, ast.Assign) or len(statement.targets) != 1 or binding.kind != "assign":
             return None

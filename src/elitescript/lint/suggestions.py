@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Final
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.lint.program import KNOWN, Program, Use
 
-_LEAST_LIKENESS = 0.8
-_SHORTEST = 3
+MOST_SUGGESTIONS: Final = 20
+"""Names of one program that are looked up; a text with more unknown names is no program for this robot."""
+
+_LEAST_LIKENESS: Final = 0.8
+_SHORTEST: Final = 3
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:

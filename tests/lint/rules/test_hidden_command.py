@@ -63,6 +63,11 @@ def test_each_name_is_reported_once():
     assert body("sleep = 5", "sleep = 6", "for sleep in range(3):", "  pass") == ["W203 2:3"]
 
 
+def test_a_global_is_reported_where_it_is_assigned_first():
+    lines = ("global sleep", "sleep = 1", "def f():", "  global sleep", "  sleep = 2", "f()", "textmsg(sleep)")
+    assert body(*lines) == ["W203 3:3"]
+
+
 def test_the_text_shows_what_is_hidden():
     problem = only("def job():\n  sleep = 5\nend\n")
     assert problem.text == "`sleep` hides the robot command sleep(t)"

@@ -47,6 +47,7 @@ def test_sort_with_a_comparing_function_is_found_at_the_argument():
     [
         ("long = 3", "textmsg(long)"),
         ("from functools import reduce", "textmsg(reduce(max, [1]))"),
+        ("try:", "  text = basestring", "except NameError:", "  text = str", "textmsg(text)"),
         ("def unichr(n):", "  return n", "textmsg(unichr(1))"),
         ("a1 = [2, 1]", "a1.sort()", "a1.sort(key=abs)", "a1.sort(reverse=True)"),
         ("class Map:", "  def has_key(self, key):", "    return True", "Map().has_key(1)"),

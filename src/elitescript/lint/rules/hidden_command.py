@@ -25,7 +25,8 @@ from elitescript.lint.registry import Finding, rule
 
 @rule(code="W203", since="0.1")
 def hidden_command(program: Program) -> Iterator[Finding]:
-    """Report the first binding of each such name in each scope."""
+    """Report the first binding of each such variable."""
+    seen = set()
     for scope in program.symbols.scopes:
         if scope.kind not in ("body", "function"):
             continue
@@ -34,8 +35,10 @@ def hidden_command(program: Program) -> Iterator[Finding]:
             if command is None and (name not in RESERVED or "_" not in name):
                 continue
             first = next((binding for binding in bindings if binding.kind not in _NOT_HIDING), None)
-            if first is None or name in scope.nonlocals:
+            variable = (name, scope.home(name))
+            if first is None or name in scope.nonlocals or variable in seen:
                 continue
+            seen.add(variable)
             if command is None:
                 if not _is_private(first, scope):
                     text = f"`{name}` is a word that the robot's own tools reserve"

@@ -36,10 +36,12 @@ def newer_syntax(program: Program) -> Iterator[Finding]:
             yield _finding(program.header_span(block), text, "3.9", hint)
     for element in program.nodes(ast.Subscript):
         name = element.value
-        if isinstance(name, ast.Name) and name.id in _GENERIC and _is_python_name(name, program):
+        is_generic = isinstance(name, ast.Name) and name.id in _GENERIC and _is_python_name(name, program)
+        if isinstance(name, ast.Name) and is_generic and not _is_never_computed(element, program):
             yield _finding(program.span(element), f"`{name.id}[...]` as a type", "3.9", f"write {name.id} alone")
     for operation in program.nodes(ast.BinOp):
-        if isinstance(operation.op, ast.BitOr) and any(map(_is_none, (operation.left, operation.right))):
+        is_optional = isinstance(operation.op, ast.BitOr) and any(map(_is_none, (operation.left, operation.right)))
+        if is_optional and not _is_never_computed(operation, program):
             yield _finding(program.span(operation), "`... | None` as a type", "3.10", "leave the annotation out")
     for decorator in _decorators(program):
         if not _is_plain_decorator(decorator):
@@ -61,6 +63,17 @@ def _finding(where: Span, what: str, version: str, hint: str) -> Finding:
 
 def _is_python_name(node: ast.Name, program: Program) -> bool:
     return program.symbols.scope_of(node).resolve(node.id) is Resolution.BUILTIN
+
+
+def _is_never_computed(node: ast.expr, program: Program) -> bool:
+    """Whether it is the type of a variable of a function, which Python reads and forgets."""
+    child: ast.AST = node
+    for above in program.symbols.ancestors(node):
+        if isinstance(above, ast.stmt):
+            is_type = isinstance(above, ast.AnnAssign) and above.annotation is child
+            return is_type and program.symbols.scope_of(above).kind != "class"
+        child = above
+    return False
 
 
 def _is_none(node: ast.expr) -> bool:

@@ -27,7 +27,8 @@ from elitescript.lint.registry import Finding, Span, rule
 def python2_name(program: Program) -> Iterator[Finding]:
     """Report names, methods and the old form of `sort`."""
     for use in program.outside:
-        if use.name in _NAMES and use.name not in program.unread_names:
+        is_old = use.name in _NAMES and use.name not in program.unread_names
+        if is_old and not program.expects_missing_names(use.node):
             new, hint = _NAMES[use.name]
             fix = _replacement(program.span(use.node), new) if new else None
             text = f"`{use.name}` is Python 2; a Python 3 controller does not know it"

@@ -19,7 +19,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.kinds import SCRIPT
 from elitescript.lint.program import Program, Use
 from elitescript.lint.registry import Finding, rule
-from elitescript.lint.suggestions import available_commands, nearest, visible_names
+from elitescript.lint.suggestions import MOST_SUGGESTIONS, available_commands, nearest, visible_names
 
 
 @rule(code="E301", since="0.1")
@@ -34,7 +34,7 @@ def unknown_command(program: Program) -> Iterator[Finding]:
             continue
         key = (name, id(use.scope))
         if key not in hints:
-            hints[key] = _meant(use, program)
+            hints[key] = _meant(use, program, is_searched=len(hints) < MOST_SUGGESTIONS)
         meant, hint = hints[key]
         if program.shares_globals and not hint:
             continue
@@ -78,13 +78,15 @@ FOREIGN: Final = {
 """Names that other languages have, and the commands that do the same."""
 
 
-def _meant(use: Use, program: Program) -> tuple[str, str]:
+def _meant(use: Use, program: Program, *, is_searched: bool) -> tuple[str, str]:
     """The name that is meant, if one can take its place, and the hint."""
     name = use.name
     if name in FOREIGN:
         return "", f"here the command is called {FOREIGN[name]}"
     if name in RESERVED:
         return "", "the name is reserved, but no released command has it; `elitescript commands` lists them all"
+    if not is_searched:
+        return "", ""
     candidates = available_commands(program) if program.shares_globals else visible_names(use, program)
     meant = nearest(name, candidates)
     return meant, f"is `{meant}` meant?" if meant else ""

@@ -22,7 +22,7 @@ from elitescript.language.modules import AVAILABLE
 from elitescript.language.symbols import Scope
 from elitescript.lint.program import Program, Use
 from elitescript.lint.registry import Finding, rule
-from elitescript.lint.suggestions import nearest, visible_names
+from elitescript.lint.suggestions import MOST_SUGGESTIONS, nearest, visible_names
 
 
 @rule(code="W201", since="0.1")
@@ -37,7 +37,7 @@ def unknown_name(program: Program) -> Iterator[Finding]:
             continue
         key = (name, id(use.scope))
         if key not in hints:
-            hints[key] = _meant(use, program)
+            hints[key] = _meant(use, program, is_searched=len(hints) < MOST_SUGGESTIONS)
         meant, hint = hints[key]
         fix = None
         if meant:
@@ -67,7 +67,7 @@ def _belongs_to_a_pendant_program(name: str, program: Program) -> bool:
     return program.parsed.kind == SCRIPT and name.startswith(GENERATED_PREFIXES)
 
 
-def _meant(use: Use, program: Program) -> tuple[str, str]:
+def _meant(use: Use, program: Program, *, is_searched: bool) -> tuple[str, str]:
     """The name that is meant, if that is clear, and the hint."""
     name = use.name
     if name in _PLACEHOLDERS and isinstance(program.symbols.parent(use.node), ast.Expr):
@@ -79,7 +79,7 @@ def _meant(use: Use, program: Program) -> tuple[str, str]:
     owner = _owner(name, program)
     if owner is not None:
         return "", f"it is a local variable of `{owner.name}`; declare it `global` there to share it"
-    meant = nearest(name, visible_names(use, program))
+    meant = nearest(name, visible_names(use, program)) if is_searched else ""
     return meant, f"is `{meant}` meant?" if meant else ""
 
 
