@@ -6,7 +6,7 @@ Frames of ours are not shown. The place is the innermost line of script text on 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import CodeType, TracebackType
 from typing import Any, Final, NamedTuple
 
@@ -41,7 +41,7 @@ NOWHERE: Final = Place(0, 0, "", ())
 def alarm_of(
     error: BaseException,
     *,
-    tick: int,
+    clock: Callable[[], int],
     thread: str,
     builtins: dict[str, Any],
     sources: Mapping[str, SourceFile],
@@ -52,7 +52,7 @@ def alarm_of(
 
     Args:
         error: the exception, with its traceback.
-        tick: when.
+        clock: tells the present tick; read last, because the text of an exception is made by the program, in its time.
         thread: name of the thread.
         builtins: the built-ins of the program, by which its frames are known.
         sources: its texts, by name.
@@ -67,7 +67,7 @@ def alarm_of(
         details = details_of(error)
     elif isinstance(error, NameError) and type(error.name) is str and not isinstance(error, UnboundLocalError):
         code, class_name, text, details = _unknown_name(error.name, text, place, builtins, catalogue, profile)
-    return Alarm(tick, code, class_name, text, place.line, place.column, thread, place.source_line, details)
+    return Alarm(clock(), code, class_name, text, place.line, place.column, thread, place.source_line, details)
 
 
 def summary_of(error: BaseException) -> str:

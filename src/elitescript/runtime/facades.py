@@ -77,9 +77,7 @@ class Facade(metaclass=Sealed):
 
     def __getattr__(self, attribute: str) -> NoReturn:
         name = _name.__get__(self)
-        known = ", ".join(sorted(self.__dict__))
-        # No `name` in the error: Python would look for a module of that name among the loaded ones.
-        raise AttributeError(f"the module {name!r} of the robot has no {attribute!r}; it has {known}")
+        raise AttributeError(f"the module {name!r} of the robot has no {attribute!r}{_advice(attribute, self)}")
 
     def __setattr__(self, attribute: str, value: object) -> NoReturn:
         raise AttributeError(f"the module {_name.__get__(self)!r} cannot be changed")
@@ -92,6 +90,21 @@ class Facade(metaclass=Sealed):
 
 
 _name = hidden_slot(Facade, "_name")
+
+
+def _advice(attribute: str, facade: Facade) -> str:
+    """The name that was meant, or the few that there are."""
+    from elitescript.runtime.alarms import closest
+
+    names = sorted(vars(facade))
+    if len(names) <= FEW_NAMES:
+        return f"; it has {', '.join(names)}"
+    meant = closest(attribute, names)
+    return f"; did you mean {meant!r}?" if meant else ""
+
+
+FEW_NAMES: Final = 24
+"""So many names of a module are listed when a program asks for another one."""
 
 
 class ModulePort(Protocol):

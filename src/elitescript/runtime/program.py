@@ -132,7 +132,7 @@ class Program:
         """The alarm that an uncaught exception makes."""
         return alarm_of(
             error,
-            tick=self.context.machine.tick,
+            clock=lambda: self.context.machine.tick,
             thread=strand.name,
             builtins=self.builtins,
             sources=self._sources,

@@ -301,7 +301,9 @@ class Scheduler:
             self._next.append(strand)
             strand.suspend()
             self._go_on(strand)
-        self._load(strand)
+        # Whoever ran meanwhile may have left fuel, which is this strand's since its turn began.
+        if self._loaded == 0:
+            self._load(strand)
         return True
 
     def wait(self, reason: str, until: int | None = None) -> bool:

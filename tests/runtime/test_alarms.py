@@ -1,0 +1,160 @@
+import pytest
+
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.errors import ArgumentRangeError, ProgramError, ScriptError, ScriptStateError
+from elitescript.messages.profile import profile
+from elitescript.runtime.alarms import alarm_of, class_name_of, closest, details_of, text_of, without_addresses
+from tests.runtime.machine import run
+
+
+def alarm_in(text, **options):
+    (alarm,) = run(text, **options).alarms
+    return alarm
+
+
+class TestPlace:
+    def test_it_is_the_innermost_line_of_script_text(self):
+        alarm = alarm_in("def job():\n  def inner(x):\n    return [1][x]\n  inner(7)\nend\n")
+        assert (alarm.line, alarm.source_line, alarm.class_name) == (3, "    return [1][x]", "IndexError")
+
+    def test_the_column_counts_characters(self):
+        alarm = alarm_in('def job():\n  x = "坐标" + str(1) + nichts\nend\n')
+        assert alarm.source_line[alarm.column - 1 :] == "nichts"
+
+    def test_a_call_of_a_command_points_to_the_call(self):
+        alarm = alarm_in('def job():\n  y = 1 + sin("x")\nend\n')
+        assert alarm.source_line[alarm.column - 1 :] == 'sin("x")'
+
+    def test_frames_of_ours_and_of_the_standard_library_do_not_count(self):
+        alarm = alarm_in("def job():\n  import queue\n  q = queue.Queue()\n\n  q.get_nowait()\nend\n")
+        assert (alarm.line, alarm.class_name) == (5, "Empty")
+
+    def test_a_callback_of_the_script_counts(self):
+        alarm = alarm_in("def job():\n  f = lambda v: 1 / v\n  sorted([0], key=f)\nend\n")
+        assert alarm.line == 2
+
+    def test_a_line_that_the_pre_pass_changed_keeps_its_place(self):
+        alarm = alarm_in('def job():\n  $ LINE: (4, "node")\n  if True:\n    boom()\n  end\nend\n')
+        assert (alarm.line, alarm.column) == (4, 5)
+
+    def test_statements_of_exec_show_their_own_text(self):
+        alarm = alarm_in('def job():\n  exec("x = 1\\ny = 2 / 0")\nend\n')
+        assert (alarm.line, alarm.source_line) == (2, "y = 2 / 0")
+
+
+class TestWords:
+    def test_a_command_s_refusal_brings_its_details(self):
+        alarm = alarm_in("def job():\n  set_standard_digital_out(99, True)\nend\n")
+        assert alarm.code == "R102"
+        assert alarm.class_name == "ValueError"
+        assert alarm.details["command"] == "set_standard_digital_out"
+        assert alarm.details["value"] == 99
+        assert "15" in alarm.details["limit"]
+
+    def test_values_that_cannot_be_written_down_are_shown(self):
+        alarm = alarm_in("def job():\n  sin(object())\nend\n")
+        assert alarm.details["value"] == "<object object>"
+
+    @pytest.mark.parametrize(("name", "meant"), [("slep", "sleep"), ("my_valeu", "my_value"), ("lenn", "len")])
+    def test_an_unknown_name_comes_with_the_one_that_was_meant(self, name, meant):
+        alarm = alarm_in(f"def job():\n  my_value = 1\n  {name}\nend\n")
+        assert (alarm.class_name, alarm.text) == ("NameError", f"name '{name}' is not defined")
+        assert alarm.details["hint"] == f"did you mean '{meant}'?"
+
+    def test_a_name_like_nothing_comes_without(self):
+        assert alarm_in("zzqqxx()\n").details == {}
+
+    def test_a_variable_without_a_value_is_not_an_unknown_name(self):
+        alarm = alarm_in("def job():\n  def f():\n    sleep = sleep + 1\n  f()\nend\n")
+        assert (alarm.class_name, alarm.details) == ("UnboundLocalError", {})
+
+    def test_a_command_of_a_newer_firmware_says_which(self):
+        alarm = alarm_in("def job():\n  controller_timestamp()\nend\n", firmware="2.10")
+        assert (alarm.code, alarm.class_name, alarm.line) == ("R105", "NameError", 2)
+        assert "2.14" in alarm.text and "2.10" in alarm.text
+        assert alarm.details["hint"] == "choose a newer firmware: --firmware 2.14"
+
+    def test_so_does_its_bare_name_where_nothing_is_bound(self):
+        error = NameError("name 'controller_timestamp' is not defined", name="controller_timestamp")
+        alarm = alarm_of(
+            error,
+            clock=lambda: 1,
+            thread="main",
+            builtins={},
+            sources={},
+            catalogue=CATALOGUE,
+            profile=profile("2.10"),
+        )
+        assert (alarm.code, alarm.line, alarm.column) == ("R105", 0, 0)
+
+    def test_too_deep_a_recursion_is_an_alarm_like_others(self):
+        alarm = alarm_in("def job():\n  def f(n):\n    return f(n + 1)\n  f(0)\nend\n")
+        assert (alarm.class_name, alarm.line) == ("RecursionError", 3)
+
+    def test_too_much_memory_is_an_alarm_like_others(self):
+        alarm = alarm_in("def job():\n  x = [0] * (2 ** 60)\nend\n")
+        assert (alarm.class_name, alarm.line) == ("MemoryError", 2)
+
+    def test_a_mistake_in_eval_is_an_alarm_on_its_line(self):
+        alarm = alarm_in('def job():\n  eval("1 +")\nend\n')
+        assert (alarm.class_name, alarm.line) == ("SyntaxError", 2)
+
+    def test_a_text_that_cannot_be_made_does_not_hide_the_alarm(self):
+        alarm = alarm_in("""
+            def job():
+              class Odd(Exception):
+                def __str__(self):
+                  return 1 / 0
+              raise Odd()
+            end
+        """)
+        assert (alarm.class_name, alarm.text) == ("Odd", "<text of Odd not available>")
+
+    def test_a_text_that_waits_does_not_hold_up_the_alarm_for_ever(self):
+        bench = run("""
+            def job():
+              class Slow(Exception):
+                def __str__(self):
+                  sleep(1)
+                  return "slow"
+              raise Slow()
+            end
+        """)
+        assert (bench.alarms[0].text, bench.alarms[0].tick) == ("slow", 250)
+
+
+def test_errors_of_commands_show_as_the_class_that_python_programmers_know():
+    assert class_name_of(ArgumentRangeError("x")) == "ValueError"
+    assert class_name_of(ScriptStateError("x")) == "RuntimeError"
+    assert class_name_of(ScriptError("x")) == "ScriptError"
+    assert class_name_of(KeyError("x")) == "KeyError"
+
+
+def test_details_leave_out_what_is_not_known():
+    error = ArgumentRangeError("x", command="movej", value=[1.0, 2], limit="6 elements", unit="rad")
+    assert details_of(error) == {"command": "movej", "value": "[1.0, 2]", "limit": "6 elements", "unit": "rad"}
+
+
+def test_problems_of_a_text_are_put_in_one_line():
+    class Problem:
+        text = "an empty block"
+
+    assert text_of(ProgramError((Problem(), Problem()))) == "an empty block; an empty block"
+
+
+@pytest.mark.parametrize(
+    ("text", "clean"),
+    [
+        ("<function f at 0x7f12a4b0c2d0>", "<function f>"),
+        ("[<A object at 0x0000020E5A7C1F40>]", "[<A object>]"),
+        ("error at 0x1F", "error at 0x1F"),
+        ("plain", "plain"),
+    ],
+)
+def test_addresses_are_taken_out_of_texts(text, clean):
+    assert without_addresses(text) == clean
+
+
+def test_the_closest_name_is_no_special_one():
+    assert closest("nam", ["__name__", "name", "other"]) == "name"
+    assert closest("qqq", ["name"]) == ""
