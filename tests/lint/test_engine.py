@@ -156,10 +156,13 @@ class TestGarbage:
             "x" + ".a" * 3000,
             "movej(" + "[" * 90 + "]" * 90 + ")",
             "if a: b\n" + "".join(" " * n + "if a:\n" for n in range(1, 150)),
+            "while True:\n  if a:\n    pass\n" + "  elif a:\n    pass\n" * 900,
+            "if a:\n  return\n" + "elif a:\n  return\n" * 900 + "else:\n  return\npass\n",
+            "while " + "a if b else " * 900 + "c:\n  pass\n",
             "while a:\n" + "".join("  " * n + "while a:\n" for n in range(1, 90)) + "  " * 90 + "pass",
             "def f():\n" + "".join("  " * n + "def f():\n" for n in range(1, 90)) + "  " * 90 + "return f()",
         ],
-        ids=range(8),
+        ids=range(11),
     )
     def test_deep_texts_never_raise(self, text):
         check_source(SourceFile("<deep>", text), profile())

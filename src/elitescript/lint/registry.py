@@ -59,11 +59,6 @@ class Rule(NamedTuple):
     needs_all_lines: bool
 
     @property
-    def title(self) -> str:
-        """What it finds, in a few words."""
-        return CODES[self.code].title
-
-    @property
     def explanation(self) -> str:
         """What it finds, why, and an example."""
         return import_module(self.check.__module__).__doc__ or ""

@@ -24,6 +24,9 @@ _QUICK_METHODS: Final = frozenset(
 )
 """Methods that no object which waits has."""
 
+_MOST_GUARDS: Final = 60
+"""Conditions around one way out; an `elif` chain that is longer is not followed."""
+
 _CLOCK: Final = frozenset("time monotonic perf_counter time_ns monotonic_ns perf_counter_ns".split())  # noqa: SIM905
 _ENDING: Final = frozenset(("halt", "random"))
 """Commands after which a loop may end by itself: one stops the program, one gives another value each time."""
@@ -91,7 +94,9 @@ class Analyst:
             self._statement(statement, guards, work, is_nested=is_nested)
 
     def _statement(self, node: ast.stmt, guards: list[ast.expr], work: Work, *, is_nested: bool) -> None:
-        if isinstance(node, ast.If):
+        if len(guards) > _MOST_GUARDS:
+            work.is_uncertain = True
+        elif isinstance(node, ast.If):
             self._expression(node.test, work)
             inner = [*guards, node.test]
             self._block(node.body, inner, work, is_nested=is_nested)

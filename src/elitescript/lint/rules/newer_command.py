@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
+from elitescript.messages.profile import PROFILES, Release, release_of
 
 
 @rule(code="E302", since="0.1")
@@ -23,5 +24,10 @@ def newer_command(program: Program) -> Iterator[Finding]:
         command = CATALOGUE.get(use.name)
         if command is None or program.is_available(command) or program.expects_missing_names(use.node):
             continue
-        text = f"{use.name} needs firmware {command.since}; the program is checked for {program.profile.name}"
-        yield Finding(use.node, text, "choose the robot's firmware with --firmware, if it is newer")
+        text = f"{use.name} needs firmware {command.since} or newer; the program is checked for {program.profile.name}"
+        yield Finding(use.node, text, _advice(release_of(command.since)))
+
+
+def _advice(needed: Release) -> str:
+    newer = [profile.name for profile in PROFILES.values() if profile.release >= needed]
+    return f"if the robot has it, choose --firmware {newer[0]}" if newer else "it cannot be chosen here yet"

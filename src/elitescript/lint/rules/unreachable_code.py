@@ -64,6 +64,9 @@ _BLOCK_OWNERS: Final = (
     ast.match_case,
 )
 _FILLERS: Final = (LINE, "labelmsg", "sync")
+_LONGEST_CHAIN: Final = 60
+"""Branches of an `elif` chain that are followed."""
+
 _LEAVING: Final = frozenset(("exit", "halt", "quit"))
 
 
@@ -76,13 +79,15 @@ def _blocks(program: Program) -> Iterator[list[ast.stmt]]:
                     yield block
 
 
-def _leaves(statement: ast.stmt, program: Program) -> bool:
+def _leaves(statement: ast.stmt, program: Program, depth: int = 0) -> bool:
     """Whether the statement behind can never be reached from this one."""
     if isinstance(statement, (ast.Return, ast.Raise, ast.Break, ast.Continue)):
         return True
     if isinstance(statement, ast.If):
         branches = (statement.body, statement.orelse)
-        return all(any(_leaves(inner, program) for inner in branch) for branch in branches)
+        return depth < _LONGEST_CHAIN and all(
+            any(_leaves(inner, program, depth + 1) for inner in branch) for branch in branches
+        )
     call = statement.value if isinstance(statement, ast.Expr) else None
     if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name) or call.func.id not in _LEAVING:
         return False
