@@ -189,6 +189,15 @@ def test_texts_made_of_mistakes(pieces, options):
     check("".join(pieces), options)
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["end\n" * 20_000, "if x:\n" * 20_000 + "end\n" * 20_000, "x.__dict__\n" * 20_000, "x = '\\d'\n" * 20_000],
+    ids=["closers", "headers", "names", "escapes"],
+)
+def test_the_number_of_findings_is_bounded(text):
+    assert 100 < len(check_unit(SourceFile("f", text))) < 1000
+
+
 @pytest.mark.parametrize("text", [*PROGRAMS[:4], PROGRAMS[5]])
 def test_the_programs_that_are_mutated_are_good(text):
     assert not [problem for problem in check_unit(SourceFile("f", text)) if problem.is_error]

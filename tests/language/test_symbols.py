@@ -203,6 +203,9 @@ class TestContents:
         assert symbols.body.statements is symbols.parsed.unit.body
         assert len(scope_named(symbols, "get").statements) == 1
 
+    def test_deep_nesting_is_no_problem(self):
+        assert len(symbols_of("x = " + "lambda: " * 80 + "0\nx = " + "[" * 80 + "]" * 80).scopes) == 81
+
     def test_scopes_come_from_outside_in(self):
         kinds = [(scope.kind, scope.name) for scope in symbols_of(JOB).scopes]
         assert kinds == [

@@ -1,15 +1,21 @@
 """The language: text in, Python code out. Knows no robot, no clock and no catalogue.
 
-Import the module you need; this package imports nothing by itself.
+Import the module you need; this package imports nothing by itself. From text to code:
 
-    source       the text of a program, its lines
-    diagnostics  what is wrong with it, where, and how to repair it
-    lexer        strings, comments, brackets, logical lines
-    dialect      what EliteScript has beyond Python, rewritten without moving a line
-    parser       text to syntax tree, several errors in one pass
-    units        which kind of program a text is; cutting a byte stream into programs
-    policy       what scripts may name
-    checkpoints  where a running script can be paused, stopped and counted
-    symbols      scopes, names and calls, for tools
-    compiler     all of the above in one call
+    source        the text of a program, its lines
+    options       what a text is to be, and how strictly it is read
+    lexer         logical lines, comments and brackets; `strings` and `masked` help it
+    dialect       what EliteScript has beyond Python, rewritten without moving a line, by
+                  `blocks` (indentation, `end`, `sec`), `python2`, `foreign` (other languages)
+                  and `rewriting` (the way back to the author's places)
+    parser        text to syntax tree, several mistakes in one pass; `syntax_errors` puts
+                  Python's messages into plain words
+    policy        what programs may name; `nodes` is the table of known syntax
+    checkpoints   where a running program can be paused, stopped and counted
+    hoisting      `global` statements that come late
+    compiler      all of the above in one call
+
+Beside that: `diagnostics` (what is wrong, where, and the repair), `units` (programs in a stream of
+bytes) with `kinds`, `symbols` with `scopes` (names and calls, for tools), `hooks` (hidden names)
+and `modules` (what a program can import).
 """

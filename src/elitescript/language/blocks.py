@@ -71,8 +71,8 @@ class _Reader:
         """The block that `end`, as the last logical line, closed."""
         self.left: dict[int, tuple[_Block, LogicalLine]] = {}
         """By column, the block that was left last, and the line that left it."""
-        self.lost: list[int] = []
-        """Columns of blocks that never got their body; their `end` is not a second mistake."""
+        self.lost: dict[int, int] = {}
+        """By column, how many blocks never got their body; their `end` is not a second mistake."""
         self.skip_above = -1
         self.skipping_at = -1
 
@@ -314,8 +314,8 @@ class _Reader:
         self.closed = (block, line)
 
     def _stray(self, line: LogicalLine) -> None:
-        if line.column in self.lost:
-            self.lost.remove(line.column)
+        if self.lost.get(line.column):
+            self.lost[line.column] -= 1
             return
         draft = self.draft
         left = self.left.get(line.column)
@@ -339,7 +339,7 @@ class _Reader:
         block = self.blocks.pop()
         self.left[block.column] = (block, line)
         if block.waits and line.column == block.column:
-            self.lost.append(block.column)
+            self.lost[block.column] = self.lost.get(block.column, 0) + 1
             self.draft.report(
                 "E001",
                 line.start,

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from itertools import islice
 from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, diagnostic
@@ -24,7 +25,7 @@ _INNER_PARTS: Final = """
     ag_await ag_code ag_frame ag_running ag_suspended
     co_cellvars co_code co_consts co_filename co_freevars co_lines co_names co_positions co_varnames
     cr_await cr_code cr_frame cr_origin cr_running cr_suspended
-    f_back f_builtins f_code f_globals f_lasti f_lineno f_locals f_trace f_trace_lines f_trace_opcodes
+    f_back f_builtins f_code f_generator f_globals f_lasti f_lineno f_locals f_trace f_trace_lines f_trace_opcodes
     func_closure func_code func_defaults func_dict func_globals
     gi_code gi_frame gi_running gi_suspended gi_yieldfrom
     im_class im_func im_self mro
@@ -62,6 +63,8 @@ POSITIONAL_PATTERN_CLASSES: Final = frozenset(
     ("bool", "bytearray", "bytes", "dict", "float", "frozenset", "int", "list", "set", "str", "tuple")
 )
 """Classes whose patterns take a value without a name: `case int(x)`."""
+
+_MAX_FINDINGS: Final = 300
 
 _ADVICE: Final = {
     "__name__": "a program has no module name; leave the test out",
@@ -102,8 +105,8 @@ def is_attribute_allowed(name: str) -> bool:
 
 
 def review(source: SourceFile, census: Census) -> list[Diagnostic]:
-    """Every breach of the policy, as E115."""
-    return list(_Reviewer(source, census).findings())
+    """The breaches of the policy, as E115; a bounded number of them."""
+    return list(islice(_Reviewer(source, census).findings(), _MAX_FINDINGS))
 
 
 def guard_formats(tree: ast.AST, census: Census) -> None:

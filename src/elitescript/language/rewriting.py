@@ -19,6 +19,8 @@ from elitescript.language.source import SourceFile
 
 _MAX_MATCHES = 50
 """Findings of one rule in one text; more would not help anybody."""
+_MAX_FINDINGS = 300
+"""Errors, and warnings, of one text before it reaches Python's parser."""
 
 
 class Replacement(NamedTuple):
@@ -107,6 +109,7 @@ class Draft:
     """
 
     __slots__ = (
+        "_counts",
         "_replacements",
         "broken",
         "diagnostics",
@@ -126,6 +129,7 @@ class Draft:
         self.options = options
         self.unfolding = unfolding
         self.diagnostics: list[Diagnostic] = []
+        self._counts = dict.fromkeys(Severity, 0)
         self.broken: set[LogicalLine] = set()
         self.dropped: set[LogicalLine] = set()
         self.headers: dict[LogicalLine, int] = {}
@@ -154,22 +158,15 @@ class Draft:
         fix: Fix | None = None,
         severity: Severity | None = None,
     ) -> None:
-        """Add a finding about the characters from `start` up to `end`."""
+        """Add a finding about the characters from `start` up to `end`; very many are only counted."""
         line, column = self.place(start)
         end_line, end_column = self.place(end)
-        self.diagnostics.append(
-            diagnostic(
-                code,
-                line,
-                column,
-                text,
-                end_line=end_line,
-                end_column=end_column,
-                hint=hint,
-                fix=fix,
-                severity=severity,
-            )
+        found = diagnostic(
+            code, line, column, text, end_line=end_line, end_column=end_column, hint=hint, fix=fix, severity=severity
         )
+        self._counts[found.severity] += 1
+        if self._counts[found.severity] <= _MAX_FINDINGS:
+            self.diagnostics.append(found)
 
     def tolerated(self) -> Severity:
         """Severity of what only this implementation accepts."""

@@ -142,6 +142,8 @@ class Scope:
 
     def walk(self) -> Iterator[Scope]:
         """This scope and all inside it, outer ones first."""
-        yield self
-        for child in self.children:
-            yield from child.walk()
+        stack = [self]
+        while stack:
+            scope = stack.pop()
+            yield scope
+            stack.extend(reversed(scope.children))

@@ -80,6 +80,7 @@ class Symbols:
                 reads.sort(key=_position)
         self.scopes = tuple(self.body.walk())
         self.global_names = frozenset(self._declared)
+        self._made_by = {scope.node: scope for scope in self.scopes}
 
     # Places
 
@@ -120,7 +121,7 @@ class Symbols:
 
     def scope_made_by(self, node: ast.AST) -> Scope | None:
         """The scope that a definition, lambda or comprehension makes."""
-        return next((scope for scope in self.scopes if scope.node is node), None)
+        return self._made_by.get(node)
 
     # Names
 
