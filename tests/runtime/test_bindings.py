@@ -144,6 +144,6 @@ class TestCommands:
         assert "2.14" in run(text, firmware="2.10").log[0]
         assert run(text, firmware="2.14").ends == ["stopped"]
 
-    def test_marks_are_noted_once_for_each_node(self):
+    def test_marks_are_noted_in_front_of_a_node_and_behind_it(self):
         bench = run('def a():\n  $ LINE: (3, "begin")\n  $ LINE: (3, "begin", "after")\n  labelmsg(4, "old")\nend\n')
-        assert bench.marks == [(3, "begin"), (4, "old")]
+        assert bench.marks == [(3, "begin"), (3, "begin"), (4, "old")]

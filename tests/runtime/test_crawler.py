@@ -53,19 +53,22 @@ def job():
   rlock.acquire()
   condition = threading.Condition()
   keep(lock, rlock, condition, threading.Event(), threading.Semaphore(), threading.Barrier(2), threading.Timer(1, work))
-  keep(queue.Queue(), queue.LifoQueue(), queue.SimpleQueue(), Queue(), Local(), threading.local(), rlock._release_save())
+  keep(queue.Queue(), queue.LifoQueue(), queue.SimpleQueue(), Queue(), Local(), threading.local())
+  keep(rlock._release_save())
   keep(subprocess.run(["ps"], stdout=subprocess.PIPE), subprocess.Popen(["socat", "a", "b"]))
   keep(Colour.RED, Colour, Flags.A, Flags, Point(), Point, dataclasses.fields(Point()))
   keep(datetime.datetime.now(), datetime.date.today(), datetime.timedelta(1), datetime.timezone.utc)
   keep(random.Random(), re.compile("x"), re.match("x", "x"), re.I, itertools.count(), itertools.cycle([1]))
-  keep(functools.partial(work), functools.lru_cache(work), time.gmtime(), sys.stdout, open("points"), open("points", "rb"))
+  keep(functools.partial(work), functools.lru_cache(work), time.gmtime(), sys.stdout)
+  keep(open("points"), open("points", "rb"))
   keep(decimal.Decimal(1), decimal.getcontext(), fractions.Fraction(1), statistics.NormalDist(), json.JSONEncoder())
   keep(struct.Struct("i"), hashlib.md5(b""), string.Template("$a"), textwrap.TextWrapper(), typing.List[int])
-  keep(collections.OrderedDict(), collections.Counter(), collections.namedtuple("P", "a b")(1, 2), collections.ChainMap())
+  keep(collections.OrderedDict(), collections.Counter(), collections.namedtuple("P", "a b")(1, 2))
   keep("{}".format, str.format, "{}".format_map, iter(int, 1), iter([]), map(work, []), (n for n in []), type, object())
   keep(Own, Own(), Own().method, work, sleep, textmsg, movej, copy, elicopy, eval, exec, getattr, print, open, super)
-  for call in [lambda: sin("x"), lambda: open("/etc"), lambda: nothing, lambda: [].nothing, lambda: {}["k"], lambda: 1 / 0,
-               lambda: json.loads("{"), lambda: json.loads('"'), lambda: getattr(1, "__globals__"), lambda: open("none"),
+  for call in [lambda: sin("x"), lambda: open("/etc"), lambda: nothing, lambda: [].nothing, lambda: {}["k"],
+               lambda: 1 / 0, lambda: json.loads("{"), lambda: json.loads('"'), lambda: getattr(1, "__globals__"),
+               lambda: open("none"),
                lambda: subprocess.run(["rm"]), lambda: os.system, lambda: start_thread(1), lambda: eval("1 +"),
                lambda: lock.release(), lambda: queue.Queue().get_nowait(), lambda: int("x"), lambda: b"\\xff".decode(),
                lambda: "{0.__class__}".format(1), lambda: next(iter([])), lambda: decimal.Decimal(1) / 0]:

@@ -1,3 +1,5 @@
+from contextlib import suppress
+
 import pytest
 
 from elitescript.runtime.scheduler import WORK_PER_ACTIVATION, Scheduler
@@ -14,10 +16,8 @@ def guarded(function):
     """A strand's body as the host makes it: a stop ends there."""
 
     def body():
-        try:
+        with suppress(Stopped):
             function()
-        except Stopped:
-            pass
 
     return body
 

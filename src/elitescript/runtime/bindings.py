@@ -267,8 +267,7 @@ def _preloaded_copy(shelf: ModuleShelf) -> Facade:
 
 def _line(context: Context) -> Callable[..., None]:
     def mark(number: Any, label: Any, after: Any = None) -> None:
-        """The program has reached a `$ LINE` mark; the third element marks the point behind a node."""
-        if after is None:
-            context.mark(int(number), str(label))
+        """The program has reached a `$ LINE` mark; the third element says that the node is behind it."""
+        context.mark(int(number), str(label))
 
     return mark

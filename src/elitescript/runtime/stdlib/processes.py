@@ -13,7 +13,7 @@ from typing import Any, Final, Protocol
 
 from elitescript.errors import ScriptPermissionError
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
-from elitescript.runtime.stdlib.loader import real
+from elitescript.runtime.stdlib.loader import forwarded, real
 from elitescript.runtime.world import TASK_PATH, Files, relative_name
 
 PROCESSES_MAX: Final = 32
@@ -339,7 +339,7 @@ def _path_names(port: FilesPort) -> dict[str, Any]:
             return ""
 
     return {
-        **{name: getattr(posixpath, name) for name in _PATH_FUNCTIONS},
+        **{name: forwarded(getattr(posixpath, name)) for name in _PATH_FUNCTIONS},
         "abspath": lambda path: posixpath.normpath(posixpath.join(TASK_PATH, path)),
         "exists": lambda path: kind(path) != "",
         "getsize": lambda path: port.task_files.size(relative_name(path)),

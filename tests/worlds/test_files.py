@@ -1,0 +1,234 @@
+"""One task folder is like another: the same tests over a real folder and one in memory."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from elitescript.errors import ScriptPermissionError, UsageError
+from elitescript.worlds.memory import FOLDERS_MAX, MemoryWorld
+from elitescript.worlds.real import RealWorld
+
+CONTENTS = {"points.csv": b"1,2\r\n3,4\n", "sub/deep.txt": "坐标\n".encode()}
+
+
+def memory(tmp_path):
+    return MemoryWorld(CONTENTS)
+
+
+def real(tmp_path):
+    for name, data in CONTENTS.items():
+        path = tmp_path / "task" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data)
+    return RealWorld(tmp_path / "task")
+
+
+@pytest.fixture(params=[memory, real])
+def files(request, tmp_path):
+    return request.param(tmp_path).files
+
+
+def content(files, name):
+    with files.open(name, "rb", None, None) as file:
+        return file.read()
+
+
+def written(files, name, mode, data):
+    encoding = None if "b" in mode else "utf-8"
+    with files.open(name, mode, encoding, None) as file:
+        file.write(data)
+    return content(files, name)
+
+
+class TestReading:
+    def test_text_is_decoded_and_its_line_ends_are_line_feeds(self, files):
+        with files.open("points.csv", "r", "utf-8", None) as file:
+            assert file.read() == "1,2\n3,4\n"
+        with files.open("sub/deep.txt", "rt", "utf-8", None) as file:
+            assert file.read() == "坐标\n"
+
+    def test_newline_is_python_s(self, files):
+        with files.open("points.csv", "r", "utf-8", "") as file:
+            assert file.readlines() == ["1,2\r\n", "3,4\n"]
+
+    def test_binary_is_as_it_is(self, files):
+        assert content(files, "points.csv") == b"1,2\r\n3,4\n"
+
+    def test_a_place_in_the_file(self, files):
+        with files.open("points.csv", "rb", None, None) as file:
+            file.seek(5)
+            assert (file.tell(), file.read(1), file.readline()) == (5, b"3", b",4\n")
+
+    def test_a_file_for_reading_is_not_written(self, files):
+        with files.open("points.csv", "rb", None, None) as file, pytest.raises(OSError):
+            file.write(b"x")
+        assert content(files, "points.csv") == CONTENTS["points.csv"]
+
+
+class TestWriting:
+    def test_w_begins_anew(self, files):
+        assert written(files, "points.csv", "w", "x") == b"x"
+        assert written(files, "new.txt", "w", "y") == b"y"
+
+    def test_a_goes_on_at_the_end(self, files):
+        assert written(files, "points.csv", "ab", b"5\n") == CONTENTS["points.csv"] + b"5\n"
+        assert written(files, "new.txt", "a", "y") == b"y"
+
+    def test_a_goes_on_at_the_end_wherever_one_went_before(self, files):
+        with files.open("points.csv", "ab", None, None) as file:
+            file.seek(0)
+            file.write(b"!")
+        assert content(files, "points.csv").endswith(b"\n!")
+
+    def test_x_makes_a_new_file(self, files):
+        assert written(files, "new.txt", "x", "y") == b"y"
+        with pytest.raises(FileExistsError) as error:
+            files.open("points.csv", "x", "utf-8", None)
+        assert error.value.filename == "points.csv"
+
+    def test_r_plus_changes_in_place(self, files):
+        with files.open("points.csv", "r+b", None, None) as file:
+            file.write(b"9")
+            file.seek(0)
+            assert file.read(3) == b"9,2"
+        assert content(files, "points.csv").startswith(b"9,2")
+
+    def test_w_plus_can_be_read_back(self, files):
+        with files.open("new.txt", "w+", "utf-8", None) as file:
+            file.write("abc")
+            file.seek(1)
+            assert file.read() == "bc"
+
+    def test_a_file_for_writing_is_not_read(self, files):
+        with files.open("new.txt", "wb", None, None) as file, pytest.raises(OSError):
+            file.read()
+
+    def test_what_is_flushed_is_seen(self, files):
+        with files.open("new.txt", "w", "utf-8", None) as file:
+            file.write("seen")
+            file.flush()
+            assert content(files, "new.txt") == b"seen"
+
+    def test_it_can_be_cut_off(self, files):
+        with files.open("points.csv", "r+b", None, None) as file:
+            file.truncate(3)
+        assert content(files, "points.csv") == b"1,2"
+
+
+class TestErrors:
+    @pytest.mark.parametrize("mode", ["r", "r+", "rb"])
+    def test_a_missing_file(self, files, mode):
+        with pytest.raises(FileNotFoundError) as error:
+            files.open("none.txt", mode, None if "b" in mode else "utf-8", None)
+        assert error.value.filename == "none.txt"
+
+    def test_a_missing_folder(self, files):
+        with pytest.raises(FileNotFoundError) as error:
+            files.open("none/new.txt", "w", "utf-8", None)
+        assert error.value.filename == "none/new.txt"
+
+    @pytest.mark.parametrize("mode", ["r", "w"])
+    def test_a_folder_is_no_file(self, files, mode):
+        with pytest.raises(IsADirectoryError) as error:
+            files.open("sub", mode, "utf-8", None)
+        assert error.value.filename == "sub"
+
+    @pytest.mark.parametrize("call", ["size", "names", "remove"])
+    def test_of_other_calls(self, files, call):
+        with pytest.raises(FileNotFoundError) as error:
+            getattr(files, call)("none")
+        assert error.value.filename == "none"
+        assert os.sep + "task" not in str(error.value)
+
+
+class TestFolder:
+    def test_what_is_there(self, files):
+        assert [files.kind(name) for name in ("", "sub", "points.csv", "none", "sub/deep.txt")] == [
+            "folder", "folder", "file", "", "file"
+        ]  # fmt: skip
+        assert files.names("") == ["points.csv", "sub"]
+        assert files.names("sub") == ["deep.txt"]
+        assert files.size("points.csv") == 9
+
+    def test_folders_can_be_made_and_files_removed(self, files):
+        files.make_folder("new")
+        assert written(files, "new/a.txt", "w", "x") == b"x"
+        assert files.names("new") == ["a.txt"]
+        files.remove("new/a.txt")
+        assert files.names("new") == []
+        with pytest.raises(FileExistsError):
+            files.make_folder("new")
+        with pytest.raises(FileNotFoundError):
+            files.make_folder("none/new")
+
+
+class TestMemory:
+    def test_two_worlds_do_not_see_each_other(self):
+        one, two = MemoryWorld(CONTENTS), MemoryWorld(CONTENTS)
+        written(one.files, "points.csv", "w", "x")
+        assert two.files.contents == CONTENTS
+
+    def test_folders_are_bounded(self):
+        files = MemoryWorld().files
+        for number in range(FOLDERS_MAX):
+            files.make_folder(f"f{number}")
+        with pytest.raises(OSError, match="folders"):
+            files.make_folder("one_more")
+
+    def test_a_file_that_was_removed_meanwhile_does_not_come_back(self):
+        files = MemoryWorld(CONTENTS).files
+        file = files.open("points.csv", "ab", None, None)
+        files.remove("points.csv")
+        file.write(b"x")
+        file.close()
+        assert files.kind("points.csv") == ""
+
+
+class TestReal:
+    def test_a_folder_that_is_not_there(self, tmp_path):
+        with pytest.raises(UsageError, match="does not exist"):
+            RealWorld(tmp_path / "none")
+
+    @pytest.fixture
+    def linked(self, tmp_path):
+        world = real(tmp_path)
+        (tmp_path / "secret.txt").write_text("secret")
+        (tmp_path / "outside").mkdir()
+        task = tmp_path / "task"
+        (task / "to_file").symlink_to(tmp_path / "secret.txt")
+        (task / "to_folder").symlink_to(tmp_path / "outside")
+        (task / "to_nothing").symlink_to(tmp_path / "later.txt")
+        (task / "inside").symlink_to(task / "points.csv")
+        (task / "circle").symlink_to(task / "circle")
+        return world.files
+
+    @pytest.mark.parametrize("name", ["to_file", "to_folder/new.txt", "to_nothing", "to_folder", "../secret.txt"])
+    @pytest.mark.parametrize("mode", ["r", "w", "x", "a"])
+    def test_links_that_lead_out_are_refused(self, linked, tmp_path, name, mode):
+        with pytest.raises(ScriptPermissionError) as error:
+            linked.open(name, mode, "utf-8", None)
+        assert str(tmp_path) not in str(error.value)
+        assert not (tmp_path / "later.txt").exists() and not (tmp_path / "outside" / "new.txt").exists()
+
+    def test_links_that_stay_inside_are_followed(self, linked):
+        assert content(linked, "inside") == CONTENTS["points.csv"]
+
+    def test_links_that_go_round_in_circles_are_no_way_out(self, linked):
+        with pytest.raises(OSError) as error:
+            linked.open("circle", "r", "utf-8", None)
+        assert isinstance(error.value, ScriptPermissionError) or error.value.filename == "circle"
+
+    @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+    def test_a_pipe_is_refused(self, tmp_path):
+        files = real(tmp_path).files
+        os.mkfifo(tmp_path / "task" / "pipe")
+        with pytest.raises(ScriptPermissionError, match="neither a file nor a folder"):
+            files.open("pipe", "r", "utf-8", None)
+
+    def test_errors_do_not_say_where_the_folder_is(self, tmp_path):
+        files = real(tmp_path).files
+        with pytest.raises(OSError) as error:
+            files.open("sub", "r", "utf-8", None)
+        assert str(tmp_path) not in str(error.value)
