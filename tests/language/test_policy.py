@@ -5,10 +5,13 @@ import sys
 
 import pytest
 
+from elitescript.errors import ProgramError
+from elitescript.language.compiler import check_unit, compile_expression
 from elitescript.language.nodes import Census
 from elitescript.language.policy import (
     ALLOWED_DUNDER_DEFINITIONS,
     ALLOWED_DUNDER_LOADS,
+    COMPREHENSION_DEPTH_MAX,
     DENIED_ATTRIBUTES,
     GUARDED_ATTRIBUTES,
     guard_formats,
@@ -302,3 +305,20 @@ end
 textmsg(sorted([Named(), v])[0], type(v).__name__)
 """
     assert output(text) == ["V(4,2) 2 [4, 2] 2 10 True True", "exit", "V(4,2)Vector"]
+
+
+def nested_comprehensions(depth):
+    text = "x"
+    for _ in range(depth):
+        text = f"[{text} for x in [1]]"
+    return text
+
+
+def test_comprehensions_are_not_nested_without_end():
+    # Some releases of CPython crash in their compiler at about twice this depth.
+    good, bad = (nested_comprehensions(COMPREHENSION_DEPTH_MAX + extra) for extra in (0, 20))
+    assert check_unit(SourceFile("a", f"def a():\n  x = {good}\nend\n")) == ()
+    (problem,) = check_unit(SourceFile("a", f"def a():\n  x = {bad}\nend\n"))
+    assert (problem.code, problem.line) == ("E115", 2)
+    with pytest.raises(ProgramError, match="nested"):
+        compile_expression(SourceFile("a", bad))

@@ -50,7 +50,7 @@ JOB = """def job(speed=0.5):
   end
   later = 1
   start_thread(mix, (1, 2))
-  start_thread(func=bump)
+  start_thread(function=bump)
   start_thread(lambda: 0, ())
 end
 """

@@ -6,6 +6,7 @@ import argparse
 import signal
 import sys
 import time
+from collections.abc import Collection
 from contextlib import ExitStack
 from pathlib import Path
 from types import FrameType
@@ -17,6 +18,7 @@ from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import Trace
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, Severity
+from elitescript.language.source import SourceFile
 from elitescript.robot import EPOCH_S, VirtualRobot
 from elitescript.worlds.program_file import source_of
 
@@ -57,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
     except ProgramError as error:
         report.problems(error.problems, None)
         return DOES_NOT_COMPILE
-    problems = _find_problems(robot, source, options.strict)
+    problems = _find_problems(robot, source, strict=options.strict, presets=presets)
     report.problems(problems, source)
     if any(problem.severity is Severity.ERROR for problem in problems):
         return DOES_NOT_COMPILE
@@ -89,13 +91,15 @@ def _pacer() -> Any:
     return Pacer()
 
 
-def _find_problems(robot: VirtualRobot, source: Any, strict: bool) -> tuple[Diagnostic, ...]:
+def _find_problems(
+    robot: VirtualRobot, source: SourceFile, *, strict: bool, presets: Collection[str]
+) -> tuple[Diagnostic, ...]:
     """What `check` finds, with findings against the catalogue as warnings: programs may catch them."""
     from dataclasses import replace
 
     from elitescript.lint.engine import check_source
 
-    problems = check_source(source, robot.profile, strict=strict)
+    problems = check_source(source, robot.profile, strict=strict, presets=presets)
     if strict:
         return problems
     return tuple(

@@ -20,7 +20,7 @@ from elitescript.language.hooks import HOOKS, MAIN
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, syntax_tree
-from elitescript.language.policy import guard_formats, review
+from elitescript.language.policy import first_too_deep, guard_formats, review
 from elitescript.language.source import SourceFile
 from elitescript.language.syntax_errors import explain
 
@@ -140,6 +140,8 @@ def _compile(parsed: Parsed) -> tuple[CodeType | None, frozenset[str], tuple[Dia
     problems += _header_problems(parsed)
     if census.by_kind[ast.Yield] or census.by_kind[ast.YieldFrom]:
         problems += _own_yields(parsed)
+    if first_too_deep(census) is not None:
+        return None, global_names, in_order(problems)
     if not any(problem.is_error for problem in problems):
         insert_checkpoints(census)
         guard_formats(parsed.tree, census)

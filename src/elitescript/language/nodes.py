@@ -96,13 +96,15 @@ class Census:
     """All nodes of a tree, by kind.
 
     Attributes:
+        tree: where the count began.
         by_kind: the nodes of known kinds.
         unknown: nodes of other kinds, and known ones with fields that are not known.
     """
 
-    __slots__ = ("by_kind", "unknown")
+    __slots__ = ("by_kind", "tree", "unknown")
 
     def __init__(self, tree: ast.AST) -> None:
+        self.tree = tree
         self.by_kind: dict[type[ast.AST], list[ast.AST]] = {kind: [] for kind in CHILDREN}
         self.unknown: list[ast.AST] = []
         self._count(tree)

@@ -21,6 +21,9 @@ from elitescript.language.hooks import FORMAT
 from elitescript.language.nodes import CHILDREN, Census
 from elitescript.language.source import SourceFile
 
+COMPREHENSION_DEPTH_MAX: Final = 12
+"""Some releases of CPython 3.12 and 3.13 crash when they compile about twice as many inside each other."""
+
 _INNER_PARTS: Final = """
     ag_await ag_code ag_frame ag_running ag_suspended
     co_cellvars co_code co_consts co_filename co_freevars co_lines co_names co_positions co_varnames
@@ -109,6 +112,21 @@ def review(source: SourceFile, census: Census) -> list[Diagnostic]:
     return list(islice(_Reviewer(source, census).findings(), _MAX_FINDINGS))
 
 
+def first_too_deep(census: Census) -> ast.AST | None:
+    """The first comprehension that is nested deeper than Python's compiler can be trusted with."""
+    kinds = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
+    if sum(len(census.of(kind)) for kind in kinds) <= COMPREHENSION_DEPTH_MAX:
+        return None
+    pending: list[tuple[ast.AST, int]] = [(census.tree, 0)]
+    while pending:
+        node, depth = pending.pop()
+        depth += isinstance(node, kinds)
+        if depth > COMPREHENSION_DEPTH_MAX:
+            return node
+        pending += [(child, depth) for child in ast.iter_child_nodes(node)]
+    return None
+
+
 def guard_formats(tree: ast.AST, census: Census) -> None:
     """Replace loads of `.format` and `.format_map` by calls of the `@format` hook."""
     calls = {
@@ -150,9 +168,16 @@ class _Reviewer:
         yield from self._definitions()
         yield from self._imports()
         yield from self._patterns()
+        yield from self._nesting()
         for node in self.census.of(ast.comprehension):
             if node.is_async:
                 yield self._finding(node.target, "`async for` is not available", _SYNTAX["AsyncFor"][1])
+
+    def _nesting(self) -> Iterator[Diagnostic]:
+        node = first_too_deep(self.census)
+        if node is not None:
+            text = f"comprehensions are nested more than {COMPREHENSION_DEPTH_MAX} deep"
+            yield self._finding(node, text, "give the inner ones names of their own")
 
     def _finding(self, node: ast.AST, text: str, hint: str, name: str = "") -> Diagnostic:
         line = getattr(node, "lineno", 1)

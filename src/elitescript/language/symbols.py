@@ -14,6 +14,8 @@ from elitescript.language.scopes import Binding, Resolution, Scope
 __all__ = ["Binding", "LateGlobal", "Resolution", "Scope", "Symbols", "ThreadStart"]
 
 THREAD_STARTER = "start_thread"
+STARTER_KEYWORDS = ("function", "fundef")
+"""Names of its first parameter in the manuals of 2.14 and 2.10."""
 
 _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 
@@ -146,7 +148,7 @@ class Symbols:
                 named = isinstance(call.func, ast.Name) and call.func.id == THREAD_STARTER
                 if not named or scope.resolve(THREAD_STARTER) is not Resolution.BUILTIN:
                     continue
-                arguments = call.args[:1] or [item.value for item in call.keywords if item.arg == "func"]
+                arguments = call.args[:1] or [item.value for item in call.keywords if item.arg in STARTER_KEYWORDS]
                 function = arguments[0].id if arguments and isinstance(arguments[0], ast.Name) else ""
                 targets = self.definitions(function, scope) if function else ()
                 starts.append(ThreadStart(call, scope, function, targets))

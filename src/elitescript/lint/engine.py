@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import compile_parsed
@@ -18,7 +18,9 @@ from elitescript.messages.profile import Profile
 _ANY_SYNTAX = "E001"
 
 
-def check_source(source: SourceFile, profile: Profile, *, strict: bool = False) -> tuple[Diagnostic, ...]:
+def check_source(
+    source: SourceFile, profile: Profile, *, strict: bool = False, presets: Collection[str] = ()
+) -> tuple[Diagnostic, ...]:
     """All problems of a text, in its order: what keeps it from starting, and what the rules find.
 
     Never raises, whatever the text. Findings against the command catalogue (E3xx) do not keep a program from
@@ -28,15 +30,16 @@ def check_source(source: SourceFile, profile: Profile, *, strict: bool = False) 
         source: the text.
         profile: the firmware that it is for.
         strict: what only this implementation accepts is an error.
+        presets: names of globals that have a value before the program begins.
     """
     parsed = parse(source, Options(strict=strict))
-    problems = [] if not parsed.is_complete else _findings(parsed, profile, strict)
+    problems = [] if not parsed.is_complete else _findings(parsed, profile, strict, presets)
     problems += _compile_problems(parsed)
     return in_order(_merged(without_suppressed(problems, parsed.source)))
 
 
-def _findings(parsed: Parsed, profile: Profile, strict: bool) -> list[Diagnostic]:
-    program = Program(parsed, profile, is_strict=strict)
+def _findings(parsed: Parsed, profile: Profile, strict: bool, presets: Collection[str]) -> list[Diagnostic]:
+    program = Program(parsed, profile, is_strict=strict, presets=presets)
     found = []
     for rule in all_rules():
         if not (rule.needs_all_lines and parsed.has_errors):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import cached_property
 from typing import Final, NamedTuple, TypeVar
 
@@ -60,15 +60,19 @@ class Program:
         parsed: the text and its tree.
         profile: the firmware.
         is_strict: what only this implementation accepts is an error.
+        presets: names that have a value before the program begins.
         symbols: scopes and names.
         constants: values of expressions.
     """
 
-    def __init__(self, parsed: Parsed, profile: Profile, *, is_strict: bool = False) -> None:
+    def __init__(
+        self, parsed: Parsed, profile: Profile, *, is_strict: bool = False, presets: Collection[str] = ()
+    ) -> None:
         self.parsed = parsed
         self.source = parsed.source
         self.profile = profile
         self.is_strict = is_strict
+        self.presets = presets
         self.symbols = Symbols(parsed)
         self.constants = Constants(self.symbols)
         self._census = Census(parsed.tree)
@@ -152,6 +156,7 @@ class Program:
             use
             for use in self.outside
             if not (use.name in KNOWN or use.name in self.unread_names or is_dunder(use.name))
+            and use.name not in self.presets
             and CATALOGUE.get(use.name) is None
         )
 

@@ -35,13 +35,13 @@ def _is_hidden(problem: Diagnostic, hidden: dict[int, frozenset[str]]) -> bool:
 def _suppressions(source: SourceFile) -> dict[int, frozenset[str]]:
     """By line, the codes that are hidden there; none means all of them."""
     pattern = re.compile(r"#\s*check:\s*ignore\b(?:\s*\[(?P<codes>[^\]]*)\])?")
-    masked = lex(source.text).masked.split("\n")
+    lexed = lex(source.text)
     found = {}
     for number, row in enumerate(source.lines, 1):
         if _MARK not in row:
             continue
         match = pattern.search(row)
         # Comments are blank in the masked text; what a string holds is not.
-        if match and not masked[number - 1][match.start() :].strip():
+        if match and not lexed.masked_row(number)[match.start() :].strip():
             found[number] = frozenset((match["codes"] or "").replace(",", " ").split())
     return found
