@@ -55,8 +55,22 @@ def forbidden(value: Any, bench: Any) -> str:
     return ""
 
 
-_LEAVES = (str, bytes, int, float, complex, type(None), types.MethodWrapperType)
-"""Values behind which there is nothing but methods of their class."""
+_LEAVES = (
+    str,
+    bytes,
+    int,
+    float,
+    complex,
+    type(None),
+    types.BuiltinFunctionType,
+    types.ClassMethodDescriptorType,
+    types.GetSetDescriptorType,
+    types.MemberDescriptorType,
+    types.MethodDescriptorType,
+    types.MethodWrapperType,
+    types.WrapperDescriptorType,
+)
+"""Values behind which the policy lets nobody read more than names and texts."""
 
 DEEPEST = 8
 """Attributes in a row; some attributes make a new object at each read, without end."""

@@ -9,7 +9,7 @@ SCRIPT = {"__builtins__": {}}["__builtins__"]
 
 
 def make(body, builtins=None):
-    return Strand(0, 7, "work", body, SCRIPT if builtins is None else builtins)
+    return Strand(0, "work", body, SCRIPT if builtins is None else builtins)
 
 
 def script_function(text, builtins, **names):

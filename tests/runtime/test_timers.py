@@ -3,7 +3,7 @@ from elitescript.runtime.timers import Timers
 
 
 def waiting(name, *, is_secondary=False):
-    strand = Strand(0, 1, name, lambda: None, {}, is_secondary=is_secondary)
+    strand = Strand(0, name, lambda: None, {}, is_secondary=is_secondary)
     strand.state = WAITING
     return strand
 

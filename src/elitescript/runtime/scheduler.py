@@ -17,7 +17,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Final
 
-from elitescript.runtime.strand import ENDED, READY, REFUSALS_MAX, WAITING, Stopped, Strand, is_unwinding
+from elitescript.runtime.strand import ENDED, READY, WAITING, Stopped, Strand
 from elitescript.runtime.timers import Timers
 
 WORK_PER_TICK: Final = 10_000
@@ -116,7 +116,7 @@ class Scheduler:
         self, name: str, body: Callable[[], None], builtins: dict[str, Any], *, is_secondary: bool = False
     ) -> Strand:
         """Add a strand; it runs in this tick after those that are ready already, or in the next one."""
-        strand = Strand(self._started, _handle(self._started), name, body, builtins, is_secondary=is_secondary)
+        strand = Strand(self._started, name, body, builtins, is_secondary=is_secondary)
         self._started += 1
         self.strands.append(strand)
         self._enqueue(strand)
@@ -259,17 +259,7 @@ class Scheduler:
         if strand is None or not strand.is_running:
             raise Stopped
         if strand.is_dying:
-            self._spend_cleanup(strand)
-
-    def _spend_cleanup(self, strand: Strand) -> None:
-        if strand.cleanup_left > 0 and is_unwinding():
-            strand.cleanup_left -= 1
-            return
-        strand.refusals += 1
-        if strand.refusals > REFUSALS_MAX:
-            strand.abandon()
-            strand.suspend()
-        raise Stopped
+            strand.spend_cleanup()
 
     # ---------------------------------------------------------------- the strand's side
 
@@ -291,7 +281,7 @@ class Scheduler:
         strand.work += self._loaded + taken
         self._loaded = 0
         if strand.is_dying:
-            self._spend_cleanup(strand)
+            strand.spend_cleanup()
             return True
         if self._is_interrupted or self.needs_attention:
             self._ready.appendleft(strand)
@@ -448,8 +438,3 @@ class Scheduler:
 
 def _order(strand: Strand) -> int:
     return strand.order
-
-
-def _handle(number: int) -> int:
-    """The handle of the strand that was started as `number`: a positive number that looks like a thread id."""
-    return ((number + 1) * 2_654_435_761) & 0x7FFF_FFFF

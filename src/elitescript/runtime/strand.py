@@ -41,13 +41,13 @@ class Strand:
 
     Args:
         order: place in the order of start, from 0.
-        handle: what scripts know it by; never 0.
         name: for messages.
         body: runs in the thread; must not raise, except to reach the caller of `resume`.
         builtins: the built-ins that its script code runs with; a frame with others is not script code.
         is_secondary: whether it is a secondary program.
 
     Attributes:
+        handle: what scripts know it by: a positive number that looks like a thread id, another one for each strand.
         resume: gives it control, until it suspends itself or ends. Not inside a strand of the same scheduler.
         suspend: gives control back to whoever resumed it; returns when it is resumed again. Only inside the strand.
         state: `READY`, `WAITING` or `ENDED`.
@@ -95,7 +95,6 @@ class Strand:
     def __init__(
         self,
         order: int,
-        handle: int,
         name: str,
         body: Callable[[], None],
         builtins: dict[str, Any],
@@ -103,7 +102,7 @@ class Strand:
         is_secondary: bool = False,
     ) -> None:
         self.order = order
-        self.handle = handle
+        self.handle = ((order + 1) * 2_654_435_761) & 0x7FFF_FFFF
         self.name = name
         self.is_secondary = is_secondary
         self._body = body
@@ -155,6 +154,23 @@ class Strand:
         """Give it up: it can be neither run nor stopped, and its stack is kept for ever."""
         self.is_abandoned = True
         _abandoned.append(self._greenlet)
+
+    def spend_cleanup(self) -> None:
+        """Let the `finally` blocks of a stopped thread work a little; once it has swallowed the stop, stop it again.
+
+        Does not return, ever, when the thread has swallowed too many.
+
+        Raises:
+            Stopped: again.
+        """
+        if self.cleanup_left > 0 and is_unwinding():
+            self.cleanup_left -= 1
+            return
+        self.refusals += 1
+        if self.refusals > REFUSALS_MAX:
+            self.abandon()
+            self.suspend()
+        raise Stopped
 
     # ---------------------------------------------------------------- where it stands
 
