@@ -52,8 +52,11 @@ lint: $(READY)
 types: $(READY)
 	$(BIN)/mypy
 
+# Cases of each sweep; the round trips of the kinematics take ten times as many for each arm.
+CASES ?= 10000
+
 invariants: $(READY)
-	$(BIN)/python -m pytest -m "invariants or slow"
+	ELITESCRIPT_INVARIANTS=$(CASES) $(BIN)/python -m pytest -m "invariants or slow" --timeout 7200
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks

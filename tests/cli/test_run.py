@@ -141,6 +141,7 @@ def test_a_trace_as_csv_and_as_json_lines_is_the_same(program, tmp_path, capsys,
         (["--trace", "out.txt"], ".csv or .jsonl"),
         (["--step", "1"], "--trace"),
         (["--until", "nan"], "--until"),
+        (["--max-wall", "-1"], "--max-wall"),
         (["--task-dir", "/nowhere/at/all"], "/nowhere/at/all"),
     ],
 )
@@ -168,6 +169,17 @@ def test_people_see_what_happened_and_where_it_went_wrong(program, capsys):
     assert "1.000 s  ended by an alarm" in captured.out
     assert "in line 4: IndexError: list index out of range" in captured.err
     assert "4 |   x = [1][3]" in captured.err
+
+
+def test_a_call_that_never_comes_back_is_ended_from_outside(program):
+    path = program("def a():\n  textmsg('before')\n  x = sum(range(10**12))\nend\n")
+    command = [sys.executable, "-m", "elitescript", "run", path, "--json", "--max-wall", "0.05"]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    result = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=30, check=False)
+    records = [json.loads(line) for line in result.stdout.splitlines()]
+    assert result.returncode == 4
+    assert (records[0]["text"], records[-1]["type"], records[-1]["state"]) == ("before", "end", "time_limit")
+    assert "does not come back" in result.stderr
 
 
 def test_the_process_gives_the_same_bytes_for_every_hash_seed(program):

@@ -245,3 +245,14 @@ def test_the_task_state_is_told(robot):
     run = robot.run("def job():\n  pass\nend\n")
     states = [(event.state, event.name) for event in run.events if isinstance(event, TaskStateChanged)]
     assert states == [(TaskState.PLAYING, "job"), (TaskState.STOPPED, "job")]
+
+
+def test_an_interruption_ends_the_run_at_the_next_checkpoint_and_keeps_every_threads_line():
+    robot = VirtualRobot(on_event=lambda event: robot.interrupt() if getattr(event, "text", "") == "now" else None)
+    run = robot.run(
+        "def a():\n  def f():\n    sleep(9)\n  end\n  start_thread(f, ())\n  sleep(1)\n  textmsg('now')\n"
+        "  while True:\n    pass\n  end\nend\n"
+    )
+    assert (run.state, run.time_s) == ("stopped", 1.0)
+    assert [(thread.name, thread.line) for thread in run.threads] == [("main", 9), ("f", 3)]
+    assert robot.state.task_state is TaskState.STOPPED

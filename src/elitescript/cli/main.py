@@ -23,8 +23,8 @@ HASH_SEED = "0"
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
-    if argv is None and arguments[:1] == ["run"] and os.environ.get("PYTHONHASHSEED") != HASH_SEED:
-        return _run_again_with_fixed_hash_seed(arguments)
+    if argv is None and arguments[:1] == ["run"] and _needs_another_process(arguments):
+        return _run_again(arguments)
     from elitescript.errors import ElitescriptError, ProgramError, UsageError
 
     options = _parser().parse_args(arguments)
@@ -57,10 +57,27 @@ def _dispatch(options: argparse.Namespace) -> int:
     return commands(options)
 
 
-def _run_again_with_fixed_hash_seed(arguments: list[str]) -> int:
+def _needs_another_process(arguments: list[str]) -> bool:
+    if os.environ.get("ELITESCRIPT_WATCHED"):
+        return False
+    return os.environ.get("PYTHONHASHSEED") != HASH_SEED or _names_max_wall(arguments)
+
+
+def _names_max_wall(arguments: list[str]) -> bool:
+    return any(argument.startswith("--max-w") for argument in arguments)
+
+
+def _run_again(arguments: list[str]) -> int:
+    """Run the same call in a process with a fixed hash seed, watched if its wall time is limited."""
     # -P: a file called queue.py beside the program must not stand in for the standard library's.
     command = [sys.executable, "-P", "-m", "elitescript", *arguments]
     environment = {**os.environ, "PYTHONHASHSEED": HASH_SEED}
+    if _names_max_wall(arguments):
+        from elitescript.cli.watched import run_watched
+
+        options = _parser().parse_args(arguments)
+        if options.max_wall is not None:
+            return run_watched(command, environment, options.max_wall, is_json=options.json)
     if os.name == "posix":
         os.execve(sys.executable, command, environment)
     import subprocess

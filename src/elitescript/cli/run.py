@@ -30,9 +30,6 @@ INTERRUPTED: Final = 130
 HINT_AFTER_S: Final = 5.0
 """Wall time after which a run says where it is; then again after each such time."""
 
-KILL_AFTER_S: Final = 1.0
-"""Wall time past `--max-wall` that a program has to reach its next checkpoint before the process ends."""
-
 
 def run(options: argparse.Namespace) -> int:
     """Run the program of the command line; return the exit code."""
@@ -52,8 +49,9 @@ def run(options: argparse.Namespace) -> int:
     )
     for name, value in signals.items():
         robot.signals[name] = value
-    if options.until is not None and not options.until >= 0.0:
-        raise UsageError(f"--until must be >= 0 s, got {options.until:g}")
+    for name, value in (("--until", options.until), ("--max-wall", options.max_wall)):
+        if value is not None and not value >= 0.0:
+            raise UsageError(f"{name} must be >= 0 s, got {value:g}")
     try:
         source = source_of(path)
     except ProgramError as error:
@@ -71,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
         elif options.step is not None:
             raise UsageError("--step goes with --trace")
         report.start(robot, path)
-        watch = stack.enter_context(_Watch(report, options.max_wall))
+        watch = _Watch(report, options.max_wall)
         with _InterruptHandler(robot) as interrupted:
             result = robot.run(
                 unit,
@@ -116,36 +114,6 @@ class _Watch:
         self._start_s = time.monotonic()
         self._next_hint_s = self._start_s + HINT_AFTER_S
         self._max_wall_s = max_wall_s
-        self._timer: Any = None
-
-    def __enter__(self) -> _Watch:
-        if self._max_wall_s is not None:
-            self._timer = self._armed(self._max_wall_s)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-
-    @staticmethod
-    def _armed(max_wall_s: float) -> Any:
-        """A timer that ends the process when a single call into C never comes back to a checkpoint."""
-        import os
-        import threading
-
-        def end_process() -> None:
-            print(
-                f"elitescript run: no checkpoint within --max-wall {max_wall_s:g} s; ending the process",
-                file=sys.stderr,
-            )
-            sys.stdout.flush()
-            sys.stderr.flush()
-            os._exit(EXIT_CODES["time_limit"])
-
-        timer = threading.Timer(max_wall_s + KILL_AFTER_S, end_process)
-        timer.daemon = True
-        timer.start()
-        return timer
 
     def __call__(self, robot: VirtualRobot) -> bool:
         now_s = time.monotonic()

@@ -7,7 +7,6 @@ end of the program to the callback of the constructor.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
@@ -17,23 +16,18 @@ from elitescript.language.compiler import CompiledUnit
 from elitescript.language.modules import COPIED
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
-from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.messages.timing import seconds
 from elitescript.runtime.alarms import summary_of
 from elitescript.runtime.context import POPUP
 from elitescript.runtime.program import Program
 from elitescript.runtime.scheduler import WORK_PER_TICK, Scheduler
+from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.strand import STOP, Strand
 from elitescript.runtime.world import NoWorld, World
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
 STOPPED: Final = "stopped"
-
-SECONDARY_LIMIT_TICKS: Final = TICKS_PER_S
-"""Virtual time that a secondary program may take (*assumed*: the manual says not to run it for long)."""
-
-SECONDARY_QUEUE_MAX: Final = 64
-"""Secondary programs that may wait."""
 
 SECONDARY_WARNING: Final = "[SEC] Exception: "
 
@@ -80,10 +74,7 @@ class ScriptHost:
         "_profile",
         "_program",
         "_scheduler",
-        "_secondary",
-        "_secondary_deadline",
-        "_secondary_program",
-        "_secondary_queue",
+        "_secondaries",
         "_seed",
         "_world",
         "alarm",
@@ -114,10 +105,7 @@ class ScriptHost:
         self._program: Program | None = None
         self._main: Strand | None = None
         self._ending = ""
-        self._secondary: Strand | None = None
-        self._secondary_program: Program | None = None
-        self._secondary_deadline = 0
-        self._secondary_queue: deque[CompiledUnit] = deque()
+        self._secondaries = Secondaries(self._scheduler, self._begin_secondary, self._warn_secondary)
         self.movers: dict[int, Strand] = {}
         self.result = ""
         self.alarm: Alarm | None = None
@@ -147,9 +135,7 @@ class ScriptHost:
         Raises:
             ScriptStateError: too many wait.
         """
-        if len(self._secondary_queue) >= SECONDARY_QUEUE_MAX:
-            raise ScriptStateError(f"{SECONDARY_QUEUE_MAX} secondary programs wait already")
-        self._secondary_queue.append(unit)
+        self._secondaries.put(unit)
 
     def pause(self) -> None:
         """Let no thread of the program go on. Virtual time does, and their waits last longer by it."""
@@ -164,11 +150,9 @@ class ScriptHost:
         """End the program, and a secondary program with it, in the `run_tick` that runs or in the next one.
 
         Args:
-            reason: not used yet; events name it.
+            reason: for whoever reads the call; the result is `stopped`.
         """
-        self._secondary_queue.clear()
-        if self._secondary is not None:
-            self._secondary_deadline = -1
+        self._secondaries.stop()
         self._end(STOPPED)
 
     def interrupt(self) -> None:
@@ -196,7 +180,7 @@ class ScriptHost:
     @property
     def is_idle(self) -> bool:
         """Whether nothing is left to run."""
-        return self._main is None and self._secondary is None and not self._secondary_queue
+        return self._main is None and self._secondaries.is_idle
 
     @property
     def line(self) -> int:
@@ -233,13 +217,13 @@ class ScriptHost:
 
     def next_tick(self, tick: int) -> int | None:
         """Earliest tick after `tick` at which a thread is due; None while all wait for something else."""
-        if self._ending or (self._secondary_queue and self._secondary is None):
+        if self._ending:
             return tick + 1
         due = self._scheduler.next_tick(tick)
-        if self._secondary is not None:
-            deadline = max(self._secondary_deadline, tick + 1)
-            due = deadline if due is None else min(due, deadline)
-        return due
+        due_secondary = self._secondaries.next_tick(tick)
+        if due is None or due_secondary is None:
+            return due_secondary if due is None else due
+        return min(due, due_secondary)
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
         """A move is over; the thread that waits for it goes on at the next `run_tick`."""
@@ -252,17 +236,10 @@ class ScriptHost:
         scheduler = self._scheduler
         has_changed = scheduler.needs_attention
         scheduler.needs_attention = False
-        secondary = self._secondary
-        if secondary is not None and scheduler.now >= self._secondary_deadline:
-            self._end_secondary(secondary)
-            has_changed = True
         if self._ending and self._program is not None:
             self._end_program(self._program)
             has_changed = True
-        if self._secondary is None and self._secondary_queue:
-            self._begin_secondary(self._secondary_queue.popleft())
-            has_changed = True
-        return has_changed
+        return self._secondaries.settle() or has_changed
 
     # ---------------------------------------------------------------- the life of a program
 
@@ -316,12 +293,8 @@ class ScriptHost:
     def _strand_ended(self, strand: Strand) -> None:
         if strand is self._main:
             self._end(STOPPED if strand.is_dying else FINISHED)
-        elif strand is self._secondary:
-            self._secondary = None
-            if self._secondary_program is not None:
-                self._secondary_program.close()
-                self._secondary_program = None
-            self._scheduler.call_attention()
+        else:
+            self._secondaries.ended(strand)
 
     def _strand_abandoned(self, strand: Strand) -> None:
         self._machine.emit(
@@ -355,19 +328,13 @@ class ScriptHost:
 
     # ---------------------------------------------------------------- secondary programs
 
-    def _begin_secondary(self, unit: CompiledUnit) -> None:
+    def _begin_secondary(self, unit: CompiledUnit) -> tuple[Strand, Program | None]:
+        own = None
         program = self._program
         if program is None or self._main is None:
-            program = self._secondary_program = self._new_program({})
+            program = own = self._new_program({})
         name = f"sec {unit.name}" if unit.name else "sec"
-        self._secondary = self._spawn(program, name, program.body_of(unit), is_secondary=True)
-        self._secondary_deadline = self._scheduler.now + SECONDARY_LIMIT_TICKS
-
-    def _end_secondary(self, strand: Strand) -> None:
-        if self._secondary_deadline >= 0:
-            limit_s = seconds(SECONDARY_LIMIT_TICKS)
-            self._warn_secondary(f"TimeoutError: stopped after {limit_s:g} s, it must be short", strand)
-        self._scheduler.kill(strand)
+        return self._spawn(program, name, program.body_of(unit), is_secondary=True), own
 
     def _warn_secondary(self, text: str, strand: Strand) -> None:
         self._machine.emit(Warned(self._machine.tick, SECONDARY_WARNING + text, strand.name, strand.line))

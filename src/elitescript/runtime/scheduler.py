@@ -13,6 +13,7 @@ portions; the books are kept exactly, so the size of a portion shows nowhere.
 
 from __future__ import annotations
 
+import sys
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Final
@@ -392,9 +393,13 @@ class Scheduler:
         if len(fuel) - FLOOR > allowed:
             del fuel[FLOOR + allowed :]
         self._loaded = len(fuel) - FLOOR
+        limit = sys.getrecursionlimit()
         try:
+            if strand.recursion_limit:
+                sys.setrecursionlimit(strand.recursion_limit)
             strand.resume()
         finally:
+            sys.setrecursionlimit(limit)
             strand.work += self._loaded - (len(fuel) - FLOOR)
             if len(fuel) < FLOOR:
                 fuel[:] = _FLOOR

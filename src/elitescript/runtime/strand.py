@@ -21,6 +21,9 @@ ENDED: Final = "ended"
 CLEANUP_WORK: Final = 1000
 """Checkpoints that the `finally` blocks of a stopped thread may pass; what takes longer is cut off."""
 
+SCRIPT_DEPTH: Final = 1000
+"""Calls inside each other that a script thread may make, a few of ours included; CPython's own default."""
+
 REFUSALS_MAX: Final = 10_000
 """How often a thread may swallow its stop before it is given up. One that is deep in a recursion swallows it once
 for every level without meaning to."""
@@ -61,6 +64,7 @@ class Strand:
         cancel: undoes what it waits for at the moment of a stop (brakes a move).
         owed: locks that it took only in pretence while dying, and how often.
         at_end: called once when it has ended.
+        recursion_limit: the interpreter's limit while it runs; 0 before it has begun.
     """
 
     __slots__ = (
@@ -80,6 +84,7 @@ class Strand:
         "name",
         "order",
         "owed",
+        "recursion_limit",
         "refusals",
         "resume",
         "state",
@@ -125,10 +130,14 @@ class Strand:
         self.owed: dict[object, int] = {}
         self.at_end: list[Callable[[], None]] = []
         self.activations = 0
+        self.recursion_limit = 0
         self._line = 0
         self._line_activation = -1
 
     def _begin(self) -> None:
+        # A stack begins to count its depth where it is begun from, and that differs from process to process.
+        self.recursion_limit = _depth() + SCRIPT_DEPTH
+        sys.setrecursionlimit(self.recursion_limit)
         self._greenlet = greenlet(self._body)
         self.resume = self._greenlet.switch
         # Not a method of ours: a call in Python could fail at the recursion limit, half way into a wait.
@@ -215,6 +224,16 @@ class Strand:
 
 def _not_begun() -> None:
     raise RuntimeError("a strand that has not begun cannot be suspended")
+
+
+def _depth() -> int:
+    """How deep the calling function is in calls, as the interpreter counts."""
+    try:
+        sys.setrecursionlimit(1)
+    except RecursionError as refusal:
+        depth = [word for word in str(refusal).replace(":", " ").split() if word.isdigit()]
+        return int(depth[-1])
+    raise AssertionError("the recursion limit cannot be 1 inside a function")
 
 
 def is_stop(error: BaseException | None) -> bool:

@@ -1,0 +1,48 @@
+"""A run in a process that can be ended from outside.
+
+A single call into C, such as `sum(range(10**12))`, reaches no checkpoint and lets no other thread of its process run.
+So with `--max-wall` the program runs in a child, and the parent does nothing but wait for it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from types import FrameType
+from typing import Final
+
+MARK: Final = "ELITESCRIPT_WATCHED"
+"""Set in the environment of a child that is watched."""
+
+GRACE_S: Final = 1.5
+"""What a child gets beyond its limit: to start, and to end by itself at its next checkpoint."""
+
+TIME_LIMIT: Final = 4
+"""Exit code, as that of a run that ends at its limit by itself."""
+
+
+def run_watched(command: list[str], environment: dict[str, str], max_wall_s: float, *, is_json: bool) -> int:
+    """Run a command for so much wall time at most; return its exit code, or that of the time limit."""
+    child = subprocess.Popen(command, env={**environment, MARK: "1"})
+
+    def end_child(number: int, _frame: FrameType | None) -> None:
+        child.terminate()
+
+    # Ctrl-C reaches the child as well, which answers it; a kill of the parent must not leave the child behind.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, end_child)
+    try:
+        code = child.wait(timeout=max_wall_s + GRACE_S)
+    except subprocess.TimeoutExpired:
+        child.kill()
+        child.wait()
+        text = f"no checkpoint within --max-wall {max_wall_s:g} s: a single call does not come back; process ended"
+        print(f"elitescript run: {text}", file=sys.stderr)
+        if is_json:
+            from elitescript.cli import jsonlines
+
+            print(jsonlines.line({"type": "end", "state": "time_limit", "t": None, "killed": True, "text": text}))
+        return TIME_LIMIT
+    return code if code >= 0 or os.name != "posix" else 128 - code

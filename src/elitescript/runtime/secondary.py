@@ -1,0 +1,94 @@
+"""Secondary programs (`sec`): short ones that run beside the program, one after the other."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Final
+
+from elitescript.errors import ScriptStateError
+from elitescript.language.compiler import CompiledUnit
+from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.runtime.program import Program
+from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.strand import Strand
+
+LIMIT_TICKS: Final = TICKS_PER_S
+"""Virtual time that a secondary program may take (*assumed*: the manual says not to run it for long)."""
+
+QUEUE_MAX: Final = 64
+"""Secondary programs that may wait."""
+
+Begin = Callable[[CompiledUnit], tuple[Strand, Program | None]]
+"""Starts one: its strand, and the program that was made for it alone, if there is no running one."""
+
+
+class Secondaries:
+    """The secondary programs of a host.
+
+    Args:
+        scheduler: runs them.
+        begin: starts one.
+        warn: tells what went wrong with one.
+    """
+
+    __slots__ = ("_begin", "_deadline", "_own_program", "_queue", "_scheduler", "_strand", "_warn")
+
+    def __init__(self, scheduler: Scheduler, begin: Begin, warn: Callable[[str, Strand], None]) -> None:
+        self._scheduler = scheduler
+        self._begin = begin
+        self._warn = warn
+        self._queue: deque[CompiledUnit] = deque()
+        self._strand: Strand | None = None
+        self._own_program: Program | None = None
+        self._deadline = 0
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether none runs and none waits."""
+        return self._strand is None and not self._queue
+
+    def put(self, unit: CompiledUnit) -> None:
+        """Have one run as soon as those before it are over.
+
+        Raises:
+            ScriptStateError: too many wait.
+        """
+        if len(self._queue) >= QUEUE_MAX:
+            raise ScriptStateError(f"{QUEUE_MAX} secondary programs wait already")
+        self._queue.append(unit)
+
+    def stop(self) -> None:
+        """Forget those that wait and end the one that runs, at the next `settle`."""
+        self._queue.clear()
+        self._deadline = -1
+
+    def next_tick(self, tick: int) -> int | None:
+        """Earliest tick after `tick` at which one begins or has run too long."""
+        if self._strand is None:
+            return tick + 1 if self._queue else None
+        return max(self._deadline, tick + 1)
+
+    def settle(self) -> bool:
+        """End the one that has run too long, begin the next one; whether there was anything to do."""
+        has_changed = False
+        strand = self._strand
+        if strand is not None and self._scheduler.now >= self._deadline:
+            if self._deadline >= 0:
+                self._warn(f"TimeoutError: stopped after {seconds(LIMIT_TICKS):g} s, it must be short", strand)
+            self._scheduler.kill(strand)
+            has_changed = True
+        if self._strand is None and self._queue:
+            self._strand, self._own_program = self._begin(self._queue.popleft())
+            self._deadline = self._scheduler.now + LIMIT_TICKS
+            has_changed = True
+        return has_changed
+
+    def ended(self, strand: Strand) -> None:
+        """A strand is over; if it is the one that runs, the next one can begin."""
+        if strand is self._strand:
+            self._strand = None
+            if self._own_program is not None:
+                self._own_program.close()
+                self._own_program = None
+            self._scheduler.call_attention()
