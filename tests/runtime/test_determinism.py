@@ -160,3 +160,23 @@ def test_the_command_and_the_module_draw_from_one_sequence():
     )
     generator = random.Random(3)
     assert bench.log == [str(generator.random()), str(generator.random())]
+
+
+def test_the_depth_of_recursion_does_not_depend_on_who_calls():
+    text = """
+        def job():
+          def f(n):
+            try:
+              return f(n + 1)
+            except RecursionError:
+              return n
+          textmsg(f(0))
+        job()
+    """
+
+    def depth_from(calls):
+        return depth_from(calls - 1) if calls else int(Bench().start(text).run().log[0])
+
+    limit = sys.getrecursionlimit()
+    assert depth_from(0) == depth_from(300) > 900
+    assert sys.getrecursionlimit() == limit
