@@ -162,6 +162,21 @@ class TestWork:
         # Coming back costs an activation, and nothing else.
         assert ends_at(False) == ends_at(True) == [(2, "done")]
 
+    def test_a_checkpoint_that_cannot_be_called_leaves_the_next_one_whole(self):
+        """At the recursion limit the fuel says that it is used up, and the call that would fill it fails."""
+        bench = Bench(work_per_tick=1000)
+
+        def work():
+            for _ in range(50):
+                assert bench.scheduler.fuel.pop() is False
+            bench.checkpoints(900 - 50)
+            bench.note("in this tick")
+            bench.checkpoints(100)
+            bench.note("in the next one")
+
+        bench.spawn("deep", work)
+        assert bench.run() == [(0, "in this tick"), (1, "in the next one")]
+
     def test_an_interruption_brings_control_back_at_the_next_checkpoint(self):
         bench = Bench()
 
