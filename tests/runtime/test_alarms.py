@@ -123,6 +123,26 @@ class TestWords:
         assert (bench.alarms[0].text, bench.alarms[0].tick) == ("slow", 250)
 
 
+def test_a_program_that_extends_an_error_of_commands_does_not_break_the_alarm():
+    alarm = alarm_in("""
+        def job():
+          try:
+            sin("x")
+          except TypeError as e:
+            Base = type(e)
+          class Odd(Base):
+            pass
+          odd = Odd("own text")
+          odd.code = [1]
+          odd.command = Odd
+          odd.hint = {1: 2}
+          raise odd
+        end
+    """)
+    assert (alarm.code, alarm.class_name, alarm.text) == ("R100", "TypeError", "own text")
+    assert all(type(value) is str for value in alarm.details.values())
+
+
 def test_errors_of_commands_show_as_the_class_that_python_programmers_know():
     assert class_name_of(ArgumentRangeError("x")) == "ValueError"
     assert class_name_of(ScriptStateError("x")) == "RuntimeError"

@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 
 from elitescript.commands.quantities import shown
 from elitescript.commands.registry import Catalogue
-from elitescript.errors import ProgramError, ScriptError
+from elitescript.errors import CODES, ProgramError, ScriptError
 from elitescript.language.compiler import column_of
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm
@@ -63,7 +63,8 @@ def alarm_of(
     code, class_name, text = UNCAUGHT, class_name_of(error), text_of(error)
     details: dict[str, Any] = {}
     if isinstance(error, ScriptError):
-        code = error.code
+        # A program can extend the class and set what it likes.
+        code = error.code if type(error.code) is str and error.code in CODES else UNCAUGHT
         details = details_of(error)
     elif isinstance(error, NameError) and type(error.name) is str and not isinstance(error, UnboundLocalError):
         code, class_name, text, details = _unknown_name(error.name, text, place, builtins, catalogue, profile)
@@ -88,26 +89,18 @@ def class_name_of(error: BaseException) -> str:
 
 def text_of(error: BaseException) -> str:
     """What the exception says; never raises, and shows no address that differs from run to run."""
-    if isinstance(error, SyntaxError):
-        return str(error.msg)
-    if isinstance(error, ProgramError):
-        return "; ".join(str(getattr(problem, "text", problem)) for problem in error.problems)
     try:
-        return without_addresses(str(error))
+        if isinstance(error, ProgramError):
+            return "; ".join(str(getattr(problem, "text", problem)) for problem in error.problems)
+        return without_addresses(str(error.msg if isinstance(error, SyntaxError) else error))
     except Exception:
         return f"<text of {type(error).__name__} not available>"
 
 
 def details_of(error: ScriptError) -> dict[str, Any]:
     """The fields of a command's error that are known, as plain values."""
-    fields = {
-        "command": error.command,
-        "argument": error.argument,
-        "value": _plain(error.value),
-        "limit": error.limit,
-        "unit": error.unit,
-        "hint": error.hint,
-    }
+    names = ("command", "argument", "value", "limit", "unit", "hint")
+    fields = {name: _plain(getattr(error, name, None)) for name in names}
     return {name: value for name, value in fields.items() if value not in (None, "")}
 
 

@@ -357,8 +357,13 @@ class ScriptHost:
 
     def thread_failed(self, error: BaseException) -> None:
         """An exception left the function of a `threading.Thread`."""
+        if isinstance(error, KeyboardInterrupt):
+            raise error
         if self._program is not None:
-            self._failed(error, self._program)
+            if isinstance(error, SystemExit):
+                self._left(self._program)
+            else:
+                self._failed(error, self._program)
 
     def wait_for_confirmation(self) -> bool:
         """Whether a popup that blocks is confirmed at once."""

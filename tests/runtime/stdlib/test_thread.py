@@ -72,6 +72,19 @@ except RuntimeError as e:
         (alarm,) = bench.alarms
         assert (alarm.class_name, alarm.line, alarm.thread, alarm.tick) == ("KeyError", 5, "Thread-1 (bad)", 25)
 
+    @pytest.mark.parametrize("way", ["raise SystemExit", "exit()", "halt()"])
+    def test_leaving_in_it_ends_the_program(self, way):
+        bench = run(f"""
+            import threading
+            def job():
+              def work():
+                {way}
+              threading.Thread(target=work).start()
+              sleep(5)
+            job()
+        """)
+        assert (bench.ends, bench.alarms, bench.machine.tick) == (["stopped"], [], 0)
+
     def test_it_ends_with_the_program_daemon_or_not(self):
         bench = run("""
             import threading
