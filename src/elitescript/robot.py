@@ -7,8 +7,9 @@ who wants real time passes a `pace`, which is called before every tick that is r
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from keyword import iskeyword
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from elitescript.controller.controller import Controller
 from elitescript.controller.signal_view import Signals, signal_write
@@ -33,11 +34,11 @@ from elitescript.worlds.program_file import source_of
 EPOCH_S: Final = 1_704_067_200.0
 """2024-01-01T00:00:00Z: where the clock of a free run begins, so that every run is the same."""
 
-WATCH_EVERY: Final = 64
-"""Ticks run between two calls of a watcher; looking at a wall clock more often costs more than it tells."""
+TRACE_TICKS_MAX: Final = 10_000
+"""Rows that are recorded before somebody may look at the clock or interrupt."""
 
 Pace = Callable[[int], None]
-Watch = Callable[["VirtualRobot"], bool]
+Watch = Callable[["VirtualRobot"], None]
 
 
 class VirtualRobot:
@@ -78,7 +79,6 @@ class VirtualRobot:
         self.profile = profile(firmware)
         self._options = Options(strict=strict)
         self._on_event = on_event
-        self._seed = seed
         self._fixed_world = world
         self._task_dir = None if task_dir is None else Path(task_dir)
         home = None if joints is None else self._start_joints(joints)
@@ -86,10 +86,12 @@ class VirtualRobot:
             raise UsageError(f"speed must be in [0, 1], got {speed!r}")
         self.controller = Controller(self.model, epoch_s=epoch_s, on_event=self._event, home=home, speed_scale=speed)
         self.signals = Signals(self.controller)
-        self._host: ScriptHost | None = None
+        self._host = ScriptHost(self.controller, profile=self.profile, seed=seed, on_end=self._program_ended)
+        self.controller.attach(self._host)
         self._run: Run | None = None
         self._trace: Trace | None = None
-        self._is_interrupted = False
+        self._interrupted_as: EndState | Literal[""] = ""
+        self._listener_error: BaseException | None = None
 
     def _start_joints(self, joints: Six) -> Six:
         values = tuple(float(value) for value in joints)
@@ -126,7 +128,7 @@ class VirtualRobot:
 
     def threads(self) -> tuple[Any, ...]:
         """Every script thread: name, line and what it waits for."""
-        return self._host.threads() if self._host is not None else ()
+        return self._host.threads()
 
     # ---------------------------------------------------------------- changing
 
@@ -135,7 +137,7 @@ class VirtualRobot:
         self.controller.request(SetSpeedScale(fraction))
 
     def at(self, time_s: float, name: str, value: Value) -> None:
-        """Have a signal change at a time: the script of a test for inputs."""
+        """Have a signal change at a time, in seconds since the robot's start: the script of a test for inputs."""
         self.controller.put(ticks_for(time_s), signal_write(name, value))
 
     def pause(self) -> None:
@@ -150,11 +152,10 @@ class VirtualRobot:
         """Stop the task; it ends in the next tick."""
         self.controller.request(StopTask())
 
-    def interrupt(self) -> None:
-        """End the run as soon as possible; may be called from a signal handler."""
-        self._is_interrupted = True
-        if self._host is not None:
-            self._host.interrupt()
+    def interrupt(self, state: EndState = "stopped") -> None:
+        """End the run at its next checkpoint, with that state; may be called from a signal handler."""
+        self._interrupted_as = state
+        self._host.interrupt()
 
     # ---------------------------------------------------------------- programs
 
@@ -187,7 +188,7 @@ class VirtualRobot:
             trace: keep a row for each tick in `Run.trace`, or send them to your own `Trace`.
             trace_step_s: time between rows.
             pace: called with the tick before it is run.
-            watch: called now and then; the run stops when it returns True.
+            watch: called after every tick that was run; may call `interrupt`.
 
         Raises:
             ProgramError: the text does not compile.
@@ -199,8 +200,8 @@ class VirtualRobot:
         except BaseException:
             self._finish("stopped")
             raise
-        if run.state == "":
-            self._finish("stopped" if self._is_interrupted else "time_limit")
+        self._finish(self._interrupted_as or "time_limit")
+        self._interrupted_as = ""
         return run
 
     def start(
@@ -218,16 +219,16 @@ class VirtualRobot:
             ScriptStateError: a program is running.
         """
         unit = program if isinstance(program, CompiledUnit) else self.compile(program)
+        values = checked_presets(presets or {})
+        world = self._world_for(unit.source.name)
         run = Run(unit, self.tick)
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run
+        self.controller.power_up()
         self.controller.task_started(unit.name)
-        self._is_interrupted = False
+        self._interrupted_as = ""
         self._trace = trace if isinstance(trace, Trace) else Trace(run.trace.append, trace_step_s) if trace else None
-        host = self._new_host(unit)
-        self._host = host
-        self.controller.attach(host)
-        host.start(unit, dict(presets or {}))
+        self._host.start(unit, values, world=world)
         return run
 
     def submit_secondary(self, program: str) -> None:
@@ -237,31 +238,21 @@ class VirtualRobot:
             ProgramError: the text does not compile.
         """
         unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self._options.strict, kind="secondary"))
-        if self._host is None:
-            self._host = self._new_host(unit)
-            self.controller.attach(self._host)
         self._host.start_secondary(unit)
 
     def advance(self, duration_s: float, *, pace: Pace | None = None) -> None:
         """Let virtual time go by, whether a program runs or not."""
-        limit = self.tick + ticks_for(duration_s)
-        self._advance(limit, pace, None, stays=True)
+        self._advance(self.tick + ticks_for(duration_s), pace, None, stays=True)
+        if self._interrupted_as:
+            self._finish(self._interrupted_as)
+            self._interrupted_as = ""
 
-    def _new_host(self, unit: CompiledUnit) -> ScriptHost:
-        return ScriptHost(
-            self.controller,
-            profile=self.profile,
-            world=self._world_for(unit),
-            seed=self._seed,
-            on_end=self._program_ended,
-        )
-
-    def _world_for(self, unit: CompiledUnit) -> World:
+    def _world_for(self, source_name: str) -> World:
         if self._fixed_world is not None:
             return self._fixed_world
         folder = self._task_dir
-        if folder is None and unit.source.name.endswith(".script"):
-            folder = Path(unit.source.name).resolve().parent
+        if folder is None and not source_name.startswith("<"):
+            folder = Path(source_name).resolve().parent
         if folder is None:
             from elitescript.worlds.memory import MemoryWorld
 
@@ -273,27 +264,33 @@ class VirtualRobot:
     # ---------------------------------------------------------------- time
 
     def _advance(self, limit: int | None, pace: Pace | None, watch: Watch | None, *, stays: bool = False) -> None:
-        """Run ticks until the program is over and the arm rests, or up to `limit`.
+        """Run ticks until the program is over and the arm rests, or through the tick `limit`.
 
         Args:
-            stays: go on to `limit` though nothing happens any more.
+            stays: go on up to `limit`, which is not run, though nothing happens any more.
         """
         controller = self.controller
-        countdown = WATCH_EVERY
-        while limit is None or controller.tick < limit:
+        while not (stays and limit is not None and controller.tick >= limit):
             if pace is not None:
                 pace(controller.tick)
             controller.run_tick()
-            if self._is_interrupted:
+            if self._listener_error is not None:
+                error, self._listener_error = self._listener_error, None
+                raise error
+            if watch is not None:
+                watch(self)
+            if self._interrupted_as:
                 return
             run = self._run
             if run is not None and run.state != "" and not controller.is_moving:
                 self._rest(run)
                 if not stays:
                     return
+            if limit is not None and controller.tick >= limit:
+                return
             due = controller.next_tick()
-            if due is None:
-                if run is not None and run.state == "" and not stays:
+            if due is None and not stays:
+                if run is not None and run.state == "":
                     self._report_stuck()
                     continue
                 if limit is None:
@@ -301,19 +298,15 @@ class VirtualRobot:
             target = limit if due is None or (limit is not None and due > limit) else due
             assert target is not None
             if pace is not None:
-                target = min(target, controller.tick + 1)
+                target = controller.tick + 1
             if self._trace is not None:
+                target = min(target, controller.tick + TRACE_TICKS_MAX)
                 self._trace.record(controller, target)
             controller.leap(target)
-            countdown -= 1
-            if watch is not None and countdown == 0:
-                countdown = WATCH_EVERY
-                if watch(self):
-                    return
 
     def _rest(self, run: Run) -> None:
-        """Program and arm have come to rest: take the last look, once."""
-        if run.joints:
+        """Program and arm have come to rest, or nobody waits for it: take the last look, once."""
+        if run.is_over:
             return
         if self._trace is not None:
             self._trace.finish(self.controller)
@@ -325,15 +318,16 @@ class VirtualRobot:
         run.signals = self.controller.non_default_signals()
 
     def _finish(self, state: EndState) -> None:
-        """End a program that would go on."""
-        run, host = self._run, self._host
-        if run is None or host is None or run.state != "":
+        """End a program that would go on, and the record of one that is over."""
+        run = self._run
+        if run is None:
             return
-        run.state = state
-        run.globals = host.monitor()
-        run.threads = host.threads()
-        host.stop(state)
-        host.run_tick(self.tick)
+        if run.state == "":
+            run.state = state
+            run.threads = self._host.threads()
+            self._host.stop(state)
+            self._host.run_tick(self.tick)
+            run.globals = self._host.monitor()
         self._rest(run)
 
     def _report_stuck(self) -> None:
@@ -349,14 +343,32 @@ class VirtualRobot:
 
     def _program_ended(self, state: str) -> None:
         """The host's program is over: `finished`, `alarm` or `stopped`."""
-        run, host = self._run, self._host
-        if run is not None and host is not None and run.state == "":
+        run = self._run
+        if run is not None and run.state == "":
             run.state = state  # type: ignore[assignment]
-            run.globals = host.monitor()
+            run.globals = self._host.monitor()
         self.controller.task_ended()
 
     def _event(self, event: Event) -> None:
-        if self._run is not None:
+        if self._run is not None and not self._run.is_over:
             self._run.add(event)
-        if self._on_event is not None:
+        if self._on_event is None or self._listener_error is not None:
+            return
+        try:
             self._on_event(event)
+        except BaseException as error:
+            # Scripts must not catch what is wrong with a listener: it leaves through `run`.
+            self._listener_error = error
+            self._host.interrupt()
+
+
+def checked_presets(presets: Mapping[str, object]) -> dict[str, object]:
+    """Program globals that are given from outside.
+
+    Raises:
+        UsageError: a name that no program could give to a global.
+    """
+    for name in presets:
+        if not name.isidentifier() or iskeyword(name) or name.startswith("__"):
+            raise UsageError(f"{name!r} cannot be the name of a global")
+    return dict(presets)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from typing import Any, Literal
 
 from elitescript.controller.trace import TraceRow
@@ -67,6 +69,19 @@ class Run:
         self.tcp_pose: Six | tuple[()] = ()
         self.signals: dict[str, Value] = {}
         self.threads: tuple[Any, ...] = ()
+
+    @property
+    def is_over(self) -> bool:
+        """Whether program and arm have come to rest."""
+        return bool(self.joints)
+
+    @property
+    def is_reproducible(self) -> bool:
+        """Whether another process gives the same bytes: Python's string hashing has a fixed seed in this one.
+
+        Without it, only what depends on the order of a set of strings can differ.
+        """
+        return not sys.flags.hash_randomization or os.environ.get("PYTHONHASHSEED", "random") != "random"
 
     def check(self) -> Run:
         """Return the run itself.

@@ -39,3 +39,27 @@ def test_a_subclass_of_str_or_int_is_plain():
         pass
 
     assert type(json.loads(line({"n": Name("x")}))["n"]) is str
+
+
+def test_lists_that_contain_themselves_many_times_over_end_soon():
+    loop = []
+    loop += [loop, loop, loop]
+    assert len(line({"loop": loop})) < 1000
+    root = {"kids": []}
+    root["kids"] += [{"parent": root}, {"parent": root}, {"parent": root}]
+    assert len(line(root)) < 1000
+    twice = [1, 2]
+    assert json.loads(line({"a": [twice, twice]}))["a"] == [[1, 2], [1, 2]]
+
+
+def test_what_no_encoding_has_is_still_json():
+    assert json.loads(line({"s": "\ud800 中"}))["s"] == "\ud800 中"
+
+
+def test_a_number_of_many_digits_is_described():
+    assert "bits" in plain(10**50_000)["repr"]
+    assert plain(10**3000) == 10**3000
+
+
+def test_addresses_are_left_out():
+    assert "0x" not in plain(object())["repr"]

@@ -8,8 +8,8 @@ import pytest
 from elitescript.controller.controller import Controller
 from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.transforms import pose_from_transform
-from elitescript.messages.enums import TaskState
-from elitescript.messages.events import MotionEnded, MotionStarted, Warned
+from elitescript.messages.enums import RobotMode, TaskState
+from elitescript.messages.events import MotionEnded, MotionStarted, RobotModeChanged, Warned
 from elitescript.messages.machine import PauseTask, PowerDown, ResumeTask, SetSpeedScale
 from elitescript.messages.motion import MoveJ, MoveL, StopJ, StopL
 from elitescript.messages.timing import PERIOD_S
@@ -153,6 +153,36 @@ def test_a_move_that_is_asked_for_while_the_arm_brakes_begins_at_standstill(mach
     assert machine.controller.is_move_done(second)
     assert machine.q == HOME
     assert [is_complete for _, is_complete in machine.ended()] == [False, True]
+
+
+def test_a_move_that_waits_for_standstill_does_not_begin_in_a_pause(machine):
+    machine.controller.task_started("test")
+    first = machine.movej()
+    machine.run(100)
+    machine.controller.cancel_move(first)
+    machine.movej(HOME)
+    machine.run(2)
+    machine.controller.request(PauseTask())
+    machine.run(100)
+    q = machine.q
+    machine.run(500)
+    assert machine.q == q
+    machine.controller.request(ResumeTask())
+    machine.run(1000)
+    assert machine.q == HOME
+
+
+def test_the_power_goes_off_when_the_arm_stands(machine):
+    machine.movej()
+    machine.run(100)
+    machine.controller.request(PowerDown())
+    assert machine.controller.robot_mode is RobotMode.RUNNING
+    with pytest.raises(ScriptStateError, match="switched off"):
+        machine.movej(HOME)
+    machine.run(200)
+    assert machine.controller.robot_mode is RobotMode.POWER_OFF
+    kinds = [type(event) for event in machine.events]
+    assert kinds.index(MotionEnded) < kinds.index(RobotModeChanged)
 
 
 def test_an_arm_that_is_switched_off_does_not_move(machine):

@@ -123,7 +123,7 @@ ORDINARY = [
     "'{}'.format(1); x.format(a=1); '{a}'.format_map(d)",
     "x.format = f; del x.format",
     "class C:\n  def format(self): pass",
-    "match x:\n  case int(y) | str(y): pass\n  case C(a=1, b=z): pass\n  case [1, *r]: pass\n"
+    "match x:\n  case int() | str(): pass\n  case C(a=1, b=z): pass\n  case [1, *r]: pass\n"
     "  case {'k': v, **w}: pass\n  case _: pass",
     "import math, a.b.c as d\nfrom math import pi as q, sin",
     "f(*a, **b); x = [*a]; y = {**b}; z = a[1:2, ...]",

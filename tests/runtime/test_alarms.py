@@ -37,9 +37,13 @@ class TestPlace:
         alarm = alarm_in('def job():\n  $ LINE: (4, "node")\n  if True:\n    boom()\n  end\nend\n')
         assert (alarm.line, alarm.column) == (4, 5)
 
-    def test_statements_of_exec_show_their_own_text(self):
-        alarm = alarm_in('def job():\n  exec("x = 1\\ny = 2 / 0")\nend\n')
-        assert (alarm.line, alarm.source_line) == (2, "y = 2 / 0")
+    def test_a_text_that_the_program_made_is_placed_in_the_program_and_in_itself(self):
+        alarm = alarm_in('def job():\n  exec("x = 1")\n  exec("x = 1\\ny = 2 / 0")\nend\n')
+        assert (alarm.line, alarm.column) == (3, 3)
+        assert alarm.text.endswith("(line 2 of the text that exec ran)")
+        alarm = alarm_in('def job():\n  x = eval("1 / 0")\nend\n')
+        assert alarm.line == 2
+        assert "eval" in alarm.text
 
 
 class TestWords:

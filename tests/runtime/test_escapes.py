@@ -323,7 +323,6 @@ def test_what_is_computed_is_refused_when_it_runs(body, outcome):
         assert found == outcome
 
 
-@pytest.mark.xfail(strict=True, reason="positional class patterns go by the name of the class, which can be bound anew")
 def test_a_class_pattern_takes_no_attribute_that_programs_may_not_read():
     body = """
 metatype = (1).__class__.__class__

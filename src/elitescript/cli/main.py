@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 USAGE = 2
 """Exit code of a call that makes no sense."""
 
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells count it."""
+
 HASH_SEED = "0"
 """The order of a set of strings depends on it; every process that we start has the same."""
 
@@ -23,10 +26,21 @@ HASH_SEED = "0"
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
-    if argv is None and arguments[:1] == ["run"] and _needs_another_process(arguments):
-        return _run_again(arguments)
+    try:
+        if argv is None and arguments[:1] == ["run"] and _needs_another_process(arguments):
+            return _run_again(arguments)
+        return _run_here(arguments)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+
+
+def _run_here(arguments: list[str]) -> int:
     from elitescript.errors import ElitescriptError, ProgramError, UsageError
 
+    for stream in (sys.stdout, sys.stderr):
+        # Programs speak every language, and pipes on some systems only one.
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(encoding="utf-8", errors="backslashreplace")
     options = _parser().parse_args(arguments)
     try:
         return _dispatch(options)
@@ -41,6 +55,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stderr = None
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        print(f"elitescript {options.command}: {error}", file=sys.stderr)
+        return USAGE
 
 
 def _dispatch(options: argparse.Namespace) -> int:
@@ -72,16 +89,23 @@ def _run_again(arguments: list[str]) -> int:
     # -P: a file called queue.py beside the program must not stand in for the standard library's.
     command = [sys.executable, "-P", "-m", "elitescript", *arguments]
     environment = {**os.environ, "PYTHONHASHSEED": HASH_SEED}
+    home = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))  # noqa: PTH100, PTH120
+    if "site-packages" not in home:
+        # Not installed: with -P, a working copy is found through this path alone.
+        environment["PYTHONPATH"] = os.pathsep.join(filter(None, (os.environ.get("PYTHONPATH"), home)))
     if _names_max_wall(arguments):
         from elitescript.cli.watched import run_watched
 
         options = _parser().parse_args(arguments)
-        if options.max_wall is not None:
+        if options.max_wall is not None and 0.0 <= options.max_wall < 1e9:
             return run_watched(command, environment, options.max_wall, is_json=options.json)
     if os.name == "posix":
         os.execve(sys.executable, command, environment)
+    import signal
     import subprocess
 
+    # The child answers Ctrl-C; its parent only waits.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     return subprocess.run(command, env=environment, check=False).returncode
 
 

@@ -32,8 +32,14 @@ class Report(Protocol):
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
         """The run takes long."""
 
-    def end(self, run: Run, *, is_interrupted: bool, is_paced: bool) -> None:
-        """The run is over."""
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None) -> None:
+        """The run is over.
+
+        Args:
+            run: its record.
+            is_interrupted: Ctrl-C ended it.
+            overruns: ticks that began late, if it was paced.
+        """
 
 
 class JsonReport:
@@ -61,7 +67,7 @@ class JsonReport:
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
         print(_where(robot, wall_s), file=sys.stderr)
 
-    def end(self, run: Run, *, is_interrupted: bool, is_paced: bool) -> None:
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None) -> None:
         record: dict[str, Any] = {
             "type": "end",
             "state": run.state,
@@ -71,8 +77,10 @@ class JsonReport:
             "tcp_pose": run.tcp_pose,
             "signals": run.signals,
         }
-        if is_paced:
-            record["paced"] = True
+        if overruns is not None:
+            record.update(paced=True, overruns=overruns)
+        if not run.is_reproducible:
+            record["reproducible"] = False
         if run.state not in ("finished", "alarm"):
             record["threads"] = [thread._asdict() for thread in run.threads]
         self._write(record)
@@ -186,7 +194,7 @@ class TextReport:
         self._out.flush()
         print(_where(robot, wall_s), file=self._err)
 
-    def end(self, run: Run, *, is_interrupted: bool, is_paced: bool) -> None:
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None) -> None:
         wall_s = time.perf_counter() - self._start_s
         words = {
             "finished": "finished",
@@ -199,7 +207,8 @@ class TextReport:
         if run.state not in ("finished", "alarm"):
             for thread in run.threads:
                 print(f"{'':14}{thread.name}: line {thread.line}, {thread.doing}", file=self._err)
-        print(f"{run.time_s:10.3f} s  {words[run.state]} (robot time; {wall_s:.2f} s of yours)", file=self._out)
+        late = f"; {overruns} ticks began late" if overruns else ""
+        print(f"{run.time_s:10.3f} s  {words[run.state]} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
 
 
 def _where(robot: VirtualRobot, wall_s: float) -> str:

@@ -70,16 +70,17 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError("--step goes with --trace")
         report.start(robot, path)
         watch = _Watch(report, options.max_wall)
+        pace = _pacer() if options.realtime else None
         with _InterruptHandler(robot) as interrupted:
             result = robot.run(
                 unit,
                 until_s=options.until,
                 presets=presets,
                 trace=trace,
-                pace=_pacer() if options.realtime else None,
+                pace=pace,
                 watch=watch,
             )
-    report.end(result, is_interrupted=interrupted.happened, is_paced=options.realtime)
+    report.end(result, is_interrupted=interrupted.happened, overruns=None if pace is None else pace.overruns)
     return INTERRUPTED if interrupted.happened else EXIT_CODES[result.state]
 
 
@@ -107,26 +108,25 @@ def _find_problems(
 
 
 class _Watch:
-    """Looks at the wall clock while the program runs."""
+    """Looks at the wall clock while the program runs: says where it is, and ends it at the limit."""
 
     def __init__(self, report: Report, max_wall_s: float | None) -> None:
         self._report = report
         self._start_s = time.monotonic()
         self._next_hint_s = self._start_s + HINT_AFTER_S
-        self._max_wall_s = max_wall_s
+        self._end_s = None if max_wall_s is None else self._start_s + max_wall_s
 
-    def __call__(self, robot: VirtualRobot) -> bool:
+    def __call__(self, robot: VirtualRobot) -> None:
         now_s = time.monotonic()
-        if self._max_wall_s is not None and now_s - self._start_s >= self._max_wall_s:
-            return True
-        if now_s >= self._next_hint_s:
+        if self._end_s is not None and now_s >= self._end_s:
+            robot.interrupt("time_limit")
+        elif now_s >= self._next_hint_s:
             self._next_hint_s = now_s + HINT_AFTER_S
             self._report.still_running(robot, now_s - self._start_s)
-        return False
 
 
 class _InterruptHandler:
-    """Ctrl-C ends the program at its next checkpoint; a second one ends the process."""
+    """Ctrl-C ends the program at its next checkpoint; a second one ends the process at once."""
 
     def __init__(self, robot: VirtualRobot) -> None:
         self._robot = robot
@@ -138,9 +138,8 @@ class _InterruptHandler:
         return self
 
     def _handle(self, _number: int, _frame: FrameType | None) -> None:
-        if self.happened:
-            raise KeyboardInterrupt
         self.happened = True
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
         self._robot.interrupt()
 
     def __exit__(self, *_: object) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from math import isfinite
 from typing import Any, Final
 
 from elitescript.errors import UsageError
@@ -60,9 +61,13 @@ def parse_epoch(text: str) -> float:
     from datetime import UTC, datetime
 
     try:
-        return float(text)
+        seconds = float(text)
     except ValueError:
         pass
+    else:
+        if not isfinite(seconds):
+            raise UsageError(f"--epoch {text}: not a time")
+        return seconds
     try:
         moment = datetime.fromisoformat(text)
     except ValueError:

@@ -10,13 +10,14 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from types import FrameType
-from typing import Final
+from typing import Any, Final
 
 MARK: Final = "ELITESCRIPT_WATCHED"
 """Set in the environment of a child that is watched."""
 
-GRACE_S: Final = 1.5
+GRACE_S: Final = 2.0
 """What a child gets beyond its limit: to start, and to end by itself at its next checkpoint."""
 
 TIME_LIMIT: Final = 4
@@ -25,14 +26,16 @@ TIME_LIMIT: Final = 4
 
 def run_watched(command: list[str], environment: dict[str, str], max_wall_s: float, *, is_json: bool) -> int:
     """Run a command for so much wall time at most; return its exit code, or that of the time limit."""
-    child = subprocess.Popen(command, env={**environment, MARK: "1"})
+    # In a process group of its own, the child hears of Ctrl-C once: through us.
+    own_group: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
+    child = subprocess.Popen(command, env={**environment, MARK: "1"}, **own_group)
 
-    def end_child(number: int, _frame: FrameType | None) -> None:
-        child.terminate()
+    def pass_on(number: int, _frame: FrameType | None) -> None:
+        with suppress(OSError, ValueError):
+            child.send_signal(number)
 
-    # Ctrl-C reaches the child as well, which answers it; a kill of the parent must not leave the child behind.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, end_child)
+    signal.signal(signal.SIGINT, pass_on if os.name == "posix" else signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, pass_on)
     try:
         code = child.wait(timeout=max_wall_s + GRACE_S)
     except subprocess.TimeoutExpired:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.controller.inbox import Inbox
-from elitescript.controller.io import SignalImage
+from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
 from elitescript.controller.modes import WHY_NOT_READY, Power
 from elitescript.controller.motion_control import MotionControl, motion_limits
 from elitescript.controller.snapshot import build_state
@@ -31,20 +31,13 @@ from elitescript.messages.machine import (
     MachineRequest,
     PauseTask,
     PowerDown,
-    ResetInputActions,
     ResumeTask,
-    SetAnalogDomain,
-    SetAnalogFraction,
     SetGravity,
-    SetInputAction,
     SetLineMark,
     SetOption,
     SetPayload,
-    SetRunstateChoice,
     SetSpeedScale,
     SetTcp,
-    SetToolAnalogMode,
-    SetToolPin,
     StopTask,
     WriteSignal,
 )
@@ -72,6 +65,7 @@ class Controller:
         "_epoch_s",
         "_gravity",
         "_inbox",
+        "_is_powering_down",
         "_joints",
         "_joints_tick",
         "_model",
@@ -125,6 +119,7 @@ class Controller:
         self._gravity = model.gravity
         self._options: dict[str, Value] = {}
         self._node: tuple[int, str] = (0, "")
+        self._is_powering_down = False
         self._joints_tick = -1
         self._joints = JointState(model.home, ZERO_SIX, model.home, ZERO_SIX)
 
@@ -294,7 +289,8 @@ class Controller:
 
     def request_motion(self, request: MotionRequest, line: int, thread: str) -> int:
         """See `commands.context.Machine.request_motion`."""
-        why = WHY_NOT_READY.get(self._power.mode)
+        mode = RobotMode.POWER_OFF if self._is_powering_down else self._power.mode
+        why = WHY_NOT_READY.get(mode)
         if why is not None:
             raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
         return self._motion.request(request, self._tick, self._T_flange_tcp, line, thread)
@@ -316,6 +312,14 @@ class Controller:
         self._on_event(event)
 
     # ---------------------------------------------------------------- the task, for the runtime and robot.py
+
+    def power_up(self) -> None:
+        """Power on and release the brakes, as far as that is not done."""
+        self._is_powering_down = False
+        if self._power.mode is RobotMode.POWER_OFF:
+            self._power.apply("power_on")
+        if self._power.mode is RobotMode.IDLE:
+            self._power.apply("release_brakes")
 
     def task_started(self, name: str) -> None:
         """A program begins in this tick."""
@@ -342,6 +346,7 @@ class Controller:
 
     def _motion_ended(self, move: int, is_complete: bool) -> None:
         self._program.motion_ended(move, is_complete)
+        self._switch_off_at_standstill()
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value))
@@ -391,8 +396,14 @@ class Controller:
         if self._task.is_running:
             self._program.stop("powerdown")
         self._motion.stop(self._tick)
-        if self._power.mode is not RobotMode.POWER_OFF:
-            self._power.apply("power_off")
+        self._is_powering_down = True
+        self._switch_off_at_standstill()
+
+    def _switch_off_at_standstill(self) -> None:
+        if self._is_powering_down and not self._motion.is_moving:
+            self._is_powering_down = False
+            if self._power.mode is not RobotMode.POWER_OFF:
+                self._power.apply("power_off")
 
     def _pause_task(self, _request: PauseTask) -> None:
         self._task.apply("pause")
@@ -408,18 +419,8 @@ class Controller:
         self._program.stop("stopped")
 
     def _signal_setting(self, request: Any) -> None:
-        _SIGNAL_SETTINGS[type(request)](self._signals, request)
+        SIGNAL_SETTINGS[type(request)](self._signals, request)
 
-
-_SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {
-    SetAnalogDomain: SignalImage.set_analog_domain,
-    SetAnalogFraction: SignalImage.set_analog_fraction,
-    SetRunstateChoice: SignalImage.set_runstate,
-    SetInputAction: SignalImage.set_input_action,
-    ResetInputActions: SignalImage.reset_input_actions,
-    SetToolAnalogMode: SignalImage.set_tool_analog_mode,
-    SetToolPin: SignalImage.set_tool_pin,
-}
 
 HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     WriteSignal: Controller._write_signal,
@@ -433,6 +434,6 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     PauseTask: Controller._pause_task,
     ResumeTask: Controller._resume_task,
     StopTask: Controller._stop_task,
-    **dict.fromkeys(_SIGNAL_SETTINGS, Controller._signal_setting),
+    **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
 }
 """Every kind of machine request and who handles it."""

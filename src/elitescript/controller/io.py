@@ -9,7 +9,7 @@ manual says of the ES series).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
 from elitescript.errors import ArgumentRangeError, ScriptStateError
 from elitescript.messages.enums import AnalogDomain, RunstateChoice, ToolPinMode
@@ -227,3 +227,15 @@ class SignalImage:
         if values[index] != value:
             values[index] = value
             self._on_change(name, index, value)
+
+
+SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {
+    SetAnalogDomain: SignalImage.set_analog_domain,
+    SetAnalogFraction: SignalImage.set_analog_fraction,
+    SetRunstateChoice: SignalImage.set_runstate,
+    SetInputAction: SignalImage.set_input_action,
+    ResetInputActions: SignalImage.reset_input_actions,
+    SetToolAnalogMode: SignalImage.set_tool_analog_mode,
+    SetToolPin: SignalImage.set_tool_pin,
+}
+"""Every request that changes how signals behave, and what handles it."""

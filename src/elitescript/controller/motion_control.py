@@ -79,6 +79,11 @@ class Move:
         self.reaches_end = self.end_tick <= standstill_tick
         self.end_tick = min(self.end_tick, standstill_tick)
 
+    def hold(self) -> None:
+        """Do not begin: the arm stays where the move starts until a rate is set."""
+        self.scale = TimeScale.start(self.start_tick * PERIOD_S, 0.0)
+        self.end_tick = NEVER
+
     def path_time_s(self, tick: float) -> float:
         """How far along the segment the arm is, as time at full speed."""
         return min(self.scale.path_time(tick * PERIOD_S), self.segment.duration_s)
@@ -254,6 +259,8 @@ class MotionControl:
         move = self._move
         if move is not None and not move.is_stopping:
             move.set_rate(tick, 0.0, self._program_stop_ramp_s(move, tick))
+        if self._next is not None:
+            self._next.hold()
 
     def resume(self, tick: int) -> None:
         """Go on after a pause, with the speed percentage of now."""

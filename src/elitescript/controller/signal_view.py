@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from math import isfinite
 
 from elitescript.controller.controller import Controller
-from elitescript.errors import UsageError
+from elitescript.errors import ScriptError, UsageError
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
 
@@ -26,7 +27,10 @@ class Signals(Mapping[str, Value]):
         return self._controller.read(signal.name, index)
 
     def __setitem__(self, name: str, value: Value) -> None:
-        self._controller.request(signal_write(name, value))
+        try:
+            self._controller.request(signal_write(name, value))
+        except ScriptError as error:
+            raise UsageError(str(error)) from error
 
     def __iter__(self) -> Iterator[str]:
         return (signal_name(row, index) for row in SIGNALS.values() for index in range(row.size))
@@ -46,6 +50,6 @@ def signal_write(name: str, value: object) -> WriteSignal:
         if value not in (True, False):
             raise UsageError(f"{name} takes True or False, not {value!r}")
         return WriteSignal(signal.name, index, bool(value))
-    if not isinstance(value, (int, float)) or (signal.kind == "int" and int(value) != value):
+    if not isinstance(value, (int, float)) or not isfinite(value) or (signal.kind == "int" and int(value) != value):
         raise UsageError(f"{name} takes {'an int' if signal.kind == 'int' else 'a number'}, not {value!r}")
     return WriteSignal(signal.name, index, int(value) if signal.kind == "int" else float(value))

@@ -62,11 +62,6 @@ ALLOWED_DUNDER_LOADS: Final = ALLOWED_DUNDER_DEFINITIONS | frozenset(
 ALLOWED_CLASS_VARIABLES: Final = frozenset(("__doc__", "__hash__", "__slots__"))
 """Special names that may be assigned in the body of a class."""
 
-POSITIONAL_PATTERN_CLASSES: Final = frozenset(
-    ("bool", "bytearray", "bytes", "dict", "float", "frozenset", "int", "list", "set", "str", "tuple")
-)
-"""Classes whose patterns take a value without a name: `case int(x)`."""
-
 _MAX_FINDINGS: Final = 300
 
 _ADVICE: Final = {
@@ -311,11 +306,10 @@ class _Reviewer:
         if not census.of(ast.Match):
             return
         for pattern in census.of(ast.MatchClass):
-            cls = pattern.cls
-            builtin = isinstance(cls, ast.Name) and cls.id in POSITIONAL_PATTERN_CLASSES
-            if pattern.patterns and not (builtin and len(pattern.patterns) == 1):
+            if pattern.patterns:
+                # A class of any name can say which attributes its positions stand for.
                 text = "this class pattern needs names for its values"
-                yield self._finding(pattern, text, "write `case Point(x=a, y=b)`")
+                yield self._finding(pattern, text, "write `case int() as n`, or `case Point(x=a, y=b)`")
             for name in pattern.kwd_attrs:
                 if not is_attribute_allowed(name) or name in GUARDED_ATTRIBUTES:
                     text = f"the attribute `{name}` is not available in patterns"

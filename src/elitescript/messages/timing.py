@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from math import ceil
+from math import ceil, isnan
 from typing import Final
+
+from elitescript.errors import UsageError
 
 PERIOD_S: Final = 0.004
 """Length of one tick, `get_steptime()`; *observed* (250 Hz streams of the vendor's SDK and pages)."""
@@ -19,6 +21,16 @@ def seconds(tick: int) -> float:
     return tick / TICKS_PER_S
 
 
+LONGEST_S: Final = 1e12
+"""Waits that are longer than this, some thirty thousand years, last as long as this."""
+
+
 def ticks_for(duration_s: float) -> int:
-    """Ticks that a wait of `duration_s` takes: rounded up, a wait never ends early."""
-    return max(0, ceil(duration_s * TICKS_PER_S - _ROUNDING_TICKS))
+    """Ticks that a wait of `duration_s` takes: rounded up, a wait never ends early.
+
+    Raises:
+        UsageError: not a number.
+    """
+    if isnan(duration_s):
+        raise UsageError("a duration must be a number of seconds, not nan")
+    return max(0, ceil(min(duration_s, LONGEST_S) * TICKS_PER_S - _ROUNDING_TICKS))

@@ -17,6 +17,7 @@ from elitescript.language.compiler import column_of
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile, release_of
+from elitescript.runtime.strand import INNER_TEXTS
 
 CLOSE_ENOUGH: Final = 0.7
 """Similarity from which a name is suggested for a wrong one."""
@@ -33,6 +34,8 @@ class Place(NamedTuple):
     source_line: str
     names: tuple[str, ...]
     """Names that the code there could have used."""
+    inner: str = ""
+    """Where in a text that the program made for `eval` or `exec`, in words."""
 
 
 NOWHERE: Final = Place(0, 0, "", ())
@@ -68,6 +71,8 @@ def alarm_of(
         details = details_of(error)
     elif isinstance(error, NameError) and type(error.name) is str and not isinstance(error, UnboundLocalError):
         code, class_name, text, details = _unknown_name(error.name, text, place, builtins, catalogue, profile)
+    if place.inner:
+        text = f"{text} ({place.inner})"
     return Alarm(clock(), code, class_name, text, place.line, place.column, thread, place.source_line, details)
 
 
@@ -112,22 +117,30 @@ def _plain(value: Any) -> Any:
 
 
 def place_of(trace: TracebackType | None, builtins: dict[str, Any], sources: Mapping[str, SourceFile]) -> Place:
-    """The innermost line of script text in a traceback."""
-    found = None
+    """The innermost line of the program's own text in a traceback; of a text that it made only if there is no other."""
+    found = inner = None
     while trace is not None:
         if trace.tb_frame.f_builtins is builtins:
-            found = trace
+            inner = trace
+            if not trace.tb_frame.f_code.co_filename.startswith(INNER_TEXTS):
+                found = trace
         trace = trace.tb_next
+    found = found or inner
     if found is None:
         return NOWHERE
     frame, code = found.tb_frame, found.tb_frame.f_code
     line, offset = _position(code, found.tb_lasti, found.tb_lineno or 0)
     source = sources.get(code.co_filename)
     names = (*code.co_varnames, *code.co_freevars, *code.co_cellvars, *frame.f_globals)
+    where = "" if inner is found or inner is None else _inner_place(inner)
     if source is None:
-        return Place(line, 0, "", names)
+        return Place(line, 0, "", names, where)
     column = 0 if offset is None else column_of(source, line, offset)
-    return Place(line, column, source.line(line), names)
+    return Place(line, column, source.line(line), names, where)
+
+
+def _inner_place(trace: TracebackType) -> str:
+    return f"line {trace.tb_lineno} of the text that {trace.tb_frame.f_code.co_filename[1:5]} ran"
 
 
 def _position(code: CodeType, instruction: int, line: int) -> tuple[int, int | None]:

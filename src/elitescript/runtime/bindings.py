@@ -28,14 +28,15 @@ from elitescript.runtime.guards import (
     checked_getattr,
     checked_hasattr,
     checked_setattr,
+    class_builder,
 )
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.stdlib.iteration import Step, iter_until
-from elitescript.runtime.strand import STOP as STOP_CLASS
+from elitescript.runtime.strand import UNCATCHABLE
 
 _REAL_NAMES: Final = (
     "abs all any ascii bin callable chr divmod format hash hex isinstance issubclass len max min next oct ord pow repr"
-    " round sorted sum __build_class__"
+    " round sorted sum"
     " bool bytearray bytes classmethod complex dict enumerate filter float frozenset int list map object property range"
     " reversed set slice staticmethod str super tuple zip"
 )
@@ -116,10 +117,11 @@ def builtins_for(
     )
     names["copy"] = names["elicopy"] = _preloaded_copy(shelf)
     names["__import__"] = _import(shelf)
+    names["__build_class__"] = class_builder(identities)
     names.update((name, command_function(catalogue, name, context)) for name in catalogue.names())
     names[TICK] = scheduler.fuel.pop
     names[CHECKPOINT] = scheduler.checkpoint
-    names[STOP] = STOP_CLASS
+    names[STOP] = UNCATCHABLE
     names[FORMAT] = checked_format_method
     names[LINE] = _line(context)
     return names

@@ -27,8 +27,8 @@ POPUP: Final = "somebody to confirm a popup"
 class TaskPort(Protocol):
     """What a context asks of the host: the program as a whole."""
 
-    movers: dict[int, Strand]
-    """Who waits for which move."""
+    movers: dict[int, list[Strand]]
+    """Who waits for which move: its own thread, and threads that brake it."""
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
         """Start a thread of the program."""
@@ -145,12 +145,14 @@ class Context:
         move = machine.request_motion(request, strand.line, strand.name)
         movers = self._port.movers
         strand.cancel = lambda: machine.cancel_move(move)
-        movers[move] = strand
+        movers.setdefault(move, []).append(strand)
         try:
             while not machine.is_move_done(move):
                 self.scheduler.wait(reason)
         finally:
-            del movers[move]
+            movers[move].remove(strand)
+            if not movers[move]:
+                del movers[move]
             strand.cancel = None
 
     def request(self, request: MachineRequest) -> None:

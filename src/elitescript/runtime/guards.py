@@ -7,6 +7,7 @@ exact `str` names only: an instance of a subclass can say that it is one thing a
 
 from __future__ import annotations
 
+import builtins
 from _string import formatter_field_name_split, formatter_parser  # type: ignore[import-not-found]
 from collections.abc import Callable, Mapping
 from types import BuiltinFunctionType, MethodDescriptorType
@@ -238,17 +239,53 @@ class Identities:
         self._known: dict[int, tuple[int, Any]] = {}
         self._count = 0
 
+    def next_number(self) -> int:
+        """A number that no other object has."""
+        self._count += 1
+        return 16 * self._count
+
     def number(self, value: Any) -> int:
         """The number of an object."""
         found = self._known.get(id(value))
         if found is not None:
             return found[0]
-        self._count += 1
+        number = self.next_number()
         if len(self._known) >= IDS_MAX:
             del self._known[next(iter(self._known))]
-        self._known[id(value)] = (16 * self._count, value)
-        return 16 * self._count
+        self._known[id(value)] = (number, value)
+        return number
 
     def clear(self) -> None:
         """Forget all objects."""
         self._known.clear()
+
+
+def class_builder(identities: Identities) -> Callable[..., type]:
+    """`class` statements whose objects are hashed by the order in which that is asked for, not by address.
+
+    So a set of them has the same order in every run.
+    """
+    build = builtins.__build_class__
+
+    def hash_of(self: Any) -> int:
+        """Number of the object."""
+        try:
+            attributes = object.__getattribute__(self, "__dict__")
+        except AttributeError:
+            return identities.number(self)
+        number = attributes.get(_HASH)
+        if number is None:
+            number = attributes[_HASH] = identities.next_number()
+        return int(number)
+
+    def build_class(body: Callable[..., Any], name: str, *bases: Any) -> type:
+        made: type = build(body, name, *bases)
+        if getattr(made, "__hash__") is getattr(object, "__hash__"):  # noqa: B009
+            type.__setattr__(made, "__hash__", hash_of)
+        return made
+
+    return build_class
+
+
+_HASH: Final = "@hash"
+"""Attribute that no script can name."""

@@ -62,7 +62,7 @@ class ScriptHost:
     Attributes:
         result: how the last program ended; empty while one runs and before the first.
         alarm: what ended it, if an alarm did.
-        movers: which strand waits for which move.
+        movers: which strands wait for which move.
     """
 
     __slots__ = (
@@ -106,24 +106,29 @@ class ScriptHost:
         self._main: Strand | None = None
         self._ending = ""
         self._secondaries = Secondaries(self._scheduler, self._begin_secondary, self._warn_secondary)
-        self.movers: dict[int, Strand] = {}
+        self.movers: dict[int, list[Strand]] = {}
         self.result = ""
         self.alarm: Alarm | None = None
 
     # ---------------------------------------------------------------- programs
 
-    def start(self, unit: CompiledUnit, presets: dict[str, object] | None = None) -> None:
+    def start(
+        self, unit: CompiledUnit, presets: dict[str, object] | None = None, *, world: World | None = None
+    ) -> None:
         """Start a program; it runs from the next `run_tick` on.
 
         Args:
             unit: a program, script or line.
             presets: program globals that have a value before it begins.
+            world: everything outside, from now on; as before if None.
 
         Raises:
             ScriptStateError: a program is running.
         """
         if self.is_running:
             raise ScriptStateError("a program is running; stop it first")
+        if world is not None:
+            self._world = world
         self._program = program = self._new_program(presets or {})
         self.result, self.alarm, self._ending = "", None, ""
         self._main = self._spawn(program, "main", program.body_of(unit))
@@ -147,12 +152,11 @@ class ScriptHost:
         self._scheduler.resume()
 
     def stop(self, reason: str) -> None:
-        """End the program, and a secondary program with it, in the `run_tick` that runs or in the next one.
+        """End the program in the `run_tick` that runs or in the next one; secondary programs go on.
 
         Args:
             reason: for whoever reads the call; the result is `stopped`.
         """
-        self._secondaries.stop()
         self._end(STOPPED)
 
     def interrupt(self) -> None:
@@ -226,9 +230,8 @@ class ScriptHost:
         return min(due, due_secondary)
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
-        """A move is over; the thread that waits for it goes on at the next `run_tick`."""
-        strand = self.movers.get(move)
-        if strand is not None:
+        """A move is over; the threads that wait for it go on at the next `run_tick`."""
+        for strand in self.movers.get(move, ()):
             self._scheduler.wake(strand)
 
     def _settle(self) -> bool:

@@ -189,7 +189,7 @@ class Program:
             if type(text) is not str:
                 raise TypeError(f"exec() takes a str, not {type(text).__name__}")
             try:
-                unit = compile_unit(SourceFile("<exec>", text), Options(kind="script"))
+                unit = compile_unit(SourceFile(f"<exec {len(self._sources)}>", text), Options(kind="script"))
             except ProgramError as error:
                 raise _syntax_error(error) from None
             self.body_of(unit)()

@@ -58,11 +58,6 @@ class Secondaries:
             raise ScriptStateError(f"{QUEUE_MAX} secondary programs wait already")
         self._queue.append(unit)
 
-    def stop(self) -> None:
-        """Forget those that wait and end the one that runs, at the next `settle`."""
-        self._queue.clear()
-        self._deadline = -1
-
     def next_tick(self, tick: int) -> int | None:
         """Earliest tick after `tick` at which one begins or has run too long."""
         if self._strand is None:
@@ -74,8 +69,7 @@ class Secondaries:
         has_changed = False
         strand = self._strand
         if strand is not None and self._scheduler.now >= self._deadline:
-            if self._deadline >= 0:
-                self._warn(f"TimeoutError: stopped after {seconds(LIMIT_TICKS):g} s, it must be short", strand)
+            self._warn(f"TimeoutError: stopped after {seconds(LIMIT_TICKS):g} s, it must be short", strand)
             self._scheduler.kill(strand)
             has_changed = True
         if self._strand is None and self._queue:

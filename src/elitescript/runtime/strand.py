@@ -32,7 +32,13 @@ _CONTEXTS_MAX: Final = 64
 """Exceptions during the handling of exceptions that are looked through for a stop."""
 
 STOP: Final = GreenletExit
-"""What every `try` of a script lets pass: `Stopped`, and what a forgotten strand gets when it is collected."""
+"""What ends a strand: `Stopped`, and what a forgotten strand gets when it is collected."""
+
+UNCATCHABLE: Final = (GreenletExit, KeyboardInterrupt)
+"""What every `try` of a script lets pass: the end of a strand, and the user's interrupt."""
+
+INNER_TEXTS: Final = ("<eval", "<exec")
+"""How the names of texts begin that a program makes while it runs; places are told in its own text."""
 
 
 class Stopped(GreenletExit):  # type: ignore[misc]
@@ -198,12 +204,16 @@ class Strand:
         return self._line
 
     def script_frame(self) -> FrameType | None:
-        """Innermost frame of script code; None when there is none."""
+        """Innermost frame of the program's own text; of a text that it made only if there is no other."""
         builtins = self._builtins
-        frame = self._top_frame()
-        while frame is not None and frame.f_builtins is not builtins:
+        frame, inner = self._top_frame(), None
+        while frame is not None:
+            if frame.f_builtins is builtins:
+                if not frame.f_code.co_filename.startswith(INNER_TEXTS):
+                    return frame
+                inner = inner or frame
             frame = frame.f_back
-        return frame
+        return inner
 
     def called_from_script(self) -> FrameType | None:
         """The frame that the innermost line of script text has called; None if it has called none of ours."""
