@@ -16,6 +16,7 @@ from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
 from elitescript.errors import UsageError
 from elitescript.language.compiler import CompiledUnit, Options, compile_unit
+from elitescript.language.options import SECONDARY
 from elitescript.language.source import SourceFile
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event
@@ -159,14 +160,15 @@ class VirtualRobot:
 
     # ---------------------------------------------------------------- programs
 
-    def compile(self, program: str | Path) -> CompiledUnit:
-        """Compile a program text, or the file of a path.
+    def compile(self, program: str | Path | SourceFile) -> CompiledUnit:
+        """Compile a program text, the file of a path, or a source that was read before.
 
         Raises:
             ProgramError: the text does not compile; `problems` says where and why.
             UsageError: no such file.
         """
-        return compile_unit(source_of(program), self._options)
+        source = program if isinstance(program, SourceFile) else source_of(program)
+        return compile_unit(source, self._options)
 
     def run(
         self,
@@ -225,10 +227,13 @@ class VirtualRobot:
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run
         self.controller.power_up()
-        self.controller.task_started(unit.name)
         self._interrupted_as = ""
         self._trace = trace if isinstance(trace, Trace) else Trace(run.trace.append, trace_step_s) if trace else None
-        self._host.start(unit, values, world=world)
+        if unit.kind == SECONDARY and self._run is run:
+            self._host.start_secondary(unit, world=world)
+        else:
+            self.controller.task_started(unit.name)
+            self._host.start(unit, values, world=world)
         return run
 
     def submit_secondary(self, program: str) -> None:
@@ -282,6 +287,8 @@ class VirtualRobot:
             if self._interrupted_as:
                 return
             run = self._run
+            if run is not None and run.state == "" and run.unit.kind == SECONDARY and self._host.is_idle:
+                run.state = "finished"
             if run is not None and run.state != "" and not controller.is_moving:
                 self._rest(run)
                 if not stays:

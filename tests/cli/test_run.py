@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -156,6 +157,15 @@ def test_a_trace_as_csv_and_as_json_lines_is_the_same(program, tmp_path, capsys,
 def test_a_call_that_makes_no_sense_is_refused(program, capsys, options, words):
     assert main(["run", program("def a():\n  pass\nend\n"), *options]) == 2
     assert words in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not Path("/dev/stdin").exists(), reason="no such file on this system")
+def test_a_program_can_come_through_a_pipe():
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    for options in ((), ("--max-wall", "20")):
+        command = [sys.executable, "-m", "elitescript", "run", "/dev/stdin", *options]
+        result = subprocess.run(command, env=environment, input=b"textmsg('x')\n", capture_output=True, check=True)
+        assert b"0.000 s  x" in result.stdout
 
 
 def test_a_missing_file_is_named(capsys):

@@ -33,5 +33,5 @@ def test_flags_are_written_and_read(call: Any, robot: Any) -> None:
 
 def test_powerdown_and_task_path(call: Any, robot: Any) -> None:
     call("powerdown")
-    assert robot.asked == [PowerDown()]
+    assert robot.asked == [PowerDown(), "halt"]
     assert call("get_task_path") == "/tasks/"

@@ -121,3 +121,20 @@ def test_an_input_action_is_bound_and_unbound(image):
     assert image.is_freedrive_input("standard_digital_in", 4)
     image.set_input_action(SetInputAction("standard_digital_in", 4, is_freedrive=False))
     assert not image.is_freedrive_input("standard_digital_in", 4)
+
+
+def test_a_new_domain_gives_an_output_that_nobody_set_the_lowest_level(image):
+    image.set_analog_domain(SetAnalogDomain("standard_analog_out", 1, AnalogDomain.CURRENT))
+    assert image.read("standard_analog_out", 1) == 0.004
+    image.set_runstate(SetRunstateChoice("standard_analog_out", 1, RunstateChoice.LOW_WHEN_STOPPED))
+    image.set_analog_domain(SetAnalogDomain("standard_analog_out", 1, AnalogDomain.VOLTAGE))
+    assert image.read("standard_analog_out", 1) == 0.0
+
+
+def test_an_input_keeps_its_level_if_the_new_domain_has_it_and_its_fraction_if_not(image):
+    image.write(WriteSignal("standard_analog_in", 0, 0.012))
+    image.write(WriteSignal("standard_analog_in", 1, 5.0))
+    for index in (0, 1):
+        image.set_analog_domain(SetAnalogDomain("standard_analog_in", index, AnalogDomain.CURRENT))
+    assert image.read("standard_analog_in", 0) == 0.012
+    assert image.read("standard_analog_in", 1) == pytest.approx(0.012)

@@ -101,10 +101,10 @@ class TestMoveJ:
         segment = movej(joints_by(0.8, 0.0, 0.0, 1.0, a=40.0, v=3.0), limits).segment
         assert segment.sample_speed(0.01)[0] == pytest.approx(0.02, rel=1e-9)
 
-    def test_target_where_the_arm_stands_takes_no_time(self) -> None:
+    def test_target_where_the_arm_stands_takes_the_time_that_is_asked_for(self) -> None:
         for t_s in (0.0, 5.0):
             plan = movej(joints_by(t_s=t_s))
-            assert plan.segment.duration_s == 0.0
+            assert plan.segment.duration_s == t_s
             assert plan.segment.sample(0.0) == Q_WORK
 
     def test_target_outside_the_range_names_the_joint(self) -> None:
@@ -221,10 +221,10 @@ class TestMoveL:
             movel(request, q_start)
         assert caught.value.code == "R112"
 
-    def test_target_where_the_arm_stands_takes_no_time(self) -> None:
+    def test_target_where_the_arm_stands_takes_the_time_that_is_asked_for(self) -> None:
         for t_s in (0.0, 5.0):
             plan = movel(replace(line_by(Q_WORK), t_s=t_s))
-            assert plan.segment.duration_s == 0.0
+            assert plan.segment.duration_s == t_s
             assert plan.segment.sample(1.0) == Q_WORK
 
     def test_present_pose_is_accepted_in_a_singular_arm(self) -> None:

@@ -8,7 +8,7 @@ from math import sqrt
 import pytest
 
 from elitescript.errors import InternalError
-from elitescript.motion.profile import RAMP_SHARE, REST, Profile, trapezoid, trapezoid_lasting
+from elitescript.motion.profile import RAMP_SHARE, Profile, trapezoid, trapezoid_lasting
 
 
 def random_laws(count: int, seed: int) -> list[tuple[float, float, float]]:
@@ -105,12 +105,11 @@ def test_profile_rests_before_and_after() -> None:
     assert profile.speed_at_position(-0.1) == profile.speed_at_position(1.1) == 0.0
 
 
-def test_path_without_length_takes_no_time() -> None:
-    assert trapezoid(0.0, 1.0, 1.0) is REST
-    assert trapezoid_lasting(0.0, 5.0, 1.0, 1.0) is REST
-    assert REST.duration_s == 0.0
-    assert REST.at(0.0) == (0.0, 0.0)
-    assert REST.stretched(3.0) is REST
+def test_a_path_without_length_rests_for_as_long_as_it_is_told():
+    assert trapezoid(0.0, 1.0, 1.0).duration_s == 0.0
+    profile = trapezoid_lasting(0.0, 5.0, 1.0, 1.0)
+    assert profile.duration_s == 5.0
+    assert profile.at(0.0) == profile.at(3.0) == (0.0, 0.0)
 
 
 def test_stretching_keeps_the_way_and_lowers_speed_and_acceleration() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from elitescript import AlarmError, ProgramError, UsageError, VirtualRobot
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import MotionEnded, SignalChanged, TaskStateChanged
+from elitescript.messages.events import MotionEnded, SignalChanged, TaskStateChanged, Warned
 
 HOME = (0.0, -1.5707963267948966, -1.5707963267948966, -1.5707963267948966, 1.5707963267948966, 0.0)
 
@@ -356,3 +356,43 @@ def test_a_set_of_objects_has_the_same_order_every_time():
     program += "  textmsg([p.n for p in {P(i) for i in range(9)}])\nend\n"
     keep = [VirtualRobot().run(program).log for _ in range(5)]
     assert all(log == keep[0] for log in keep)
+
+
+def test_a_file_that_is_a_secondary_program_runs_as_one(robot):
+    run = robot.run("sec a():\n  set_flag(2, True)\n  movej([0, -1, 0, 0, 0, 0])\nend\n")
+    assert (run.state, run.alarms, robot.signals["flag[2]"]) == ("finished", [], True)
+    assert run.warnings[-1].startswith("[SEC] Exception: ")
+    assert not robot.state.is_moving
+    robot.start("def b():\n  sleep(1)\nend\n")
+    with pytest.raises(Exception, match="a task is running"):
+        robot.run("sec a():\n  pass\nend\n")
+
+
+@pytest.mark.parametrize("move", ["movej(get_target_joint_positions(), t=2)", "movel(get_target_tcp_pose(), t=2)"])
+def test_a_move_to_where_the_arm_stands_lasts_as_long_as_it_is_told(robot, move):
+    run = robot.run(f"def a():\n  {move}\nend\n", trace=True)
+    assert run.time_s == 2.0
+    assert {row.q for row in run.trace} == {HOME}
+
+
+def test_powerdown_is_the_end_of_the_program(robot):
+    run = robot.run("def a():\n  powerdown()\n  textmsg('still here')\nend\n")
+    assert (run.state, run.log) == ("stopped", [])
+
+
+def test_a_thread_whose_call_fails_is_placed_where_it_was_started(robot):
+    run = robot.run("def a():\n  def f(x):\n    pass\n  end\n  start_thread(f, (1, 2))\n  sleep(1)\nend\n")
+    assert (run.alarms[0].class_name, run.alarms[0].line) == ("TypeError", 5)
+
+
+def test_a_failing_secondary_program_names_its_line(robot):
+    robot.start("def a():\n  sleep(1)\nend\n")
+    robot.submit_secondary("sec s():\n\n  nope\nend\n")
+    robot.advance(0.1)
+    assert [event.line for event in robot.current.events if isinstance(event, Warned)] == [3]
+
+
+def test_a_handler_may_name_the_users_interrupt(robot):
+    program = "def a():\n  try:\n    raise ValueError\n  except KeyboardInterrupt:\n    pass\n"
+    program += "  except ValueError:\n    textmsg(1)\nend\n"
+    assert robot.run(program).log == ["1"]

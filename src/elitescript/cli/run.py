@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
     report.problems(problems, source)
     if any(problem.severity is Severity.ERROR for problem in problems):
         return DOES_NOT_COMPILE
-    unit = robot.compile(path)
+    unit = robot.compile(source)
     with ExitStack() as stack:
         trace: bool | Trace = False
         if options.trace is not None:

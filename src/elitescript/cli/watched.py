@@ -27,7 +27,7 @@ TIME_LIMIT: Final = 4
 def run_watched(command: list[str], environment: dict[str, str], max_wall_s: float, *, is_json: bool) -> int:
     """Run a command for so much wall time at most; return its exit code, or that of the time limit."""
     # In a process group of its own, the child hears of Ctrl-C once: through us.
-    own_group: dict[str, Any] = {"process_group": 0} if os.name == "posix" else {}
+    own_group: dict[str, Any] = {"process_group": 0, "close_fds": False} if os.name == "posix" else {}
     child = subprocess.Popen(command, env={**environment, MARK: "1"}, **own_group)
 
     def pass_on(number: int, _frame: FrameType | None) -> None:

@@ -102,8 +102,9 @@ def rtsi_set_watchdog(
 
 @command(family="system", manual="6.4.7")
 def powerdown(robot: Robot) -> None:
-    """Stop the arm, then switch off arm and control box."""
+    """Stop the arm, then switch off arm and control box; the program ends here."""
     robot.request(PowerDown())
+    robot.halt()
 
 
 @command(family="system", manual="3.57")

@@ -33,6 +33,7 @@ from elitescript.messages.machine import (
     PowerDown,
     ResumeTask,
     SetGravity,
+    SetInputAction,
     SetLineMark,
     SetOption,
     SetPayload,
@@ -355,9 +356,12 @@ class Controller:
 
     def _write_signal(self, request: WriteSignal) -> None:
         self._signals.write(request)
-        if request.value and self._signals.is_freedrive_input(request.name, request.index):
-            name = signal_name(SIGNALS[request.name], request.index)
-            self.emit(Warned(self._tick, f"{name} is bound to hand guiding, which is not simulated yet"))
+        self._warn_of_hand_guiding(request.name, request.index)
+
+    def _warn_of_hand_guiding(self, name: str, index: int) -> None:
+        if self._signals.is_freedrive_input(name, index) and self._signals.read(name, index):
+            point = signal_name(SIGNALS[name], index)
+            self.emit(Warned(self._tick, f"{point} asks for hand guiding, which is not simulated yet"))
 
     def _set_tcp(self, request: SetTcp) -> None:
         self._tcp_offset = request.offset
@@ -420,6 +424,8 @@ class Controller:
 
     def _signal_setting(self, request: Any) -> None:
         SIGNAL_SETTINGS[type(request)](self._signals, request)
+        if isinstance(request, SetInputAction):
+            self._warn_of_hand_guiding(request.name, request.index)
 
 
 HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {

@@ -126,16 +126,29 @@ class SignalImage:
         self._command(request.name, request.index, low + (high - low) * fraction)
 
     def set_analog_domain(self, request: SetAnalogDomain) -> None:
-        """Change the domain of a channel; an output keeps its fraction of the range (*assumed*)."""
+        """Change the domain of a channel, which keeps its fraction of the range (*assumed*).
+
+        An input whose level lies within the new range too keeps the level: it was given for that range.
+        """
         key = (request.name, request.index)
         old_low, old_high = _RANGES[self.domain(*key)]
-        self._domains[key] = request.domain
         low, high = _RANGES[request.domain]
-        commanded = self._commanded.get(key)
-        if commanded is not None:
-            self._commanded[key] = low + (high - low) * (commanded - old_low) / (old_high - old_low)
-        if not SIGNALS[request.name].is_input and (commanded is not None or key in self._runstate):
+        if request.domain is self.domain(*key):
+            return
+        self._domains[key] = request.domain
+        is_input = SIGNALS[request.name].is_input
+        level = float(self._values[request.name][request.index] if is_input else self._commanded_level(*key))
+        if is_input and low <= level <= high:
+            return
+        fraction = min(1.0, max(0.0, (level - old_low) / (old_high - old_low)))
+        if is_input:
+            self._store(*key, low + (high - low) * fraction)
+        else:
+            self._commanded[key] = low + (high - low) * fraction
             self._apply(*key)
+
+    def _commanded_level(self, name: str, index: int) -> Value:
+        return self._commanded.get((name, index), self._values[name][index])
 
     def set_runstate(self, request: SetRunstateChoice) -> None:
         """Tie an output to whether a program runs; takes effect at once."""

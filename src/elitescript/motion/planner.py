@@ -35,7 +35,7 @@ from elitescript.messages.motion import MoveC, MoveJ, MoveL, Six
 from elitescript.motion.jointline import JointLine
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.path import CartesianPath, arc, line
-from elitescript.motion.profile import REST, Profile, trapezoid, trapezoid_lasting
+from elitescript.motion.profile import Profile, resting, trapezoid, trapezoid_lasting
 from elitescript.motion.retiming import SlowPlace, keeps_limits, retimed
 from elitescript.motion.segment import Segment
 from elitescript.motion.track import JointTrack, follow
@@ -101,7 +101,7 @@ def plan_movej(
         )
     path = JointLine(arm, T_flange_tcp, q_start, request.q_target)
     if path.length == 0.0:
-        return Plan(Segment(path, REST))
+        return Plan(Segment(path, resting(request.t_s)))
     # The limits of every joint, as limits of the leading one.
     v_max = min(limit / abs(share) for limit, share in zip(limits.qd_max, path.slope, strict=True) if share)
     a_max = min(limit / abs(share) for limit, share in zip(limits.qdd_max, path.slope, strict=True) if share)
@@ -177,7 +177,7 @@ def _plan_cartesian(
 ) -> Plan:
     """Solve the path and find its profile; v_max and a_max are the limits of the tool on it."""
     if path.length == 0.0:
-        return Plan(Segment(follow(arm, limits, path, q_start, 0.0, 0.0), REST))
+        return Plan(Segment(follow(arm, limits, path, q_start, 0.0, 0.0), resting(t_s)))
     if t_s > 0.0:
         profile = trapezoid_lasting(path.length, t_s, v_max, a_max)
         if profile is not None:

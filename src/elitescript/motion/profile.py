@@ -97,8 +97,9 @@ class Profile:
         )
 
 
-REST: Final = Profile(0.0, 0.0, (0.0,), (0.0,), (0.0,), (0.0,))
-"""The profile of a path without length."""
+def resting(duration_s: float = 0.0) -> Profile:
+    """Return the profile of a path without length, which may last nevertheless."""
+    return Profile(0.0, duration_s, (0.0,), (0.0,), (0.0,), (0.0,))
 
 
 def trapezoid(length: float, v: float, a: float) -> Profile:
@@ -107,7 +108,7 @@ def trapezoid(length: float, v: float, a: float) -> Profile:
     The duration is `length / v + v / a` when the speed is reached, else `2 sqrt(length / a)`.
     """
     if length == 0.0:
-        return REST
+        return resting()
     ramp = 0.5 * v * v / a
     if 2.0 * ramp >= length:
         half_s = sqrt(length / a)
@@ -131,7 +132,7 @@ def trapezoid_lasting(length: float, duration_s: float, v_max: float, a_max: flo
     shorter, where it would pass the acceleration limit they get longer.
     """
     if length == 0.0:
-        return REST
+        return resting(duration_s)
     mean = length / duration_s
     # Ramps of a share f each give the speed mean / (1 - f) and the acceleration mean / (duration f (1 - f)).
     least_product = mean / (duration_s * a_max)

@@ -90,7 +90,7 @@ class Segment:
 
     def sample(self, t_s: float) -> Six:
         """Return the joint angles at a time, rad."""
-        if t_s <= 0.0:
+        if t_s <= 0.0 or self.path.length == 0.0:
             return self.path.q_start
         if t_s >= self.duration_s:
             return self.path.q_end
@@ -102,7 +102,7 @@ class Segment:
 
     def setpoint(self, t_s: float) -> Setpoint:
         """Return joint angles and speeds at a time; cheaper than asking for them one by one."""
-        if t_s <= 0.0:
+        if t_s <= 0.0 or self.path.length == 0.0:
             return Setpoint(self.path.q_start, _REST)
         if t_s >= self.duration_s:
             return Setpoint(self.path.q_end, _REST)

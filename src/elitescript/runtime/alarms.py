@@ -16,7 +16,7 @@ from elitescript.errors import CODES, ProgramError, ScriptError
 from elitescript.language.compiler import column_of
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm
-from elitescript.messages.profile import Profile, release_of
+from elitescript.messages.profile import PROFILES, Profile, release_of
 from elitescript.runtime.strand import INNER_TEXTS
 
 CLOSE_ENOUGH: Final = 0.7
@@ -46,6 +46,7 @@ def alarm_of(
     *,
     clock: Callable[[], int],
     thread: str,
+    started_line: int = 0,
     builtins: dict[str, Any],
     sources: Mapping[str, SourceFile],
     catalogue: Catalogue,
@@ -57,12 +58,16 @@ def alarm_of(
         error: the exception, with its traceback.
         clock: tells the present tick; read last, because the text of an exception is made by the program, in its time.
         thread: name of the thread.
+        started_line: where it was started: the place of a call that failed before any line of it ran.
         builtins: the built-ins of the program, by which its frames are known.
         sources: its texts, by name.
         catalogue: the commands, to suggest one for an unknown name.
         profile: the firmware.
     """
     place = place_of(error.__traceback__, builtins, sources)
+    if place.line == 0 and started_line:
+        source = next(iter(sources.values()))
+        place = Place(started_line, 1, source.line(started_line), place.names)
     code, class_name, text = UNCAUGHT, class_name_of(error), text_of(error)
     details: dict[str, Any] = {}
     if isinstance(error, ScriptError):
@@ -173,7 +178,10 @@ def newer_firmware_text(name: str, since: str, profile: Profile) -> str:
 
 def newer_firmware_hint(since: str) -> str:
     """What to do about it."""
-    return f"choose a newer firmware: --firmware {since}"
+    newest = max(PROFILES.values(), key=lambda profile: profile.release)
+    if release_of(since) > newest.release:
+        return f"the newest firmware that is simulated is {newest.name}"
+    return f"choose a newer firmware: --firmware {newest.name}"
 
 
 def closest(name: str, known: Iterable[str]) -> str:

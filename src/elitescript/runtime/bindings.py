@@ -56,6 +56,8 @@ _ERRORS: Final = [
 _REAL: Final[dict[str, Any]] = {
     **{name: getattr(builtins, name) for name in (*_REAL_NAMES.split(), *_ERRORS)},
     "Ellipsis": ...,
+    # A stand-in: handlers may name it, but nothing raises it; the real one belongs to the user.
+    "KeyboardInterrupt": type("KeyboardInterrupt", (BaseException,), {"__module__": "builtins"}),
     "NotImplemented": NotImplemented,
     "__debug__": True,
 }

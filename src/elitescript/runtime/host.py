@@ -134,12 +134,18 @@ class ScriptHost:
         self._main = self._spawn(program, "main", program.body_of(unit))
         program.main = self._main
 
-    def start_secondary(self, unit: CompiledUnit) -> None:
+    def start_secondary(self, unit: CompiledUnit, *, world: World | None = None) -> None:
         """Run a secondary program as soon as those before it are over.
+
+        Args:
+            unit: the secondary program.
+            world: everything outside, from now on; as before if None.
 
         Raises:
             ScriptStateError: too many wait.
         """
+        if world is not None:
+            self._world = world
         self._secondaries.put(unit)
 
     def pause(self) -> None:
@@ -318,7 +324,7 @@ class ScriptHost:
         if strand is None or strand.is_dying:
             return
         if strand.is_secondary:
-            self._warn_secondary(summary_of(error), strand)
+            self._warn_secondary(summary_of(error), strand, program.alarm(error, strand).line)
         elif not self._ending:
             self.alarm = program.alarm(error, strand)
             self._machine.emit(self.alarm)
@@ -339,8 +345,9 @@ class ScriptHost:
         name = f"sec {unit.name}" if unit.name else "sec"
         return self._spawn(program, name, program.body_of(unit), is_secondary=True), own
 
-    def _warn_secondary(self, text: str, strand: Strand) -> None:
-        self._machine.emit(Warned(self._machine.tick, SECONDARY_WARNING + text, strand.name, strand.line))
+    def _warn_secondary(self, text: str, strand: Strand, line: int | None = None) -> None:
+        place = strand.line if line is None else line
+        self._machine.emit(Warned(self._machine.tick, SECONDARY_WARNING + text, strand.name, place))
 
     # ---------------------------------------------------------------- what contexts ask
 
@@ -348,7 +355,10 @@ class ScriptHost:
         """Start a thread of the program."""
         program = self._program
         assert program is not None
-        return self._spawn(program, name, lambda: function(*args))
+        starter = self._scheduler.current
+        strand = self._spawn(program, name, lambda: function(*args))
+        strand.started_line = 0 if starter is None else starter.line
+        return strand
 
     def thread_count(self) -> int:
         """Living threads of the program besides its main one."""

@@ -134,6 +134,7 @@ class Program:
             error,
             clock=lambda: self.context.machine.tick,
             thread=strand.name,
+            started_line=strand.started_line,
             builtins=self.builtins,
             sources=self._sources,
             catalogue=CATALOGUE,

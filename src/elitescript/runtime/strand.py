@@ -68,6 +68,7 @@ class Strand:
         is_dying: it was stopped, and unwinds or will.
         is_abandoned: it could not be stopped and will never run again.
         cancel: undoes what it waits for at the moment of a stop (brakes a move).
+        started_line: line of the call that started it; 0 for a program.
         owed: locks that it took only in pretence while dying, and how often.
         at_end: called once when it has ended.
         recursion_limit: the interpreter's limit while it runs; 0 before it has begun.
@@ -93,6 +94,7 @@ class Strand:
         "recursion_limit",
         "refusals",
         "resume",
+        "started_line",
         "state",
         "suspend",
         "ticket",
@@ -136,6 +138,7 @@ class Strand:
         self.owed: dict[object, int] = {}
         self.at_end: list[Callable[[], None]] = []
         self.activations = 0
+        self.started_line = 0
         self.recursion_limit = 0
         self._line = 0
         self._line_activation = -1
