@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.language.marked import findings
+from tests.language.marked import findings, range_of, unmarked
 
 TEXTS = [
     ("if x == 1\n  f()", "colon"),
@@ -29,6 +29,7 @@ TEXTS = [
     ("try:\n  f()\nexcept:\n  g()\nexcept E:\n  h()", "except"),
     ("x = 1 \\ 2", "backslash"),
     ("x = 'C:\\Users'", "backslash"),
+    ("x = b'\\x4'", "broken escape"),
     ("x = b'é'", "ASCII"),
     ("f(x for x in y, 1)", "brackets"),
     ("movej q1", "movej(...)"),
@@ -56,3 +57,26 @@ def test_messages_are_plain_and_helpful(text, word):
     assert "invalid syntax" not in message
     assert not message.startswith("E001")
     assert message[0] == message[0].lower() or message[0] == "`"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'x = """one\n  ok \\n \\x41\n  «\\x4»\n  """\ny = 1',
+        "x = 'ab' + 'cd«\\x4» ef'; y = 1",
+        "x = '温\\t' 'C:«\\U»sers'",
+        "x = ['a',\n  '\\\\x4 «\\u12»']",
+        "x = '«\\U00110000»'",
+        "x = '\\N{DIGIT ONE} «\\N{NO SUCH SIGN}»'",
+        "x = '«\\N»orth'",
+        "x = b'\\u «\\xg»'",
+        "x = r'\\x4', '«\\x4»'",
+        "x = f'{1} «\\x4»'",
+        "if x == '«\\x4»':\n  y = 1",
+    ],
+)
+def test_a_broken_escape_is_marked_where_it_stands(text):
+    plain, ranges = unmarked(text)
+    (problem,) = (problem for problem in findings(plain) if problem.is_error)
+    assert [range_of(problem)] == ranges
+    assert problem.text == "the string has a broken escape"

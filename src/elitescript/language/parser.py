@@ -22,7 +22,7 @@ from elitescript.language.lexer import LogicalLine
 from elitescript.language.options import DEFAULT, KINDS, LINE, PROGRAM, SCRIPT, SECONDARY, Options
 from elitescript.language.rewriting import PositionMap
 from elitescript.language.source import SourceFile
-from elitescript.language.syntax_errors import explain
+from elitescript.language.syntax_errors import broken_escape, explain
 
 MAX_SYNTAX_ERRORS = 20
 NO_FILE = "<elitescript>"
@@ -225,15 +225,25 @@ class _Reader:
         known = index in self.blamed or self.hidden.get(index)
         if not known:
             text, hint = explain(error.msg, row)
-            line, column = self._place(error.lineno or 1, error.offset or 1)
-            end = (line, column + 1)
-            if error.end_lineno and error.end_offset and error.end_offset > 0:
-                end = max(end, self._place(error.end_lineno, error.end_offset))
+            (line, column), end = self._range(error, index)
             self._report(line, column, text, hint, end)
             self.blamed.add(index)
         if isinstance(error, IndentationError) or len(self.blamed) > MAX_SYNTAX_ERRORS or index < 0:
             return False
         return self.hide(index)
+
+    def _range(self, error: SyntaxError, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
+        if index >= 0:
+            line = self.translation.lines[index]
+            found = broken_escape(error.msg, "\n".join(self._rows()[line.line - 1 : line.last_line]))
+            if found:
+                row = line.line + found[0] - 1
+                return self._place(row, found[1]), self._place(row, found[2])
+        start = self._place(error.lineno or 1, error.offset or 1)
+        end = (start[0], start[1] + 1)
+        if error.end_lineno and error.end_offset and error.end_offset > 0:
+            end = max(end, self._place(error.end_lineno, error.end_offset))
+        return start, end
 
     def _place(self, line: int, column: int) -> tuple[int, int]:
         line, column = self.translation.positions.to_source(line, max(1, column))

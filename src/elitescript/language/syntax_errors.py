@@ -10,6 +10,11 @@ import re
 from keyword import iskeyword
 from typing import Final
 
+from elitescript.language.lexer import lex
+
+_ESCAPE: Final = r"(?s)\\(?:x[0-9a-fA-F]{0,2}|u[0-9a-fA-F]{0,4}|U[0-9a-fA-F]{0,8}|N(?:\{[^}]*\})?|.)"
+_ESCAPE_ERROR: Final = r"\((?:unicode|value) error\).*escape"
+
 # (pattern of Python's message, our text, hint); groups may be used in both.
 _TABLE: Final = (
     (
@@ -97,7 +102,7 @@ _TABLE: Final = (
         "something follows the `\\\\` that continues the line",
         "the backslash must be the last character of its line; in a path it belongs into quotes",
     ),
-    (r"\(unicode error\).*escape", "the string has a broken escape", "double each backslash, or write r'...'"),
+    (_ESCAPE_ERROR, "the string has a broken escape", "double each backslash, or write r'...'"),
     (r"bytes can only contain ASCII", "b'...' holds only ASCII characters", "write 'text'.encode() instead"),
     (r"[Gg]enerator expression must be parenthesized", "this generator needs brackets of its own", ""),
     (r"(?:too many statically nested blocks|too many levels of indentation)", "blocks are nested too deeply", ""),
@@ -149,3 +154,33 @@ def explain(message: str, row: str) -> tuple[str, str]:
     if vague:
         return "this is not valid here", ""
     return message[:1].lower() + message[1:], ""
+
+
+def broken_escape(message: str, code: str) -> tuple[int, int, int] | None:
+    """Where the escape stands that Python's message means, as it names only the string, or the end of it.
+
+    Args:
+        message: Python's message.
+        code: the logical line with the string, without what stands before it on other lines.
+
+    Returns:
+        (line, column, end column), from 1, the end exclusive; None if the message is about something else.
+    """
+    if not re.match(_ESCAPE_ERROR, message):
+        return None
+    lexed = lex(code)
+    for string in lexed.strings:
+        kinds = "x" if "b" in code[string.start : string.body].lower() else "xuUN"
+        for found in re.finditer(_ESCAPE, code[string.body : string.end]):
+            if found.group()[1] in kinds and not _is_complete(found.group()):
+                line, column = lexed.place(string.body + found.start())
+                return line, column, column + len(found.group())
+    return None
+
+
+def _is_complete(escape: str) -> bool:
+    try:
+        escape.encode().decode("unicode_escape")
+    except UnicodeDecodeError:
+        return False
+    return True
