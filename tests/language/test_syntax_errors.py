@@ -69,7 +69,7 @@ def test_messages_are_plain_and_helpful(text, word):
         "x = '«\\U00110000»'",
         "x = '\\N{DIGIT ONE} «\\N{NO SUCH SIGN}»'",
         "x = '«\\N»orth'",
-        "x = b'\\u «\\xg»'",
+        "x = b'\\u «\\x»g'",
         "x = r'\\x4', '«\\x4»'",
         "x = f'{1} «\\x4»'",
         "if x == '«\\x4»':\n  y = 1",
