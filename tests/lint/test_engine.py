@@ -60,6 +60,26 @@ class TestMerging:
         assert body("sleep('1')", "x = = 1", "nothing()") == ["E304 2:9", "E001 3:7", "E301 4:3"]
 
 
+class TestMaskedText:
+    @pytest.mark.parametrize(
+        "mark", ["(1)", "(x, 'a')", "(1, 'a') + 2", "(1, 'a').b", "(1, 'a')(2)", "(job, sleep(x))"]
+    )
+    def test_a_malformed_line_mark_is_one_error(self, mark):
+        assert body(f"$ LINE: {mark}", "textmsg(1)") == ["E001 2:3"]
+
+    @pytest.mark.parametrize(
+        "line",
+        [
+            "set_standard_digital_out(a ? 10 : 12, True)",
+            "set_standard_digital_out(10 && 12, True)",
+            "movej(a ? [1, 2, 3, 4, 5, 6] : [0, 0, 0, 0, 0, 0])",
+            "movej([0, 0, 0, 0, 0, 0], a=!1)",
+        ],
+    )
+    def test_what_stands_for_an_operator_of_another_language_has_no_value(self, line):
+        assert [finding.split()[0] for finding in body("a = get_flag(0)", line)] == ["E113"]
+
+
 class TestNamesBetweenErrors:
     @pytest.mark.parametrize(
         "line", ["x = (1", "def f(x)", "for x in range(3)", "import x y", "except E, x:", "global x = 1", "x = 1 +"]
@@ -84,7 +104,7 @@ class TestUnits:
     def test_columns_count_characters(self):
         assert found("def job():\n  textmsg('温度', nothing)\nend\n") == ["W201 2:17"]
 
-    @pytest.mark.parametrize("text", ["", "\n", "# nothing\n", "pass", "end\n"])
+    @pytest.mark.parametrize("text", ["", "\n", "# nothing\n", "pass", "end\n", "\f\n"])
     def test_short_texts_are_no_trouble(self, text):
         assert all(finding.startswith("E101") for finding in found(text))
 

@@ -377,20 +377,24 @@ def _name_marks(tree: ast.Module, marks: frozenset[tuple[int, int]], source: Sou
     for statement in _statements(tree):
         if not isinstance(statement, ast.Expr) or not isinstance(statement.value, ast.Call):
             continue
-        place = (statement.lineno, character_offset(source.line(statement.lineno), statement.col_offset) + 1)
+        place = _place_of(statement, source)
         call = statement.value
         if place in left and isinstance(call.func, ast.Name) and _is_mark(call):
             call.func.id = LINE_HOOK
             left.remove(place)
+    # The filler is no name of the author's, so nobody else should meet it either.
+    for node in ast.walk(tree) if left else ():
+        if isinstance(node, ast.Name) and _place_of(node, source) in left:
+            node.id = LINE_HOOK
     yield from left
+
+
+def _place_of(node: ast.stmt | ast.expr, source: SourceFile) -> tuple[int, int]:
+    return node.lineno, character_offset(source.line(node.lineno), node.col_offset) + 1
 
 
 def _is_mark(call: ast.Call) -> bool:
     values = [argument.value for argument in call.args if isinstance(argument, ast.Constant)]
-    return (
-        len(values) == len(call.args)
-        and len(values) in (2, 3)
-        and not call.keywords
-        and type(values[0]) is int
-        and all(isinstance(value, str) for value in values[1:])
-    )
+    if len(values) != len(call.args) or len(values) not in (2, 3) or call.keywords:
+        return False
+    return type(values[0]) is int and all(isinstance(value, str) for value in values[1:])

@@ -204,9 +204,14 @@ class Program:
     @cached_property
     def refusals(self) -> tuple[Refusal, ...]:
         """The arguments that commands will certainly refuse."""
+        mistakes = [(problem.line, problem.column) for problem in self.parsed.diagnostics if problem.is_error]
         found = []
         for called, arguments in zip(self.command_calls, self.arguments, strict=True):
             for param, node in arguments.given:
+                span = self.span(node)
+                # Something harmless stands there in place of what the author wrote.
+                if any(span[:2] <= mistake < span[2:] for mistake in mistakes):
+                    continue
                 error = refuse(param, self.constants.value(node, called.scope))
                 if error is not None:
                     found.append(Refusal(called.command, param, node, error))
