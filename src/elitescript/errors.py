@@ -114,9 +114,14 @@ class ProgramError(ElitescriptError):
 class AlarmError(ElitescriptError):
     """A program ended with an alarm; raised by `Run.check`, which holds the alarm itself."""
 
-    def __init__(self, alarm: Any) -> None:
+    def __init__(self, alarm: Any, program: str) -> None:
         self.alarm = alarm
-        super().__init__(f"{alarm.class_name} in line {alarm.line}: {alarm.text}")
+        lines = [f"{program}:{alarm.line}:{alarm.column}: {alarm.class_name}: {alarm.text}"]
+        if alarm.source_line:
+            lines.append(f"    {alarm.source_line.strip()}")
+        if alarm.details.get("hint"):
+            lines.append(f"hint: {alarm.details['hint']}")
+        super().__init__("\n".join(lines))
 
 
 class ScriptError(Exception):

@@ -6,9 +6,12 @@ who wants real time passes a `pace`, which is called before every tick that is r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import signal
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from keyword import iskeyword
 from pathlib import Path
+from threading import current_thread, main_thread
 from typing import Any, Final, Literal
 
 from elitescript.controller.controller import Controller
@@ -27,7 +30,7 @@ from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
-from elitescript.run import EndState, Run
+from elitescript.run import EndState, Run, SignalRecord
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.world import World
 from elitescript.worlds.program_file import source_of
@@ -139,6 +142,8 @@ class VirtualRobot:
 
     def at(self, time_s: float, name: str, value: Value) -> None:
         """Have a signal change at a time, in seconds since the robot's start: the script of a test for inputs."""
+        if time_s < 0.0:
+            raise UsageError(f"the time must be >= 0 s, got {time_s:g}")
         self.controller.put(ticks_for(time_s), signal_write(name, value))
 
     def pause(self) -> None:
@@ -198,7 +203,8 @@ class VirtualRobot:
         run = self.start(program, presets=presets, trace=trace, trace_step_s=trace_step_s)
         limit = None if until_s is None else self.tick + ticks_for(until_s)
         try:
-            self._advance(limit, pace, watch)
+            with interrupts_passed_to(self):
+                self._advance(limit, pace, watch)
         except BaseException:
             self._finish("stopped")
             raise
@@ -322,7 +328,7 @@ class VirtualRobot:
         run.time_s = seconds(self.tick - run.start_tick)
         run.joints = state.q_target
         run.tcp_pose = state.tcp_pose_target
-        run.signals = self.controller.non_default_signals()
+        run.signals = SignalRecord(self.controller.non_default_signals())
 
     def _finish(self, state: EndState) -> None:
         """End a program that would go on, and the record of one that is over."""
@@ -367,6 +373,32 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
+
+
+@contextmanager
+def interrupts_passed_to(robot: VirtualRobot) -> Iterator[None]:
+    """Let Ctrl-C end the run at its next checkpoint and then raise KeyboardInterrupt; a second one raises it at once.
+
+    Only where Python's own handler would have had it: a caller with a handler of its own keeps it.
+    """
+    if current_thread() is not main_thread() or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    happened = False
+
+    def handle(_number: int, _frame: object) -> None:
+        nonlocal happened
+        happened = True
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        robot.interrupt()
+
+    signal.signal(signal.SIGINT, handle)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if happened:
+        raise KeyboardInterrupt
 
 
 def checked_presets(presets: Mapping[str, object]) -> dict[str, object]:

@@ -11,9 +11,17 @@ from elitescript.errors import AlarmError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Event, Printed, TextMessage, Warned
 from elitescript.messages.motion import Six
-from elitescript.messages.signals import Value
+from elitescript.messages.signals import Value, parse_signal_name
 
 EndState = Literal["finished", "alarm", "stopped", "time_limit", "stuck"]
+
+
+class SignalRecord(dict[str, Value]):
+    """Signals that are not at their default, by name; any other signal that exists reads as its default."""
+
+    def __missing__(self, name: str) -> Value:
+        signal, _ = parse_signal_name(name)
+        return signal.default
 
 
 class Run:
@@ -31,7 +39,7 @@ class Run:
         trace: rows, if a trace was asked for.
         joints: target joint positions at the end, rad.
         tcp_pose: target TCP pose at the end, base frame, m and rad.
-        signals: every output and register that is not at its default.
+        signals: every output and register that is not at its default; asked for any other, it gives the default.
         threads: script threads at the end of a program that did not end by itself: where each was.
     """
 
@@ -67,7 +75,7 @@ class Run:
         self.trace: list[TraceRow] = []
         self.joints: Six | tuple[()] = ()
         self.tcp_pose: Six | tuple[()] = ()
-        self.signals: dict[str, Value] = {}
+        self.signals = SignalRecord()
         self.threads: tuple[Any, ...] = ()
 
     @property
@@ -90,7 +98,7 @@ class Run:
             AlarmError: the program ended with an alarm, or nothing could ever happen again.
         """
         if self.alarms:
-            raise AlarmError(self.alarms[-1])
+            raise AlarmError(self.alarms[-1], self.unit.source.name)
         return self
 
     def add(self, event: Event) -> None:

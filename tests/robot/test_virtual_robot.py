@@ -1,5 +1,6 @@
 """The Python API as its users know it."""
 
+import signal
 from pathlib import Path
 
 import pytest
@@ -41,7 +42,7 @@ def test_an_alarm_says_what_where_and_with_which_limit(robot):
     assert "wrist3" in alarm.text
     assert "7" in alarm.text
     assert alarm.source_line.strip() == "movej([0, 0, 0, 0, 0, 7])"
-    with pytest.raises(AlarmError, match="line 3"):
+    with pytest.raises(AlarmError, match="<program>:3:3: RuntimeError: "):
         run.check()
 
 
@@ -396,3 +397,46 @@ def test_a_handler_may_name_the_users_interrupt(robot):
     program = "def a():\n  try:\n    raise ValueError\n  except KeyboardInterrupt:\n    pass\n"
     program += "  except ValueError:\n    textmsg(1)\nend\n"
     assert robot.run(program).log == ["1"]
+
+
+def test_signals_of_a_run_that_are_at_their_default_read_as_that(robot):
+    run = robot.run("def a():\n  set_standard_digital_out(1, True)\nend\n")
+    assert run.signals == {"standard_digital_out[1]": True}
+    assert run.signals["standard_digital_out[0]"] is False
+    with pytest.raises(UsageError):
+        run.signals["nope"]
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        ("movej([0.9, -1.5, -1.5, -1.5, 1.5, 0], a=30, v=60)", "v = 60 rad/s is lowered to 2.618"),
+        ("movel([0.45, -0.15, 0.4, 3.1416, 0, -1.5708], a=1.2, v=250)", ""),
+        ("movel([0.45, -0.15, 0.2, 3.1416, 0, -1.5708], a=30, v=250)", "v = 250 m/s is lowered to 2.5"),
+    ],
+)
+def test_a_speed_that_the_arm_does_not_have_is_said_if_it_matters(robot, call, words):
+    warnings = robot.run(f"def a():\n  {call}\nend\n").warnings
+    assert any(words in warning for warning in warnings) if words else warnings == []
+
+
+@pytest.mark.parametrize(
+    ("call", "hint"), [("movej([0, -90, 90, 0, 90, 0])", "d2r"), ("movel([400, -200, 300, 3.14, 0, 0])", "not in mm")]
+)
+def test_other_units_are_guessed(robot, call, hint):
+    (alarm,) = robot.run(f"def a():\n  {call}\nend\n").alarms
+    assert hint in alarm.details["hint"]
+
+
+def test_ctrl_c_ends_the_run_cleanly_and_then_interrupts():
+    def press(event):
+        if getattr(event, "text", "") == "now":
+            signal.raise_signal(signal.SIGINT)
+
+    robot = VirtualRobot(on_event=press)
+    program = "def a():\n  while True:\n    try:\n      textmsg('now')\n    except:\n      pass\n    end\n  end\nend\n"
+    with pytest.raises(KeyboardInterrupt):
+        robot.run(program)
+    assert robot.current.state == "stopped"
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert robot.run("def b():\n  textmsg('fine')\nend\n").log == ["fine"]

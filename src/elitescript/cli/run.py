@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         source = source_of(path)
     except ProgramError as error:
-        report.problems(error.problems, None)
+        report.problems(error.problems, SourceFile(str(path), path.read_bytes().decode("utf-8", "replace")))
         return DOES_NOT_COMPILE
     problems = _find_problems(robot, source, strict=options.strict, presets=presets)
     report.problems(problems, source)

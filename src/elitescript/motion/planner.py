@@ -54,10 +54,17 @@ NOTEWORTHY: Final = 1e-3
 """A move that lasts longer than wanted by a smaller share than this needs no note."""
 
 
+SURELY_DEGREES: Final = 10.0
+"""A joint angle of this size, in rad, was meant in degrees."""
+
+DEGREES_HINT: Final = "joint angles are in rad; d2r(90) turns degrees into rad"
+
+
 class NoteKind(StrEnum):
     """Why a move is not quite what was asked for."""
 
     T_TOO_SHORT = "t_too_short"
+    LOWERED_TO_LIMITS = "lowered_to_limits"
     SPEED_LOWERED_NEAR_SINGULARITY = "speed_lowered_near_singularity"
     SPEED_LOWERED_FOR_JOINT_LIMITS = "speed_lowered_for_joint_limits"
 
@@ -96,9 +103,9 @@ def plan_movej(
     _check_numbers("q", request.q_target, request.a, request.v, request.t_s, request.r)
     joint = joint_outside(limits, request.q_target)
     if joint is not None:
-        raise joint_range_error(
-            limits, joint, request.q_target[joint], "at the target", hint="choose a target inside the range"
-        )
+        angle = request.q_target[joint]
+        hint = DEGREES_HINT if abs(angle) > SURELY_DEGREES else "choose a target inside the range"
+        raise joint_range_error(limits, joint, angle, "at the target", hint=hint)
     path = JointLine(arm, T_flange_tcp, q_start, request.q_target)
     if path.length == 0.0:
         return Plan(Segment(path, resting(request.t_s)))
@@ -108,7 +115,7 @@ def plan_movej(
     if request.t_s == 0.0:
         profile = trapezoid(path.length, min(request.v, v_max), min(request.a, a_max))
         _check_end(profile, request.a, request.v)
-        return Plan(Segment(path, profile))
+        return Plan(Segment(path, profile), _lowered(path.length, request.v, v_max, request.a, a_max, "rad"))
     lasting = trapezoid_lasting(path.length, request.t_s, v_max, a_max)
     if lasting is not None:
         return Plan(Segment(path, lasting))
@@ -185,7 +192,9 @@ def _plan_cartesian(
             if keeps_limits(track, limits, profile):
                 return Plan(Segment(track, profile))
         v, a = v_max, a_max
+        notes: tuple[Note, ...] = ()
     else:
+        notes = _lowered(path.length, v, v_max, a, a_max, path.unit)
         v, a = min(v, v_max), min(a, a_max)
     wanted = trapezoid(path.length, v, a)
     _check_end(wanted, a, v)
@@ -196,11 +205,9 @@ def _plan_cartesian(
             return Plan(Segment(track, result.profile.stretched(t_s)))
         return Plan(Segment(track, result.profile), (_t_too_short(t_s, result.profile),))
     if result.slow_place is None or result.profile.duration_s <= (1.0 + NOTEWORTHY) * wanted.duration_s:
-        return Plan(Segment(track, result.profile))
-    return Plan(
-        Segment(track, result.profile),
-        (_speed_lowered(arm, limits, track, result.profile, wanted, result.slow_place),),
-    )
+        return Plan(Segment(track, result.profile), notes)
+    slowed = _speed_lowered(arm, limits, track, result.profile, wanted, result.slow_place)
+    return Plan(Segment(track, result.profile), (*notes, slowed))
 
 
 def _check_numbers(name: str, numbers: Six, a: float, v: float, t_s: float, r: float) -> None:
@@ -238,6 +245,23 @@ def _t_too_short(t_s: float, profile: Profile) -> Note:
         f"t = {t_s:.4g} s is too short for the limits of the arm; "
         f"the move takes {profile.duration_s:.4f} s, the shortest possible time",
     )
+
+
+def _lowered(length: float, v: float, v_max: float, a: float, a_max: float, unit: str) -> tuple[Note, ...]:
+    """Return the note for a speed or an acceleration above what the arm can do, if that makes a difference."""
+    if v <= v_max and a <= a_max:
+        return ()
+    if (
+        trapezoid(length, min(v, v_max), min(a, a_max)).duration_s
+        <= (1.0 + NOTEWORTHY) * trapezoid(length, v, a).duration_s
+    ):
+        return ()
+    lowered = [
+        f"{symbol} = {value:g} {unit}/{per} is lowered to {limit:.4g}"
+        for symbol, value, limit, per in (("v", v, v_max, "s"), ("a", a, a_max, "s^2"))
+        if value > limit
+    ]
+    return (Note(NoteKind.LOWERED_TO_LIMITS, f"{' and '.join(lowered)}, what the arm can do"),)
 
 
 def _speed_lowered(

@@ -20,6 +20,9 @@ RANGE_HINT: Final = "start the move with that joint a full turn away, or use mov
 
 SINGULAR_HINT: Final = "use movej here, or lead the path past the singularity"
 
+SURELY_MILLIMETRES: Final = 20.0
+"""A path of this length, in m, was meant in millimetres."""
+
 BORDER_RESOLUTION: Final = 1e-4
 """How closely the first unreachable point of a path is looked for, m or rad."""
 
@@ -122,4 +125,6 @@ def out_of_reach(
     path: CartesianPath, s: float, reason: str, hint: str = "keep the whole path inside the workspace"
 ) -> MotionError:
     """Return the refusal (R111) of one point."""
+    if path.unit == "m" and path.length > SURELY_MILLIMETRES:
+        hint = "positions are in m, not in mm"
     return MotionError(f"out of reach {path.place(s)}: {reason}", code="R111", value=s, unit=path.unit, hint=hint)
