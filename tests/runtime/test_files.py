@@ -37,6 +37,46 @@ class TestOpen:
         kept[0].close()
         files.open("points.csv")
 
+    def test_a_file_is_closed_with_the_last_reference_to_it(self, files, world):
+        write = files.open("new.txt", "w").write
+        write("abc")
+        del write
+        assert world.files.contents["new.txt"] == b"abc"
+
+    def test_files_that_are_let_go_do_not_count(self, files):
+        for _ in range(2 * OPEN_FILES_MAX):
+            files.open("points.csv")
+
+    def test_what_goes_wrong_when_a_file_is_let_go_is_nobody_s_error(self, files, monkeypatch, recwarn):
+        closings = []
+
+        def full(self):
+            closings.append(self)
+            raise OSError(28, "No space left on device")
+
+        unraised = []
+        monkeypatch.setattr("sys.unraisablehook", unraised.append)
+        monkeypatch.setattr("elitescript.worlds.memory._MemoryFile.flush", full)
+        file = files.open("new.txt", "w")
+        del file
+        assert closings and not unraised and not recwarn.list
+
+    def test_a_file_that_could_not_be_opened_is_let_go_in_silence(self, monkeypatch):
+        unraised = []
+        monkeypatch.setattr("sys.unraisablehook", unraised.append)
+        ScriptFile("r", "never opened")
+        assert not unraised
+
+    def test_one_that_cannot_be_closed_does_not_keep_the_others_open(self, files, monkeypatch):
+        def full(self):
+            raise OSError(28, "No space left on device")
+
+        monkeypatch.setattr("elitescript.worlds.memory._MemoryFile.flush", full)
+        kept = [files.open(name, "w") for name in ("a", "b")]
+        with pytest.raises(OSError, match="No space"):
+            files.close()
+        assert [file.closed for file in kept] == [True, True]
+
     def test_all_are_closed_with_the_program(self, files, world):
         file = files.open("new.txt", "w")
         file.write("x")
@@ -140,6 +180,24 @@ class TestInPrograms:
     def test_a_file_left_open_is_written_at_the_end(self, world):
         run('def a():\n  f = open("out.txt", "w")\n  f.write("kept")\n  halt()\nend\n', world=world)
         assert world.files.contents["out.txt"] == b"kept"
+
+    def test_a_file_that_is_not_closed_is_written_when_it_is_let_go(self, world):
+        bench = run(
+            """
+            def a():
+              open("q.txt", "w").write("abc")
+              textmsg(open("q.txt").read())
+              def write():
+                f = open("q.txt", "a")
+                f.write("def")
+              write()
+              for row in open("q.txt"):
+                textmsg(row)
+            end
+            """,
+            world=world,
+        )
+        assert bench.log == ["abc", "abcdef"]
 
     def test_without_a_world_there_are_none(self):
         (alarm,) = Bench().start('open("x")\n').run().alarms

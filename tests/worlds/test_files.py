@@ -111,6 +111,11 @@ class TestWriting:
             file.flush()
             assert content(files, "new.txt") == b"seen"
 
+    def test_a_file_that_nothing_was_written_to_undoes_nothing(self, files):
+        with files.open("points.csv", "r+b", None, None):
+            assert written(files, "points.csv", "w", "new") == b"new"
+        assert content(files, "points.csv") == b"new"
+
     def test_it_can_be_cut_off(self, files):
         with files.open("points.csv", "r+b", None, None) as file:
             file.truncate(3)

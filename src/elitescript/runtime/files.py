@@ -1,13 +1,16 @@
 """File objects for scripts.
 
 A script holds a `ScriptFile`; the file that a world has opened stays behind it, because real file objects lead
-to their buffers, descriptors and paths.
+to their buffers, descriptors and paths. When the last reference to it goes, the file is closed, as in CPython:
+what was written is then there for others to read.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from typing import IO, Any, Final, NoReturn
+from weakref import ref
 
 from elitescript.errors import ArgumentTypeError, InvalidValueError, NotSimulatedError
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
@@ -26,7 +29,7 @@ class OpenFiles:
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._files: list[IO[Any]] = []
+        self._files: list[ref[IO[Any]]] = []
 
     def open(self, path: Any, mode: Any = "r", encoding: Any = None, newline: Any = None) -> ScriptFile:
         """`open` for scripts. Text files are UTF-8 unless the script says otherwise.
@@ -40,21 +43,32 @@ class OpenFiles:
         is_binary = "b" in mode
         if is_binary and (encoding is not None or newline is not None):
             raise InvalidValueError("a binary file has neither encoding nor newline")
-        self._files = [file for file in self._files if not file.closed]
+        self._files = [known for known in self._files if (open_file := known()) is not None and not open_file.closed]
         if len(self._files) >= OPEN_FILES_MAX:
             raise OSError(24, f"more than {OPEN_FILES_MAX} files are open", name)
         file = self._world.files.open(name, mode, None if is_binary else encoding or "utf-8", newline)
-        self._files.append(file)
+        self._files.append(ref(file))
         result = ScriptFile(mode, name)
         _inner.__set__(result, file)
         return result
 
     def close(self) -> None:
-        """Close what the program has left open."""
+        """Close what the program has left open.
+
+        Raises:
+            OSError: of the first file that could not be written; the others are closed all the same.
+        """
         files, self._files = self._files, []
-        for file in files:
-            if not file.closed:
-                file.close()
+        errors = []
+        for known in files:
+            file = known()
+            if file is not None and not file.closed:
+                try:
+                    file.close()
+                except OSError as error:
+                    errors.append(error)
+        if errors:
+            raise errors[0]
 
 
 def _check_mode(mode: Any) -> None:
@@ -170,6 +184,11 @@ class ScriptFile(metaclass=Sealed):
         if not line:
             raise StopIteration
         return line
+
+    def __del__(self) -> None:
+        # Nobody could catch an error here; a program that wants to know closes the file itself.
+        with suppress(Exception):
+            _file(self).close()
 
     def __repr__(self) -> str:
         return f"<file name={self.name!r} mode={self.mode!r}>"

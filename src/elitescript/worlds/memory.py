@@ -102,7 +102,7 @@ class MemoryFiles:
 
 
 class _MemoryFile(BytesIO):
-    """An open file; puts its bytes back when it is flushed."""
+    """An open file; puts its bytes back when it is flushed, if something was written."""
 
     def __init__(self, files: MemoryFiles, name: str, mode: str) -> None:
         super().__init__(files.contents[name])
@@ -111,6 +111,7 @@ class _MemoryFile(BytesIO):
         self._can_read = "r" in mode or "+" in mode
         self._can_write = mode.strip("bt") != "r"
         self._appends = "a" in mode
+        self._is_changed = False
         if self._appends:
             self.seek(0, 2)
 
@@ -145,19 +146,24 @@ class _MemoryFile(BytesIO):
             raise OSError("not writable")
         if self._appends:
             self.seek(0, 2)
+        self._is_changed = True
         return super().write(data)
 
     def truncate(self, size: int | None = None, /) -> int:
         if not self._can_write:
             raise OSError("not writable")
+        self._is_changed = True
         return super().truncate(size)
 
     def flush(self) -> None:
         super().flush()
-        if self._can_write and self._file_name in self._files.contents:
+        if self._is_changed and self._file_name in self._files.contents:
+            self._is_changed = False
             self._files.contents[self._file_name] = self.getvalue()
 
     def close(self) -> None:
-        if not self.closed:
-            self.flush()
-        super().close()
+        try:
+            if not self.closed:
+                self.flush()
+        finally:
+            super().close()
