@@ -165,6 +165,21 @@ class Program:
         found = CATALOGUE.get(name)
         return found if found is not None and scope.resolve(name) is Resolution.BUILTIN else None
 
+    def imported(self, name: str, scope: Scope) -> str:
+        """What an `import` lets `name` mean in `scope`, as `time` or `time.sleep`; empty if it may be anything else."""
+        home = scope.home(name)
+        bindings = home.bindings[name] if home else self.symbols.global_bindings(name)
+        origins = set()
+        for binding in bindings:
+            if not isinstance(binding.node, ast.alias):
+                return ""
+            statement = self.symbols.parent(binding.node)
+            if isinstance(statement, ast.ImportFrom):
+                origins.add(f"{statement.module}.{binding.node.name}")
+            else:
+                origins.add(binding.node.name if binding.node.asname else name)
+        return origins.pop() if len(origins) == 1 else ""
+
     def is_available(self, command: Command) -> bool:
         """Whether the firmware has a command."""
         return release_of(command.since) <= self.profile.release

@@ -34,3 +34,28 @@ def test_a_function_of_that_name_is_not_the_command():
 def test_several_units_in_one_text_are_told_apart():
     text = "def job():\n  sleep(1)\nend\nsec lamp():\n  sleep(1)\nend\n"
     assert [finding for finding in found(text) if finding.startswith("W205")] == ["W205 5:3"]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("import time", "time.sleep(1)"),
+        ("import time as t", "t.sleep(1)"),
+        ("from time import sleep", "sleep(1)"),
+        ("from time import sleep as rest", "rest(1)"),
+        ("global time", "import time", "time.sleep(1)"),
+    ],
+    ids=str,
+)
+def test_the_sleep_of_python_waits_too(lines):
+    text = "sec lamp():\n" + "".join(f"  {line}\n" for line in lines) + "end\n"
+    assert found(text) == [f"W205 {len(lines) + 1}:3"]
+
+
+def test_other_things_called_sleep_do_not():
+    assert found("sec lamp():\n  import time\n  textmsg(time.time())\nend\n") == []
+    assert (
+        found("sec lamp():\n  class Box:\n    def sleep(self, t):\n      pass\n  time = Box()\n  time.sleep(1)\nend\n")
+        == []
+    )
+    assert found("def job():\n  import time\n  time.sleep(1)\nend\n") == []

@@ -11,7 +11,9 @@ The call is refused when it is reached.
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator
+from typing import Final
 
 from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
@@ -23,10 +25,31 @@ def forbidden_in_secondary(program: Program) -> Iterator[Finding]:
     inside = [(node.lineno, node.end_lineno or node.lineno) for node in program.secondaries]
     if not inside:
         return
-    for command, call, _ in program.command_calls:
-        if not command.works_in_sec and any(first <= call.lineno <= last for first, last in inside):
+    forbidden = [(call, command.name) for command, call, _ in program.command_calls if not command.works_in_sec]
+    forbidden += [(call, _PYTHON_SLEEP) for call in _python_sleeps(program)]
+    for call, name in forbidden:
+        if any(first <= call.lineno <= last for first, last in inside):
             yield Finding(
                 call.func,
-                f"a secondary program (sec) may not call {command.name}: it cannot move the arm, wait or start threads",
+                f"a secondary program (sec) may not call {name}: it cannot move the arm, wait or start threads",
                 "do it in the program; a secondary program can set a global for it",
             )
+
+
+_PYTHON_SLEEP: Final = "time.sleep"
+"""Python's own function that waits, and so is refused like the command `sleep`."""
+
+
+def _python_sleeps(program: Program) -> Iterator[ast.Call]:
+    module, _, name = _PYTHON_SLEEP.partition(".")
+    for scope in program.symbols.scopes:
+        for call in scope.calls:
+            function = call.func
+            if isinstance(function, ast.Name):
+                is_sleep = program.imported(function.id, scope) == _PYTHON_SLEEP
+            elif isinstance(function, ast.Attribute) and isinstance(function.value, ast.Name):
+                is_sleep = function.attr == name and program.imported(function.value.id, scope) == module
+            else:
+                is_sleep = False
+            if is_sleep:
+                yield call
