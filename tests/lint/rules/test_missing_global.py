@@ -51,6 +51,22 @@ def test_parameters_and_loop_variables_are_meant_to_be_local():
     assert body("global n", "n = 0", "def f():", "  for n in range(3):", "    pass", "end", "f()") == []
 
 
+def test_a_loop_variable_that_only_others_look_at_is_meant_for_the_global():
+    show = ("def show():", "  textmsg(level)", "end")
+    fill = ("def fill():", "  for level in range(3):", "    show()", "end")
+    assert body("global level", "level = 0", *show, *fill, "fill()") == ["W202 8:9"]
+    lines = ("def show():", "  global level", "  textmsg(level)", "end", "for level in range(3):", "  show()", "end")
+    assert "W202 6:7" in body(*lines)
+
+
+def test_a_loop_variable_that_its_function_uses_or_that_only_counts_is_local():
+    shown = ("global level, i", "level = i = 0", "def f():")
+    assert body(*shown, "  for level in range(3):", "    textmsg(level)", "end", "f()", "textmsg(level, i)") == []
+    assert body(*shown, "  for i in range(3):", "    sync()", "end", "f()", "textmsg(level, i)") == []
+    assert body("global level", "level = 0", "def f():", "  for level in range(3):", "    sync()", "end", "f()") == []
+    assert body(*shown, "  textmsg([1 for level in range(3)])", "end", "f()", "textmsg(level, i)") == []
+
+
 def test_two_functions_may_use_a_name_for_different_things():
     lines = ("def f():", "  global n", "  n = 1", "end", "def g():", "  n = 5", "  return n", "end", "f()", "g()")
     assert body(*lines) == []

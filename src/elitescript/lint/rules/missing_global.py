@@ -3,7 +3,8 @@
 In a function an assignment makes a new local variable, whatever the rest of the program calls global; the
 global keeps its value, and nobody says so. Found are names that the program's body declares `global` and a
 function assigns without declaring them; names that a function assigns for nobody while another one declares
-them; and names that the body assigns for itself while a function declares them.
+them; and names that the body assigns for itself while a function declares them. The variable of a `for` counts
+where only others look at it: what the function itself uses is meant to be its own.
 
     def job():
       global level
@@ -35,6 +36,8 @@ def missing_global(program: Program) -> Iterator[Finding]:
             continue
         for name, bindings in scope.bindings.items():
             first = next((binding for binding in bindings if binding.kind in _ASSIGNMENTS), None)
+            if first is None and bindings[0].kind == "for" and _is_for_others(name, scope, program):
+                first = bindings[0]
             if first is None or not scope.has_local(name) or name in scope.parameters or name in program.unread_names:
                 continue
             owner = _declaring_scope(name, scope, program)
@@ -48,6 +51,20 @@ def missing_global(program: Program) -> Iterator[Finding]:
 
 
 _ASSIGNMENTS: Final = ("assign", "augmented", "annotated", "walrus")
+_LONGEST_COUNTER: Final = 2
+"""Characters of a name (`i`, `n2`) under which a loop only counts, whoever else has such a variable."""
+
+
+def _is_used(name: str, scope: Scope) -> bool:
+    """Whether something reads the variable `name` that `scope` has for itself."""
+    return any(name in inner.reads for inner in scope.walk() if inner is scope or inner.home(name) is scope)
+
+
+def _is_for_others(name: str, scope: Scope, program: Program) -> bool:
+    """Whether the variable of a loop in `scope` is of no use there, while something reads a global of that name."""
+    if len(name) <= _LONGEST_COUNTER or name not in program.symbols.global_names or _is_used(name, scope):
+        return False
+    return any(name in other.reads and other.home(name) is None for other in program.symbols.scopes)
 
 
 def _declaring_scope(name: str, scope: Scope, program: Program) -> Scope | None:
@@ -63,8 +80,7 @@ def _declaring_scope(name: str, scope: Scope, program: Program) -> Scope | None:
     if body in others:
         return body
     # Two functions may use the same name for different things, but nobody assigns a variable for nothing.
-    is_used = any(name in inner.reads for inner in scope.walk() if inner is scope or inner.home(name) is scope)
-    return None if is_used else others[0]
+    return None if _is_used(name, scope) else others[0]
 
 
 def _place(scope: Scope) -> str:
