@@ -59,6 +59,18 @@ def test_words_that_the_tools_reserve_are_found():
     ]
 
 
+@pytest.mark.parametrize("name", ["servoc", "servol", "pathj", "tracka", "MODBUS", "inkognito", "debugmsg", "varmsg"])
+def test_reserved_words_without_an_underscore_are_found_too(name):
+    assert body(f"{name} = 1", f"textmsg({name})") == ["W203 2:3"]
+    assert body(f"def {name}(q):", "  return q", "end", f"{name}(1)") == ["W203 2:7"]
+    assert body("def f():", f"  {name} = 1", f"  return {name}", "end", "f()") == []
+
+
+@pytest.mark.parametrize("name", ["join", "kill", "local", "run", "thread", "xor"])
+def test_reserved_words_of_every_day_are_left_alone(name):
+    assert body(f"def {name}(q):", "  return q", "end", f"{name}(1)") == []
+
+
 def test_each_name_is_reported_once():
     assert body("sleep = 5", "sleep = 6", "for sleep in range(3):", "  pass") == ["W203 2:3"]
 

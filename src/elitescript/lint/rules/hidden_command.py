@@ -32,7 +32,7 @@ def hidden_command(program: Program) -> Iterator[Finding]:
             continue
         for name, bindings in scope.bindings.items():
             command = CATALOGUE.get(name)
-            if command is None and (name not in RESERVED or "_" not in name):
+            if command is None and (name not in RESERVED or name in _PLAIN_WORDS):
                 continue
             first = next((binding for binding in bindings if binding.kind not in _NOT_HIDING), None)
             variable = (name, scope.home(name))
@@ -56,6 +56,9 @@ _NOT_HIDING: Final = ("import", "delete")
 
 _EVERYDAY: Final = frozenset(("force", "length", "log", "norm", "pow", "random"))
 """Commands whose names are ordinary names of variables, too."""
+
+_PLAIN_WORDS: Final = frozenset(("end", "join", "kill", "local", "run", "thread", "xor"))
+"""Reserved words that programs use for things of their own."""
 
 
 def _is_private(binding: Binding, scope: Scope) -> bool:
