@@ -83,3 +83,11 @@ def test_a_global_is_reported_where_it_is_assigned_first():
 def test_the_text_shows_what_is_hidden():
     problem = only("def job():\n  sleep = 5\nend\n")
     assert problem.text == "`sleep` hides the robot command sleep(t)"
+
+
+@pytest.mark.parametrize(
+    "lines", [("def pause():", "  textmsg(1)", "end", "pause()"), ("halt = 1", "textmsg(halt)")], ids=str
+)
+def test_a_command_that_the_firmware_lacks_cannot_be_hidden(lines):
+    assert body(*lines, firmware="2.10") == []
+    assert body(*lines)[0].startswith("W203 2:")

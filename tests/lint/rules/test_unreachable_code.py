@@ -42,6 +42,11 @@ def test_a_function_called_halt_is_not_the_command():
     assert body("def quit():", "  pass", "quit()", "textmsg(1)") == []
 
 
+def test_a_command_that_the_firmware_lacks_does_not_leave():
+    assert body("halt()", "textmsg(1)", firmware="2.10") == ["E302 2:3"]
+    assert body("exit()", "textmsg(1)", firmware="2.10") == ["W207 3:3"]
+
+
 def test_dead_code_in_dead_code_is_reported_once():
     assert body("return", "if get_flag(0):", "  return", "  textmsg(1)") == ["W207 3:3"]
 

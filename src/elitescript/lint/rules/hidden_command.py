@@ -43,7 +43,7 @@ def hidden_command(program: Program) -> Iterator[Finding]:
                 if not _is_private(first, scope):
                     text = f"`{name}` is a word that the robot's own tools reserve"
                     yield Finding(program.name_span(first.node, name), text, "use another name")
-            elif command.evidence == "documented":
+            elif command.evidence == "documented" and program.is_available(command):
                 is_missed = _is_missed(name, first, scope, program)
                 if is_missed or not (name in _EVERYDAY or _is_private(first, scope)):
                     text = f"`{name}` hides the robot command {command.signature}"

@@ -16,6 +16,7 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
+from elitescript.commands.catalogue import CATALOGUE
 from elitescript.language.hooks import LINE
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import Program
@@ -91,7 +92,10 @@ def _leaves(statement: ast.stmt, program: Program, depth: int = 0) -> bool:
     call = statement.value if isinstance(statement, ast.Expr) else None
     if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name) or call.func.id not in _LEAVING:
         return False
-    return program.symbols.scope_of(call).resolve(call.func.id) is Resolution.BUILTIN
+    if program.symbols.scope_of(call).resolve(call.func.id) is not Resolution.BUILTIN:
+        return False
+    command = CATALOGUE.get(call.func.id)
+    return command is None or program.is_available(command)
 
 
 def _is_missed_by_nobody(statement: ast.stmt) -> bool:
