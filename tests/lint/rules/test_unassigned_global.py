@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+from elitescript.language.source import SourceFile
+from elitescript.lint.engine import check_source
+from elitescript.messages.profile import profile
 from tests.lint.checking import body, found, marked, only
 
 
@@ -31,6 +34,12 @@ def test_a_secondary_program_declares_the_globals_of_others():
 def test_a_bare_script_may_be_part_of_a_program():
     assert found("global result\ntextmsg(result)\n") == []
     assert found("global result\n") == ["W206 1:8"]
+
+
+def test_a_global_that_has_a_value_before_the_program_begins_is_assigned():
+    text = SourceFile("<test>", "def job():\n  global foo, never\n  textmsg(foo)\nend\n")
+    problems = check_source(text, profile(), presets=("foo",))
+    assert [(problem.code, problem.column) for problem in problems] == [("W206", 15)]
 
 
 def test_a_slip_is_recognised():

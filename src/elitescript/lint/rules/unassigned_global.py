@@ -28,7 +28,7 @@ def unassigned_global(program: Program) -> Iterator[Finding]:
     if program.shares_globals or program.secondaries:
         return
     scopes = program.symbols.scopes
-    for name in sorted(program.symbols.global_names - program.unread_names):
+    for name in sorted(program.symbols.global_names.difference(program.unread_names, program.presets)):
         if any(binding.kind != "delete" for binding in program.symbols.global_bindings(name)):
             continue
         if program.parsed.kind == SCRIPT and any(name in scope.reads for scope in scopes):
