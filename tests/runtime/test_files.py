@@ -1,3 +1,6 @@
+from io import BytesIO, TextIOWrapper
+from random import Random
+
 import pytest
 
 from elitescript.errors import ScriptError
@@ -25,10 +28,6 @@ class TestOpen:
     def test_a_mode_is_a_str(self, files):
         with pytest.raises(TypeError):
             files.open("points.csv", 3)
-
-    def test_a_binary_file_has_no_encoding(self, files):
-        with pytest.raises(ScriptError):
-            files.open("data.bin", "rb", "utf-8")
 
     def test_so_many_at_a_time(self, files):
         kept = [files.open("points.csv") for _ in range(OPEN_FILES_MAX)]
@@ -138,6 +137,105 @@ def test_a_stream_hands_on_what_is_written():
     assert (seen, stream.isatty()) == (["abc"], False)
     with pytest.raises(TypeError):
         stream.write(3)
+
+
+class TestText:
+    @pytest.fixture
+    def world(self):
+        return MemoryWorld({"crlf.txt": b"a\r\nb\rc\n", "broken.txt": b"a\xffb"})
+
+    @pytest.mark.parametrize(
+        ("errors", "text"), [("ignore", "ab"), ("replace", "a\ufffdb"), ("backslashreplace", "a\\xffb")]
+    )
+    def test_errors_says_what_becomes_of_bytes_that_are_no_text(self, files, errors, text):
+        with files.open("broken.txt", errors=errors) as file:
+            assert file.read() == text
+
+    def test_errors_says_what_becomes_of_letters_that_have_no_bytes(self, files, world):
+        with files.open("new.txt", "w", "ascii", errors="replace") as file:
+            file.write("5 \u03a9")
+        assert world.files.contents["new.txt"] == b"5 ?"
+
+    @pytest.mark.parametrize("errors", [None, "strict"])
+    def test_by_default_they_are_errors(self, files, errors):
+        with files.open("broken.txt", errors=errors) as file, pytest.raises(UnicodeDecodeError):
+            file.read()
+        with files.open("new.txt", "w", "ascii", errors=errors) as file, pytest.raises(UnicodeEncodeError):
+            file.write("\u03a9")
+
+    @pytest.mark.parametrize(
+        ("options", "error"),
+        [
+            ({"errors": "nothing_like_it"}, LookupError),
+            ({"errors": 3}, TypeError),
+            ({"encoding": "nothing_like_it"}, LookupError),
+            ({"encoding": "hex"}, LookupError),
+            ({"encoding": 3}, TypeError),
+            ({"newline": "x"}, ValueError),
+            ({"newline": ["\n"]}, TypeError),
+        ],
+    )
+    def test_options_that_make_no_sense_destroy_nothing(self, files, world, options, error):
+        with pytest.raises(error):
+            files.open("crlf.txt", "w", **options)
+        assert world.files.contents["crlf.txt"] == b"a\r\nb\rc\n"
+
+    @pytest.mark.parametrize("option", ["encoding", "errors", "newline"])
+    def test_a_binary_file_has_none_of_them(self, files, option):
+        with pytest.raises(ScriptError, match="binary"):
+            files.open("crlf.txt", "rb", **{option: "strict"})
+
+    def test_the_encoding_of_the_place_is_the_robot_s(self, files):
+        assert files.open("crlf.txt", encoding="locale").encoding == "utf-8"
+
+    @pytest.mark.parametrize("mode", ["w", "x", "a", "w+", "a+"])
+    @pytest.mark.parametrize(
+        ("newline", "data"), [(None, b"1\n2\r\n"), ("", b"1\n2\r\n"), ("\n", b"1\n2\r\n"), ("\r\n", b"1\r\n2\r\r\n")]
+    )
+    def test_line_ends_are_written_as_they_are_unless_asked(self, files, world, mode, newline, data):
+        with files.open("new.txt", mode, newline=newline) as file:
+            file.write("1\n2\r\n")
+        assert world.files.contents["new.txt"] == data
+
+    @pytest.mark.parametrize("mode", ["w", "x", "a", "r+", "w+", "a+"])
+    def test_the_computer_s_line_end_plays_no_part(self, files, monkeypatch, mode):
+        """None lets Python write the line end of the system that it runs on."""
+        made = []
+        init = TextIOWrapper.__init__
+
+        class Spy(TextIOWrapper):
+            def __init__(self, buffer, *encoding, **options):
+                made.extend([options["newline"]] if options else [])
+                init(self, buffer, *encoding, **options)
+
+        monkeypatch.setattr("elitescript.runtime.files.TextIOWrapper", Spy)
+        monkeypatch.setattr("elitescript.runtime.files._ChangedText", Spy)
+        files.open("crlf.txt" if mode == "r+" else "new.txt", mode)
+        assert len(made) == 1 and made[0] in ("", "\n")
+
+    @pytest.mark.parametrize("mode", ["r", "r+"])
+    def test_every_line_end_is_read_as_a_line_feed(self, files, mode):
+        with files.open("crlf.txt", mode) as file:
+            assert file.readlines() == ["a\n", "b\n", "c\n"]
+            file.seek(0)
+            assert [file.readline(), *file] == ["a\n", "b\n", "c\n"]
+            file.seek(0)
+            assert [file.read(2), file.read(3), file.read(5), file.read(1)] == ["a\n", "b\nc", "\n", ""]
+            file.seek(0)
+            assert [file.readline(2), file.readline(1), file.readline(2)] == ["a\n", "b", "\n"]
+            file.seek(0)
+            assert file.read() == "a\nb\nc\n"
+
+    @pytest.mark.parametrize("seed", range(20))
+    def test_a_file_that_is_read_and_written_reads_like_python_s(self, seed):
+        random = Random(seed)
+        data = "".join(random.choice("a\u03a9\r\n") for _ in range(random.randrange(40))).encode()
+        file = OpenFiles(MemoryWorld({"x": data})).open("x", "r+")
+        expected = TextIOWrapper(BytesIO(data), "utf-8", newline=None)
+        for _ in range(12):
+            name = random.choice(("read", "readline"))
+            size = random.randrange(-1, 6)
+            assert getattr(file, name)(size) == getattr(expected, name)(size), (data, name, size)
 
 
 class TestInPrograms:

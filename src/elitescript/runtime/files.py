@@ -7,8 +7,10 @@ what was written is then there for others to read.
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
+from io import BytesIO, TextIOWrapper
 from typing import IO, Any, Final, NoReturn
 from weakref import ref
 
@@ -31,22 +33,33 @@ class OpenFiles:
         self._world = world
         self._files: list[ref[IO[Any]]] = []
 
-    def open(self, path: Any, mode: Any = "r", encoding: Any = None, newline: Any = None) -> ScriptFile:
-        """`open` for scripts. Text files are UTF-8 unless the script says otherwise.
+    def open(
+        self, path: Any, mode: Any = "r", encoding: Any = None, newline: Any = None, errors: Any = None
+    ) -> ScriptFile:
+        """`open` for scripts, which writes the same bytes on every system.
+
+        Text files are UTF-8 unless the script says otherwise, and a line feed is written as one unless `newline`
+        says otherwise.
 
         Raises:
             OSError: as Python's `open`; `PermissionError` for what lies outside the task folder.
+            LookupError: no such encoding, or no such way to treat errors.
             ScriptError: arguments that make no sense.
         """
         name = relative_name(path)
         _check_mode(mode)
         is_binary = "b" in mode
-        if is_binary and (encoding is not None or newline is not None):
-            raise InvalidValueError("a binary file has neither encoding nor newline")
+        if not is_binary:
+            encoding = "utf-8" if encoding is None or encoding == "locale" else encoding
+            _check_text(encoding, newline, errors)
+        elif any(option is not None for option in (encoding, newline, errors)):
+            raise InvalidValueError("a binary file has neither encoding, errors nor newline")
         self._files = [known for known in self._files if (open_file := known()) is not None and not open_file.closed]
         if len(self._files) >= OPEN_FILES_MAX:
             raise OSError(24, f"more than {OPEN_FILES_MAX} files are open", name)
-        file = self._world.files.open(name, mode, None if is_binary else encoding or "utf-8", newline)
+        file = self._world.files.open(name, mode if is_binary else mode.replace("t", "") + "b", None, None)
+        if not is_binary:
+            file = _text(file, mode, encoding, newline, errors)
         self._files.append(ref(file))
         result = ScriptFile(mode, name)
         _inner.__set__(result, file)
@@ -84,6 +97,65 @@ def _check_mode(mode: Any) -> None:
         raise InvalidValueError(
             f"open() does not know the mode {mode!r}", value=mode, limit="one of r, w, x, a, with b, t or +"
         )
+
+
+def _check_text(encoding: Any, newline: Any, errors: Any) -> None:
+    """Look at the options of a text file before the file is opened, which may empty it."""
+    for option, value in (("encoding", encoding), ("newline", newline), ("errors", errors)):
+        if value is not None and type(value) is not str:
+            raise ArgumentTypeError(f"{option} must be a str or None, not {type(value).__name__}", value=value)
+    if newline not in (None, "", "\n", "\r", "\r\n"):
+        raise InvalidValueError(
+            f"open() does not know the newline {newline!r}", value=newline, limit=r"None, '', '\n', '\r' or '\r\n'"
+        )
+    TextIOWrapper(BytesIO(), encoding)
+    codecs.lookup_error(errors or "strict")
+
+
+class _ChangedText(TextIOWrapper):
+    r"""Text of a file that is both read and written: reads any line end as `\n`, and writes `\n` as it is.
+
+    To be made with `newline=""`. Python's own text files that read so write the line end of the system.
+    """
+
+    def read(self, size: int | None = -1, /) -> str:
+        if size is None or size < 0:
+            return _with_line_feeds(super().read())
+        parts = []
+        left = size
+        while left > 0:
+            text = self._completed(super().read(left))
+            if not text:
+                break
+            parts.append(text)
+            left -= len(text)
+        return "".join(parts)
+
+    def readline(self, size: int = -1, /) -> str:  # type: ignore[override]
+        line = super().readline(size)
+        return _with_line_feeds(line) if size < 0 else self._completed(line)
+
+    def _completed(self, text: str) -> str:
+        r"""The text with line feeds; a `\n` in the file that belongs to a `\r` at its end is read too."""
+        if text.endswith("\r"):
+            place = self.tell()
+            if super().read(1) != "\n":
+                self.seek(place)
+        return _with_line_feeds(text)
+
+
+def _with_line_feeds(text: str) -> str:
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _text(file: IO[bytes], mode: str, encoding: str, newline: str | None, errors: str | None) -> IO[str]:
+    """The text of an open file. Text is written through, so that what is flushed is all that was written."""
+    kind: type[TextIOWrapper] = TextIOWrapper
+    if newline is None and "+" in mode:
+        kind, newline = _ChangedText, ""
+    elif newline is None and "r" not in mode:
+        newline = "\n"
+    return kind(file, encoding=encoding, errors=errors, newline=newline, write_through=True)
 
 
 class ScriptFile(metaclass=Sealed):
