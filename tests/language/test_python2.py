@@ -205,6 +205,11 @@ def test_statements_of_python_2(text, repaired):
         assert codes(repaired) == []
 
 
+def test_exec_is_said_to_be_a_function():
+    (found,) = check_marks("E112", "«exec 's'»")
+    assert found.hint == "it is a function: write exec(text), with brackets"
+
+
 @pytest.mark.parametrize(
     "text",
     [

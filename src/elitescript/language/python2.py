@@ -119,7 +119,7 @@ def _exec(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
     if not found or found["word"] in OPERATOR_WORDS:
         return
     draft.report(
-        "E112", start, end, "`exec` as a statement is Python 2", "robot programs have no exec; call a function instead"
+        "E112", start, end, "`exec` as a statement is Python 2", "it is a function: write exec(text), with brackets"
     )
     draft.broken.add(line)
 
