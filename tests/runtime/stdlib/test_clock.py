@@ -1,3 +1,5 @@
+import time
+
 import pytest
 
 from tests.runtime.machine import Bench, run
@@ -40,6 +42,59 @@ textmsg(time.strptime("2020-02-03", "%Y-%m-%d").tm_yday)
         "1000000000.0",
         "34",
     ]
+
+
+@pytest.fixture
+def far_away(monkeypatch):
+    """The computer is in a place far from UTC that has a summer time."""
+    if not hasattr(time, "tzset"):
+        pytest.skip("the zone of this system cannot be changed")
+    monkeypatch.setenv("TZ", "NZST-12NZDT,M9.5.0,M4.1.0/3")
+    time.tzset()
+    yield
+    monkeypatch.undo()
+    time.tzset()
+
+
+@pytest.mark.usefixtures("far_away")
+class TestFarAway:
+    @pytest.mark.parametrize(
+        ("expression", "value"),
+        [
+            ("datetime.datetime(1970, 1, 2).strftime('%s')", "86400"),
+            ("datetime.date(1970, 1, 2).strftime('%s %%s')", "86400 %s"),
+            ("f'{datetime.datetime(1970, 1, 2):%s}'", "86400"),
+            ("datetime.datetime.now().strftime('%s')", "1704067200"),
+            ("datetime.datetime.now().astimezone().isoformat()", "2024-01-01T00:00:00+00:00"),
+            ("datetime.datetime.now().astimezone().tzname()", "UTC"),
+            ("datetime.datetime(1970, 1, 2).timestamp()", "86400.0"),
+            ("datetime.datetime.fromtimestamp(86400)", "1970-01-02 00:00:00"),
+            ("datetime.date.fromtimestamp(86400)", "1970-01-02"),
+            ("datetime.datetime.strptime('5 UTC', '%H %Z')", "1900-01-01 05:00:00"),
+            ("time.strftime('%s %Z %z')", "1704067200 UTC +0000"),
+            ("time.strftime('%s %Z %z', (2024, 7, 1, 0, 0, 0, 0, 183, 1))", "1719792000 UTC +0000"),
+            ("time.strftime('%Z', time.strptime('2024', '%Y'))", "UTC"),
+            ("time.strftime('%%Z %-d %%%s%', time.gmtime(0))", "%Z 1 %0%"),
+            ("time.strftime('%_s|%-s|%-Z|%^Z|%Es|%03s', time.gmtime(5))", "5|5|UTC|UTC|5|5"),
+            ("time.mktime(time.localtime(86400))", "86400.0"),
+            ("time.mktime(time.strptime('2024-07-01', '%Y-%m-%d'))", "1719792000.0"),
+            ("time.strptime('UTC', '%Z').tm_isdst", "0"),
+            ("time.strptime('-0330', '%z').tm_gmtoff", "-12600"),
+            ("time.strftime('%z %Z', time.strptime('-0330', '%z'))", "-0330 UTC"),
+            ("time.localtime(0).tm_zone + str(time.localtime(0).tm_gmtoff)", "UTC0"),
+            ("time.ctime(0)", "Thu Jan  1 00:00:00 1970"),
+        ],
+    )
+    def test_the_zone_is_utc(self, expression, value):
+        assert logged(f"import datetime\ntextmsg({expression})") == [value]
+
+    @pytest.mark.parametrize("call", ["time.strptime('NZST', '%Z')", "datetime.datetime.strptime('NZST', '%Z')"])
+    def test_the_name_of_the_computer_s_zone_means_nothing(self, call):
+        assert run(f"import datetime, time\n{call}\n").alarms[0].class_name == "ValueError"
+
+    @pytest.mark.parametrize("parts", ["()", "(2024, 1)", "'x'", "5", "(2024, 13, 1, 0, 0, 0, 0, 1, 0)"])
+    def test_parts_that_are_no_time_are_refused(self, parts):
+        assert run(f"import time\ntime.strftime('%s', {parts})\n").alarms[0].class_name in ("TypeError", "ValueError")
 
 
 @pytest.mark.parametrize(("value", "error"), [("-1", "ValueError"), ("'x'", "TypeError")])

@@ -1,6 +1,7 @@
 """`time` for scripts and for copies of the standard library: the clock is the robot's, and stands still between ticks.
 
-The zone is UTC whatever the computer's is (*assumed*), so that a program prints the same everywhere.
+The zone is UTC whatever the computer's is (*assumed*), so that a program prints the same everywhere. What C functions
+would take from the computer's zone is put in before they are called.
 """
 
 from __future__ import annotations
@@ -38,8 +39,17 @@ class ClockPort(Protocol):
         """Let `count` ticks go by."""
 
 
-def clock_names(port: ClockPort) -> dict[str, Any]:
-    """Public names of `time` for one program."""
+_ZONE: Final = "UTC"
+_ZONE_FIELDS: Final = r"%%|%[-_0^#]*[0-9]*[EO]?([sZz])"
+
+
+def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dict[str, Any]:
+    """Public names of `time` for one program.
+
+    Args:
+        port: the program.
+        reader: gives the program's copy of `_strptime`; without one there is no `strptime`.
+    """
     host = real("time")
 
     def time() -> float:
@@ -72,7 +82,7 @@ def clock_names(port: ClockPort) -> dict[str, Any]:
 
     def gmtime(secs: float | None = None) -> Any:
         """A time as year, month, day, ... in UTC; the present one by default."""
-        return host.gmtime(time() if secs is None else secs)
+        return host.struct_time((*host.gmtime(time() if secs is None else secs)[:9], _ZONE, 0))
 
     def ctime(secs: float | None = None) -> str:
         """A time as a text; the present one by default."""
@@ -84,7 +94,18 @@ def clock_names(port: ClockPort) -> dict[str, Any]:
 
     def strftime(template: str, parts: Any = None) -> str:
         """Year, month, day, ... in a form of one's own; the present time by default."""
-        return str(host.strftime(template, gmtime() if parts is None else parts))
+        if parts is None:
+            parts = gmtime()
+
+        def filled(field: Any) -> str:
+            kind = field[1]
+            if kind == "s":
+                return str(round(mktime(parts)))
+            if kind == "Z":
+                return str(getattr(parts, "tm_zone", None) or _ZONE).replace("%", "%%")
+            return _offset(getattr(parts, "tm_gmtoff", None) or 0) if kind == "z" else "%%"
+
+        return str(host.strftime(real("re").sub(_ZONE_FIELDS, filled, template), parts))
 
     def mktime(parts: Any) -> float:
         """The seconds since 1970 of year, month, day, ... in UTC."""
@@ -92,7 +113,8 @@ def clock_names(port: ClockPort) -> dict[str, Any]:
 
     def strptime(text: str, template: str = "%a %b %d %H:%M:%S %Y") -> Any:
         """Read a time in a form of one's own."""
-        return host.strptime(text, template)
+        assert reader is not None
+        return host.struct_time(reader()._strptime(text, template)[0])
 
     functions: tuple[Callable[..., Any], ...] = (
         asctime,
@@ -103,7 +125,6 @@ def clock_names(port: ClockPort) -> dict[str, Any]:
         monotonic_ns,
         sleep,
         strftime,
-        strptime,
         time,
         time_ns,
     )
@@ -116,11 +137,18 @@ def clock_names(port: ClockPort) -> dict[str, Any]:
         "perf_counter_ns": monotonic_ns,
         "process_time": monotonic,
         "process_time_ns": monotonic_ns,
+        **({} if reader is None else {"strptime": strptime}),
         "struct_time": host.struct_time,
         "thread_time": monotonic,
         "timezone": 0,
-        "tzname": ("UTC", "UTC"),
+        "tzname": (_ZONE, _ZONE),
     }
+
+
+def _offset(offset_s: int) -> str:
+    """How far east of UTC, as hours and minutes."""
+    minutes = abs(offset_s) // 60
+    return f"{'-' if offset_s < 0 else '+'}{minutes // 60:02}{minutes % 60:02}"
 
 
 def copy_clock(port: ClockPort) -> Callable[[], float]:

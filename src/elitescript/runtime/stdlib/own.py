@@ -47,6 +47,6 @@ _MAKERS: Final[dict[str, Callable[[Owner], dict[str, Any]]]] = {
     "signal": lambda program: signal_names(),
     "subprocess": lambda program: subprocess_names(program.processes),
     "sys": lambda program: system_names(program.context.write, program.context.leave),
-    "time": lambda program: clock_names(program.context),
+    "time": lambda program: clock_names(program.context, lambda: program.shelf.copy("_strptime")),
     "typing": lambda program: typing_names(vars(program.shelf.facade("collections"))["namedtuple"]),
 }
