@@ -146,3 +146,35 @@ def test_dollars_that_begin_no_mark(text):
 
 def test_a_rule_reports_a_bounded_number_of_findings():
     assert 50 <= len(findings("x = a <> b\n" * 500)) <= 50 + MAX_SYNTAX_ERRORS
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def job():\n  def h«[T]»(x):\n    return x\n  end\n  h(1)\nend",
+        "def h«[T: int, U=list[int]]» (x):\n  return x\nx = h(1)",
+        "class A«[T]»:\n  x = 1\nx = A()",
+        "if 1: class A«[\n  T]»: pass\n",
+        "sec lamp«[T]»():\n  x = 1\nend",
+    ],
+)
+def test_type_parameters_are_said_to_be_newer_than_the_robot(text):
+    (problem,) = check_marks("E001", text)
+    assert problem.text == "type parameters are syntax of Python 3.12, which the robot does not have"
+    assert problem.hint == "leave the brackets behind the name out"
+
+
+@pytest.mark.parametrize("text", ["«type» X = int", "if 1:\n  «type» X[T] = list[T]\nx = 1", "x = 1; «type» X=int"])
+def test_the_type_statement_is_said_to_be_newer_than_the_robot(text):
+    (problem,) = check_marks("E001", text)
+    assert problem.text == "the `type` statement is syntax of Python 3.12, which the robot does not have"
+    assert problem.hint == "a type gets a name like any value: X = int"
+
+
+@pytest.mark.parametrize("text", ["type = 1", "type(1)", "type: int = 3", "type == 2", "def f(x=[1][0]): pass\nf()"])
+def test_other_brackets_and_things_called_type_are_not(text):
+    assert codes(text) == []
+
+
+def test_a_call_of_type_without_brackets_is_still_one():
+    assert "type(...)" in findings("type x")[0].hint

@@ -56,6 +56,10 @@ class TestMerging:
         assert body("if 1 <> 2: pass") == ["E111 2:8"]
         assert body("global x = 1") == ["E108 2:3"]
 
+    def test_a_syntax_error_is_not_lost_behind_an_error_about_something_else_in_the_line(self):
+        assert found("def h[T](x):\n  return x\nend\n") == ["E001 1:6", "E107 1:10"]
+        assert found("def h[T](x=y.__dict__):\n  return x\nend\n") == ["E001 1:6", "E115 1:14"]
+
     def test_compile_errors_and_findings_stand_side_by_side(self):
         assert body("sleep('1')", "x = = 1", "nothing()") == ["E304 2:9", "E001 3:7", "E301 4:3"]
 

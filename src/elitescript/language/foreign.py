@@ -1,4 +1,4 @@
-"""Statements and operators of other languages: C, URScript, and characters of word processors.
+"""What is not the robot's Python: C, URScript, syntax of newer Pythons, and characters of word processors.
 
 Python's own message for most of them is "invalid syntax"; here each gets its name and, where the
 meaning is clear, a repair.
@@ -254,6 +254,40 @@ def _xor(draft: Draft) -> None:
         draft.replace(start, end, " ^ ")
 
 
+# Newer Pythons
+
+
+def _type_parameters(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
+    code = draft.lexed.masked[start:end]
+    found = compiled(rf"\w+[ \t]+{NAME}[ \t]*\[").match(code)
+    if not found:
+        return
+    depth = 1
+    at = found.end()
+    while depth and at < len(code):
+        depth += (code[at] in "([{") - (code[at] in ")]}")
+        at += 1
+    start, end = start + found.end() - 1, start + at
+    _too_new(draft, start, end, "type parameters are", "leave the brackets behind the name out")
+    draft.hide(line, start, end)
+
+
+def _type_statement(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
+    code = draft.lexed.masked[start:end]
+    if compiled(rf"(?s)type[ \t]+{NAME}[ \t]*(?:\[.*\][ \t]*)?=(?!=)").match(code):
+        hint = "a type gets a name like any value: X = int"
+        _too_new(draft, start, start + len("type"), "the `type` statement is", hint)
+        draft.broken.add(line)
+
+
+def _too_new(draft: Draft, start: int, end: int, what: str, hint: str) -> None:
+    # Python 3.11 calls this invalid and newer ones take it: the pre-pass makes them agree.
+    draft.report("E001", start, end, f"{what} syntax of Python 3.12, which the robot does not have", hint)
+
+
+# Word processors
+
+
 def _look_alikes(draft: Draft) -> None:
     pattern = "[" + "".join(_LOOK_ALIKES) + "]"
     reported: set[LogicalLine] = set()
@@ -280,6 +314,8 @@ def _look_alikes(draft: Draft) -> None:
 _STATEMENT_RULES: dict[str, Callable[[Draft, LogicalLine, int, int], None]] = {
     **python2.STATEMENT_RULES,
     "global": _global,
+    **dict.fromkeys(("def", "sec", "class"), _type_parameters),
+    "type": _type_statement,
 }
 _MARK_RULES: tuple[tuple[tuple[str, ...], Callable[[Draft], None]], ...] = (
     (("$",), _dollar),

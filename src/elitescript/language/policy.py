@@ -85,8 +85,8 @@ _SYNTAX: Final = {
     "Await": ("`await`", "start_thread() runs functions side by side"),
     "TryStar": ("`except*`", "write `except`"),
     "TypeAlias": ("the `type` statement", "assign the type to a name"),
-    "FunctionDef": ("type parameters", "leave the brackets behind the name out"),
-    "ClassDef": ("type parameters", "leave the brackets behind the name out"),
+    "FunctionDef": ("a type parameter", "leave the brackets behind the name out"),
+    "ClassDef": ("a type parameter", "leave the brackets behind the name out"),
 }
 
 

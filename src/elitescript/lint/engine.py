@@ -16,6 +16,8 @@ from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
 
 _ANY_SYNTAX = "E001"
+_BESIDE_SYNTAX = ("E107", "E115")
+"""Errors in lines that could be read: they are about something else than a syntax error there."""
 
 
 def check_source(
@@ -77,7 +79,7 @@ def _merged(problems: Iterable[Diagnostic]) -> list[Diagnostic]:
     refused_lines = set()
     for problem in problems:
         places.setdefault((problem.line, problem.column), {}).setdefault(problem.code, problem)
-        if problem.is_error and problem.code.startswith("E1"):
+        if problem.is_error and problem.code.startswith("E1") and problem.code not in _BESIDE_SYNTAX:
             refused_lines.add(problem.line)
     lesser = {rule.code: rule.instead_of for rule in all_rules()}
     kept = []
