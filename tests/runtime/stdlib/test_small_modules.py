@@ -116,3 +116,95 @@ Point = NamedTuple("Point", [("x", int), ("y", int)])
 textmsg(Point(1, 2).y, Point(1, 2))
 """
         assert logged(body) == ["72.0typing.Optional", "2Point(x=1, y=2)"]
+
+    def test_a_class_of_named_tuples(self):
+        body = """
+from typing import NamedTuple
+class Point(NamedTuple):
+  "A place."
+  x: int
+  y: int = 5
+  origin = "flange"
+  def sum(self, *more):
+    return self.x + self.y + sum(more)
+  @property
+  def swapped(self):
+    return Point(self.y, self.x)
+  def __str__(self):
+    return f"<{self.x} {self.y}>"
+p = Point(1)
+textmsg(p.x, p.y, p[1], p == (1, 5), p.sum(1), repr(p.swapped), str(p), Point.origin, Point.__doc__)
+textmsg(Point(y=2, x=1)._asdict(), p._replace(x=3).x, Point._make([7, 8]).y, Point._fields, Point._field_defaults)
+a, b = p
+textmsg(a, b, isinstance(p, Point), isinstance(p, tuple), Point.__name__, len({p, Point(1), (1, 5)}))
+class Deep(Point):
+  def sum(self):
+    return -super().sum()
+textmsg(Deep(2).sum(), repr(Deep(2)), copy.deepcopy([p])[0].y)
+class Empty(NamedTuple):
+  pass
+textmsg(Empty())
+"""
+        assert logged(body) == [
+            "155True7Point(x=5, y=1)<1 5>flangeA place.",
+            "{'x': 1, 'y': 2}38('x', 'y'){'y': 5}",
+            "15TrueTruePoint1",
+            "-7Deep(x=2, y=5)5",
+            "Empty()",
+        ]
+
+    @pytest.mark.parametrize(
+        ("lines", "error"),
+        [
+            ("class P(NamedTuple):\n  x: int = 1\n  y: int", "TypeError"),
+            ("class P(NamedTuple):\n  _x: int", "ValueError"),
+            ("class P(NamedTuple):\n  def __init__(self):\n    pass", "AttributeError"),
+            ("class P(NamedTuple):\n  x: int\n  def _replace(self):\n    pass", "AttributeError"),
+            ("class P(NamedTuple, dict):\n  x: int", "TypeError"),
+            ("class P(NamedTuple):\n  x: int\nP()", "TypeError"),
+            ("class P(NamedTuple):\n  x: int\nP(1).x = 2", "AttributeError"),
+            ("class P(NamedTuple):\n  x: int\nP(1).z = 2", "AttributeError"),
+            ("NamedTuple('P', [('x', int)], z=int)", "TypeError"),
+        ],
+    )
+    def test_named_tuples_refuse_what_python_s_refuse(self, lines, error):
+        assert run(f"from typing import NamedTuple\n{lines}\n").alarms[0].class_name == error
+
+    def test_a_class_of_dicts_with_known_keys(self):
+        body = """
+from typing import TypedDict, Required
+class Pose(TypedDict):
+  x: float
+  name: str
+class Named(Pose):
+  tool: str
+p = Pose(x=1.0, name="a")
+textmsg(p, p["x"], type(p) is dict, Named(p, tool="t"), Pose(), Pose.__name__)
+Flat = TypedDict("Flat", {"in": int, "x-y": str}, total=False)
+textmsg(Flat({"in": 3}), type(Flat()) is dict)
+"""
+        assert logged(body) == [
+            "{'x': 1.0, 'name': 'a'}1.0True{'x': 1.0, 'name': 'a', 'tool': 't'}{}Pose",
+            "{'in': 3}True",
+        ]
+
+    @pytest.mark.parametrize(
+        ("lines", "error"),
+        [
+            ("class D(TypedDict, list):\n  x: int", "TypeError"),
+            ("class D(TypedDict):\n  x: int\nisinstance({}, D)", "TypeError"),
+            ("TypedDict('D', 3)", "TypeError"),
+        ],
+    )
+    def test_they_refuse_what_python_s_refuse(self, lines, error):
+        assert run(f"from typing import TypedDict\n{lines}\n").alarms[0].class_name == error
+
+    def test_patterns_and_matches_are_words_of_annotations(self):
+        body = (
+            "from typing import Match, Optional, Pattern\ndef f(p: Pattern[str]) -> Optional[Match[str]]:\n  return p\n"
+        )
+        assert logged(body + "textmsg(f(1))") == ["1"]
+
+    @pytest.mark.parametrize("name", ["get_type_hints", "ForwardRef"])
+    def test_what_evaluates_text_is_not_there(self, name):
+        assert f"has no '{name}'" in run(f"import typing\ntyping.{name}\n").alarms[0].text

@@ -10,4 +10,5 @@ chance      `random`
 iteration   `itertools`, and iterators that would never come to a checkpoint
 patterns    `re`
 notation    `typing`
+records     its classes of named tuples and of dicts
 """

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.runtime.sealed import Sealed, no_copy
+from elitescript.runtime.stdlib.records import record_names
 
 _FORMS: Final = (
     "AbstractSet",
@@ -34,6 +35,7 @@ _FORMS: Final = (
     "Literal",
     "LiteralString",
     "Mapping",
+    "Match",
     "MutableMapping",
     "MutableSequence",
     "MutableSet",
@@ -42,6 +44,7 @@ _FORMS: Final = (
     "NotRequired",
     "Optional",
     "OrderedDict",
+    "Pattern",
     "Required",
     "Self",
     "Sequence",
@@ -109,13 +112,9 @@ def typing_names(namedtuple: Callable[..., Any]) -> dict[str, Any]:
         """A function that returns its argument."""
         return identity
 
-    def named_tuple(typename: str, fields: Any = ()) -> Any:
-        """A class of tuples whose elements have names; fields are (name, type) pairs."""
-        return namedtuple(typename, [name for name, _ in fields])
-
     return {
         **{name: Form(name) for name in (*_FORMS, "Generic", "Protocol")},
-        "NamedTuple": named_tuple,
+        **record_names(namedtuple),
         "NewType": new_type,
         "ParamSpec": variable,
         "TYPE_CHECKING": False,
