@@ -61,9 +61,7 @@ class OpenFiles:
         if not is_binary:
             file = _text(file, mode, encoding, newline, errors)
         self._files.append(ref(file))
-        result = ScriptFile(mode, name)
-        _inner.__set__(result, file)
-        return result
+        return file_over(file, mode, name)
 
     def close(self) -> None:
         """Close what the program has left open.
@@ -268,6 +266,13 @@ class ScriptFile(metaclass=Sealed):
 
 _inner = hidden_slot(ScriptFile, "_inner")
 _file: Callable[[ScriptFile], IO[Any]] = _inner.__get__
+
+
+def file_over(inner: IO[Any], mode: str, name: str) -> ScriptFile:
+    """What a script holds of an open file."""
+    file = ScriptFile(mode, name)
+    _inner.__set__(file, inner)
+    return file
 
 
 class ScriptStream(metaclass=Sealed):

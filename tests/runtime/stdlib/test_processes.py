@@ -1,8 +1,7 @@
 import pytest
 
 from elitescript.runtime.stdlib.processes import PROCESSES_MAX, ProcessTable
-from elitescript.worlds.memory import MemoryWorld
-from tests.runtime.machine import run
+from tests.runtime.machine import Bench, run
 
 
 def logged(body, **options):
@@ -38,7 +37,7 @@ for end in ("terminate", "kill", "send_signal"):
   textmsg(p.poll(), p.communicate())
   p.terminate()
 """
-    assert logged(body) == ["-15('', '')", "-9('', '')", "-2('', '')"]
+    assert logged(body) == ["-15(None, None)", "-9(None, None)", "-2(None, None)"]
 
 
 @pytest.mark.parametrize(
@@ -49,7 +48,6 @@ for end in ("terminate", "kill", "send_signal"):
         'subprocess.check_output("ls")',
         'subprocess.call(["ps", "; rm x"])',
         'subprocess.run("ps | grep x", shell=True)',
-        'subprocess.Popen(["ps"])',
         'subprocess.Popen(["socat", "x"]).wait()',
     ],
 )
@@ -88,40 +86,90 @@ def test_a_process_that_is_not_there_cannot_be_killed():
     assert logged("p = subprocess.Popen(['socat'])\nos.kill(p.pid, 0)\ntextmsg(p.poll())") == ["None"]
 
 
-def test_os_knows_names_and_the_task_folder():
-    body = """
-textmsg(os.path.join("a", "b.txt"), os.path.splitext("x.csv"), os.path.basename("/task/y"), os.sep)
-textmsg(os.getpid(), os.environ, os.getenv("HOME"), os.getenv("X", 3), os.getcwd())
-textmsg(os.listdir(), os.path.exists("points.csv"), os.path.isdir("/task"), os.path.exists("/etc/passwd"))
-textmsg(os.path.getsize("points.csv"), os.path.isfile(get_task_path() + "points.csv"))
-os.makedirs("a/b", exist_ok=True)
-os.makedirs("a/b", exist_ok=True)
-os.mkdir("a/c")
-open("a/b/x", "w").close()
-os.remove("points.csv")
-textmsg(os.listdir("a"), os.path.exists("points.csv"), os.path.abspath("a/../x"))
-from os.path import dirname
-textmsg(dirname("/task/a/b"))
+@pytest.mark.parametrize(
+    ("call", "seconds"),
+    [("wait(timeout=0.5)", 0.5), ("communicate(timeout=0.5)", 0.5), ("wait(0)", 0), ("wait(-1)", 0)],
+)
+def test_a_wait_with_a_time_out_is_over_after_it(call, seconds):
+    body = f"""
+import time
+p = subprocess.Popen(["socat", "a", "b"])
+began = time.time()
+try:
+  p.{call}
+except subprocess.TimeoutExpired as e:
+  textmsg(round(time.time() - began, 6), " ", e.cmd, " ", str(e).startswith("Command ['socat', 'a', 'b'] timed out"))
+textmsg(p.poll())
 """
-    assert logged(body, world=MemoryWorld({"points.csv": b"1,2\n"})) == [
-        "a/b.txt('x', '.csv')y/",
-        "1000{}None3/task",
-        "['points.csv']TrueTrueFalse",
-        "4True",
-        "['b', 'c']False/task/x",
-        "/task/a",
+    assert logged(body)[0].startswith(f"{float(seconds)} ['socat', 'a', 'b'] True")
+
+
+def test_a_wait_is_over_when_another_thread_ends_the_process():
+    body = """
+import time
+p = subprocess.Popen(["socat", "a", "b"])
+def end():
+  time.sleep(0.2)
+  p.terminate()
+start_thread(end, ())
+textmsg(p.wait(timeout=5), " ", time.monotonic())
+"""
+    assert logged(body) == ["-15 0.2"]
+
+
+def test_a_wait_that_is_stopped_leaves_nothing_behind():
+    body = """
+p = subprocess.Popen(["socat", "a", "b"])
+def wait():
+  p.wait(timeout=5)
+h = start_thread(wait, ())
+sleep(0.1)
+stop_thread(h)
+sleep(0.1)
+p.kill()
+textmsg(p.wait(timeout=5))
+"""
+    assert logged(body) == ["-9"]
+
+
+def test_a_time_out_is_a_number():
+    (alarm,) = run("import subprocess\nsubprocess.Popen(['socat']).wait(timeout='1')\n").alarms
+    assert alarm.class_name == "TypeError"
+
+
+def test_a_secondary_program_does_not_wait():
+    bench = Bench().start("sleep(1)\n")
+    bench.run(until=1)
+    bench.secondary("sec s():\n  import subprocess\n  subprocess.Popen(['socat']).wait(timeout=1)\nend\n").run()
+    assert ["Popen.wait waits" in text for text in bench.warnings] == [True]
+
+
+def test_a_listing_can_be_started_too():
+    body = """
+p = subprocess.Popen(["ps", "aux"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+textmsg(p.communicate(timeout=1), p.returncode, p.wait(), p.poll())
+subprocess.Popen(["socat", "dev"])
+p = subprocess.Popen("pgrep socat", stdout=subprocess.PIPE, text=True)
+for line in p.stdout:
+  textmsg(line.strip().isdigit(), p.pid > 1000)
+with subprocess.Popen(["ps"], stdout=subprocess.PIPE, universal_newlines=True) as p:
+  textmsg("socat dev" in p.stdout.read(), p.stderr)
+textmsg(p.stdout.closed, subprocess.Popen(["ps"]).communicate())
+"""
+    assert logged(body) == [
+        "(b'  PID USER     TIME  COMMAND\\n', b'')000",
+        "TrueTrue",
+        "TrueNone",
+        "True(None, None)",
     ]
 
 
-def test_signal_handlers_are_kept_and_never_called():
+def test_some_signals_end_nothing():
     body = """
-def handler(number, frame):
-  textmsg("never")
-textmsg(signal.signal(signal.SIGTERM, handler))
-textmsg(signal.getsignal(signal.SIGTERM) is handler, signal.SIGINT, signal.getsignal(2))
-try:
-  signal.signal(99, handler)
-except ValueError:
-  textmsg("no such signal")
+p = subprocess.Popen(["socat"])
+for number in (0, 17, 18, 19):
+  os.kill(p.pid, number)
+  p.send_signal(number)
+textmsg(p.poll())
 """
-    assert logged(body) == ["0", "True20", "no such signal"]
+    assert logged(body) == ["None"]

@@ -4,7 +4,8 @@ locks       the lock, re-entrant lock and thread-local storage of script threads
 thread      `_thread` over them
 loader      private copies of installed pure-Python modules
 clock       `time`
-processes   `os`, `signal`, `subprocess`
+processes   `subprocess`
+posix       `os`, `os.path`, `signal`
 system      `sys`
 chance      `random`
 iteration   `itertools`, and iterators that would never come to a checkpoint

@@ -14,7 +14,8 @@ from elitescript.runtime.stdlib.clock import clock_names
 from elitescript.runtime.stdlib.iteration import itertools_names
 from elitescript.runtime.stdlib.notation import typing_names
 from elitescript.runtime.stdlib.patterns import re_names
-from elitescript.runtime.stdlib.processes import ProcessTable, os_names, signal_names, subprocess_names
+from elitescript.runtime.stdlib.posix import os_names, signal_names
+from elitescript.runtime.stdlib.processes import ProcessTable, subprocess_names
 from elitescript.runtime.stdlib.system import system_names
 
 
@@ -45,7 +46,7 @@ _MAKERS: Final[dict[str, Callable[[Owner], dict[str, Any]]]] = {
     "random": lambda program: random_names(program.generator()),
     "re": lambda program: re_names(),
     "signal": lambda program: signal_names(),
-    "subprocess": lambda program: subprocess_names(program.processes),
+    "subprocess": lambda program: subprocess_names(program.processes, program.scheduler),
     "sys": lambda program: system_names(program.context.write, program.context.leave),
     "time": lambda program: clock_names(program.context, lambda: program.shelf.copy("_strptime")),
     "typing": lambda program: typing_names(vars(program.shelf.facade("collections"))["namedtuple"]),

@@ -1,4 +1,4 @@
-"""`os`, `signal` and `subprocess` for scripts: names of files, and a table of processes that do not exist.
+"""`subprocess` for scripts: a table of processes that do not exist.
 
 Real programs look for stale `socat` processes, end them and start their own, to reach the serial line of the tool
 over the network. They find an empty table and get a process that runs until they end it. Any other process is
@@ -8,18 +8,24 @@ refused; no process is ever started.
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import SimpleNamespace
-from typing import Any, Final, Protocol
+from io import BytesIO, StringIO
+from typing import Any, Final
 
-from elitescript.errors import ScriptPermissionError
+from elitescript.errors import ScriptPermissionError, ScriptStateError
+from elitescript.messages.timing import ticks_for
+from elitescript.runtime.files import ScriptFile, file_over
+from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
-from elitescript.runtime.stdlib.loader import forwarded, real
-from elitescript.runtime.world import TASK_PATH, Files, relative_name
 
 PROCESSES_MAX: Final = 32
 """Processes that a program may have running."""
 
-_FIRST_PID: Final = 1000
+FIRST_PID: Final = 1000
+"""Number of the program's own process; those that it starts count on."""
+
+HARMLESS: Final = frozenset((0, 17, 18, 19))
+"""Signals that end no process: none at all, SIGCHLD, SIGCONT, SIGSTOP."""
+
 _TERMINATED: Final = -15
 _KILLED: Final = -9
 
@@ -31,7 +37,7 @@ class ProcessTable:
 
     def __init__(self) -> None:
         self.running: dict[int, Process] = {}
-        self._next_pid = _FIRST_PID
+        self._next_pid = FIRST_PID
 
     def start(self, args: list[str]) -> Process:
         """Add a process.
@@ -41,12 +47,20 @@ class ProcessTable:
         """
         if len(self.running) >= PROCESSES_MAX:
             raise OSError(11, f"more than {PROCESSES_MAX} processes")
+        process = self.ended(args)
+        state = _state_of(process)
+        state.table = self
+        state.status = None
+        self.running[state.pid] = process
+        return process
+
+    def ended(self, args: list[str]) -> Process:
+        """A process that has ended well already."""
         process = Process(args)
         self._next_pid += 1
         state = _state_of(process)
-        state.table = self
         state.pid = self._next_pid
-        self.running[self._next_pid] = process
+        state.status = 0
         return process
 
     def end(self, pid: int, status: int) -> None:
@@ -58,16 +72,21 @@ class ProcessTable:
         process = self.running.pop(pid, None)
         if process is None:
             raise ProcessLookupError(3, "No such process")
-        _state_of(process).status = status
+        state = _state_of(process)
+        state.status = status
+        for wake in state.at_end:
+            wake()
 
 
 class _ProcessState:
-    __slots__ = ("pid", "status", "table")
+    __slots__ = ("at_end", "await_end", "pid", "status", "table")
 
     def __init__(self) -> None:
         self.pid = 0
         self.status: int | None = None
         self.table: ProcessTable | None = None
+        self.await_end: Callable[[Process, Any], None] | None = None
+        self.at_end: list[Callable[[], None]] = []
 
 
 class Process(metaclass=Sealed):
@@ -80,7 +99,9 @@ class Process(metaclass=Sealed):
 
     def __init__(self, args: list[str]) -> None:
         self.args = args
-        self.stdin = self.stdout = self.stderr = None
+        self.stdin = None
+        self.stdout: ScriptFile | None = None
+        self.stderr: ScriptFile | None = None
         _state.__set__(self, _ProcessState())
 
     @property
@@ -98,12 +119,19 @@ class Process(metaclass=Sealed):
         """How it ended; None while it runs."""
         return self.returncode
 
-    def wait(self, timeout: float | None = None) -> int:
+    def wait(self, timeout: Any = None) -> int:
         """How it ended.
 
+        Args:
+            timeout: so many seconds another thread of the program has to end it, s.
+
         Raises:
-            PermissionError: it runs, and will until the program ends it.
+            TimeoutExpired: it still runs.
+            PermissionError: it runs, and no time-out says how long to wait.
         """
+        state = _state_of(self)
+        if state.status is None and timeout is not None and state.await_end is not None:
+            state.await_end(self, timeout)
         status = self.returncode
         if status is None:
             raise ScriptPermissionError(
@@ -112,10 +140,25 @@ class Process(metaclass=Sealed):
             )
         return status
 
-    def communicate(self, input: object = None, timeout: float | None = None) -> tuple[str, str]:
-        """Its outputs, which are empty."""
-        self.wait()
-        return "", ""
+    def communicate(self, input: object = None, timeout: Any = None) -> tuple[Any, Any]:
+        """Its outputs, as far as they are pipes; waits like `wait`."""
+        self.wait(timeout)
+        output, errors = (None if stream is None else stream.read() for stream in (self.stdout, self.stderr))
+        self._close()
+        return output, errors
+
+    def _close(self) -> None:
+        for stream in (self.stdout, self.stderr):
+            if stream is not None:
+                stream.close()
+
+    def __enter__(self) -> Process:
+        return self
+
+    def __exit__(self, kind: object, *details: object) -> None:
+        self._close()
+        if kind is None:
+            self.wait()
 
     def terminate(self) -> None:
         """End it."""
@@ -126,8 +169,8 @@ class Process(metaclass=Sealed):
         _end(self, _KILLED)
 
     def send_signal(self, number: int) -> None:
-        """End it, whatever the signal; 0 does nothing."""
-        if number:
+        """End it, unless the signal is one of those that end nothing."""
+        if number not in HARMLESS:
             _end(self, -int(number))
 
     def __repr__(self) -> str:
@@ -163,8 +206,16 @@ class CompletedProcess(metaclass=Sealed):
         """Do nothing: it ended well."""
 
 
-def subprocess_names(table: ProcessTable) -> dict[str, Any]:
-    """Public names of `subprocess` for one program."""
+_PIPE: Final = -1
+
+
+def subprocess_names(table: ProcessTable, scheduler: Scheduler) -> dict[str, Any]:
+    """Public names of `subprocess` for one program.
+
+    Args:
+        table: its processes.
+        scheduler: runs its threads.
+    """
 
     def listing(args: list[str]) -> str:
         kind = _kind_of(args)
@@ -185,28 +236,62 @@ def subprocess_names(table: ProcessTable) -> dict[str, Any]:
         """
         words = _words(args)
         text = listing(words)
-        is_text = any(options.get(name) for name in ("text", "universal_newlines", "encoding"))
-        is_captured = options.get("capture_output") or options.get("stdout") == -1
-        return CompletedProcess(args, (text if is_text else text.encode()) if is_captured else None)
+        is_captured = options.get("capture_output") or options.get("stdout") == _PIPE
+        return CompletedProcess(args, (text if _is_text(options) else text.encode()) if is_captured else None)
 
     def check_output(args: Any, **options: Any) -> Any:
         """What `run` writes to its output."""
-        return run(args, **{**options, "stdout": -1}).stdout
+        return run(args, **{**options, "stdout": _PIPE}).stdout
 
     def call(args: Any, **options: Any) -> int:
         """The status with which `run` ends, which is 0."""
         return run(args, **options).returncode
 
     def start(args: Any, *positional: Any, **options: Any) -> Process:
-        """Start a `socat` that exists in name only, or refuse.
+        """Start a `socat` that exists in name only, run `ps` or `pgrep` in the table of processes, or refuse.
 
         Raises:
             PermissionError: any other command.
         """
         words = _words(args)
-        if _kind_of(words) != "socat":
-            raise _refusal(words)
-        return table.start(words)
+        if _kind_of(words) == "socat":
+            text = ""
+            process = table.start(words)
+            _state_of(process).await_end = await_end
+        else:
+            text = listing(words)
+            process = table.ended(words)
+        if options.get("stdout") == _PIPE:
+            process.stdout = _stream("<stdout>", text, options)
+        if options.get("stderr") == _PIPE:
+            process.stderr = _stream("<stderr>", "", options)
+        return process
+
+    def await_end(process: Process, timeout: Any) -> None:
+        """Let the calling thread wait until another one ends a process."""
+        if not isinstance(timeout, (int, float)):
+            raise TypeError(f"a timeout is a number of seconds, not a {type(timeout).__name__}")
+        strand = scheduler.current
+        ticks = ticks_for(timeout)
+        if strand is not None and ticks > 0:
+            if strand.is_secondary:
+                raise ScriptStateError(
+                    "Popen.wait waits, which a secondary program (sec) may not do", code="R120", command="Popen.wait"
+                )
+            ticket = strand.ticket + 1
+
+            def wake() -> None:
+                if strand.ticket == ticket:
+                    scheduler.wake(strand)
+
+            state = _state_of(process)
+            state.at_end.append(wake)
+            try:
+                scheduler.wait("a process to end", scheduler.now + ticks)
+            finally:
+                state.at_end.remove(wake)
+        if process.returncode is None:
+            raise TimeoutExpired(process.args, timeout)
 
     class SubprocessError(Exception):
         """Base of the errors of this module."""
@@ -215,7 +300,16 @@ def subprocess_names(table: ProcessTable) -> dict[str, Any]:
         """Never raised here."""
 
     class TimeoutExpired(SubprocessError):
-        """Never raised here."""
+        """A process still runs when the time is over."""
+
+        def __init__(self, cmd: Any, timeout: Any, output: Any = None, stderr: Any = None) -> None:
+            self.cmd = cmd
+            self.timeout = timeout
+            self.output = self.stdout = output
+            self.stderr = stderr
+
+        def __str__(self) -> str:
+            return f"Command {self.cmd!r} timed out after {self.timeout} seconds"
 
     for error in (SubprocessError, CalledProcessError, TimeoutExpired):
         error.__module__ = "subprocess"
@@ -224,7 +318,7 @@ def subprocess_names(table: ProcessTable) -> dict[str, Any]:
         "CalledProcessError": CalledProcessError,
         "CompletedProcess": CompletedProcess,
         "DEVNULL": -3,
-        "PIPE": -1,
+        "PIPE": _PIPE,
         "Popen": start,
         "STDOUT": -2,
         "SubprocessError": SubprocessError,
@@ -234,6 +328,15 @@ def subprocess_names(table: ProcessTable) -> dict[str, Any]:
         "check_output": check_output,
         "run": run,
     }
+
+
+def _is_text(options: dict[str, Any]) -> bool:
+    return any(options.get(name) for name in ("text", "universal_newlines", "encoding", "errors"))
+
+
+def _stream(name: str, text: str, options: dict[str, Any]) -> ScriptFile:
+    """An output of a process that has written all that it will."""
+    return file_over(StringIO(text), "r", name) if _is_text(options) else file_over(BytesIO(text.encode()), "rb", name)
 
 
 def _words(args: Any) -> list[str]:
@@ -255,121 +358,3 @@ def _refusal(words: list[str]) -> ScriptPermissionError:
         f"the command {' '.join(words)!r} is not run: programs cannot start processes",
         hint="only ps, pgrep and socat are known, and they exist in name only",
     )
-
-
-# ---------------------------------------------------------------- os and signal
-
-
-class FilesPort(Protocol):
-    """What `os` asks of the program that it belongs to."""
-
-    @property
-    def task_files(self) -> Files:
-        """The task folder."""
-
-
-def os_names(port: FilesPort, table: ProcessTable, facade: Callable[[str, dict[str, Any]], Any]) -> dict[str, Any]:
-    """Public names of `os` for one program.
-
-    Args:
-        port: the program.
-        table: its processes.
-        facade: makes a module of names, for `os.path`.
-    """
-
-    def kill(pid: int, number: int) -> None:
-        """End a process of the table; signal 0 only looks for it."""
-        if number == 0 and pid in table.running:
-            return
-        table.end(pid, -int(number))
-
-    def listdir(path: str = TASK_PATH) -> list[str]:
-        """Sorted names in a folder of the task folder."""
-        return port.task_files.names(relative_name(path))
-
-    def remove(path: str) -> None:
-        """Delete a file of the task folder."""
-        port.task_files.remove(relative_name(path))
-
-    def mkdir(path: str, mode: int = 0o777) -> None:
-        """Make a folder in the task folder."""
-        port.task_files.make_folder(relative_name(path))
-
-    def makedirs(path: str, mode: int = 0o777, exist_ok: bool = False) -> None:
-        """Make a folder and those above it."""
-        name = relative_name(path)
-        files = port.task_files
-        parts = name.split("/")
-        for end in range(1, len(parts)):
-            if not files.kind("/".join(parts[:end])):
-                files.make_folder("/".join(parts[:end]))
-        if not (exist_ok and files.kind(name) == "folder"):
-            files.make_folder(name)
-
-    return {
-        "environ": {},
-        "getcwd": lambda: TASK_PATH.rstrip("/"),
-        "getenv": lambda key, default=None: default,
-        "getpid": lambda: _FIRST_PID,
-        "getppid": lambda: 1,
-        "kill": kill,
-        "linesep": "\n",
-        "listdir": listdir,
-        "makedirs": makedirs,
-        "mkdir": mkdir,
-        "name": "posix",
-        "path": facade("os.path", _path_names(port)),
-        "pathsep": ":",
-        "remove": remove,
-        "sep": "/",
-        "unlink": remove,
-    }
-
-
-_PATH_FUNCTIONS: Final = ("basename", "commonprefix", "dirname", "isabs", "join", "normpath", "split", "splitext")
-
-
-def _path_names(port: FilesPort) -> dict[str, Any]:
-    posixpath = real("posixpath")
-
-    def kind(path: str) -> str:
-        try:
-            return port.task_files.kind(relative_name(path))
-        except ScriptPermissionError:
-            return ""
-
-    return {
-        **{name: forwarded(getattr(posixpath, name)) for name in _PATH_FUNCTIONS},
-        "abspath": lambda path: posixpath.normpath(posixpath.join(TASK_PATH, path)),
-        "exists": lambda path: kind(path) != "",
-        "getsize": lambda path: port.task_files.size(relative_name(path)),
-        "isdir": lambda path: kind(path) == "folder",
-        "isfile": lambda path: kind(path) == "file",
-        "sep": "/",
-    }
-
-
-_SIGNALS: Final = {"SIGHUP": 1, "SIGINT": 2, "SIGKILL": 9, "SIGUSR1": 10, "SIGUSR2": 12, "SIGTERM": 15}
-
-
-def signal_names() -> dict[str, Any]:
-    """Public names of `signal` for one program. Handlers are kept and never called: no signal ever arrives."""
-    handlers: dict[int, Any] = {}
-
-    def signal(number: int, handler: Any) -> Any:
-        """Keep a handler; return the one before."""
-        if number not in _SIGNALS.values():
-            raise ValueError("signal number out of range")
-        before = handlers.get(number, 0)
-        handlers[number] = handler
-        return before
-
-    def getsignal(number: int) -> Any:
-        """The handler that was kept."""
-        return handlers.get(number, 0)
-
-    return {**_SIGNALS, "SIG_DFL": 0, "SIG_IGN": 1, "getsignal": getsignal, "signal": signal}
-
-
-NO_PROCESSES: Final = SimpleNamespace()
-"""`os` for copies, which only ask it what it lacks."""
