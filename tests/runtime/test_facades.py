@@ -128,6 +128,32 @@ textmsg(work(1), work.__name__, work.__doc__)
 """
         assert logged(body) == ["2workdoes it"]
 
+    def test_texts_can_be_extended(self):
+        body = """
+import collections
+class Name(collections.UserString):
+  def shout(self):
+    return self.upper() + "!"
+n = Name("tool")
+textmsg(n.shout(), type(n.shout()) is Name, n == "tool", n % (), len(n), n[1:], {n: 1}["tool"], f"{n}")
+"""
+        assert logged(body) == ["TOOL!TrueTruetool4ool1tool"]
+
+    @pytest.mark.parametrize("name", ["format", "format_map"])
+    def test_format_strings_in_them_are_not_filled(self, name):
+        (alarm,) = run(f"import collections\ncollections.UserString('{{0.real}}').{name}(1)\n").alarms
+        assert alarm.class_name == "AttributeError"
+
+    @pytest.mark.parametrize(
+        ("module", "name"),
+        [("functools", "singledispatch"), ("dataclasses", "make_dataclass"), ("typing", "get_type_hints")],
+    )
+    def test_what_would_go_round_the_compiler_is_refused_by_name(self, module, name):
+        (alarm,) = run(f"import {module}\n{module}.{name}\n").alarms
+        assert alarm.text.startswith(f"the module {module!r} of the robot has no {name!r}")
+        (alarm,) = run(f"from {module} import {name}\n").alarms
+        assert alarm.text == f"cannot import name {name!r} from {module!r}: the robot's {module} does not have it"
+
     def test_mistakes_in_json_can_be_caught(self):
         body = """
 import json

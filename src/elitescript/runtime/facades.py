@@ -42,7 +42,7 @@ SHARED_NAMES: Final[dict[str, str]] = {
 """Names of the installed module; `*` stands for all its public ones. What hands out attributes by name is left out."""
 
 COPIED_NAMES: Final[dict[str, str]] = {
-    "collections": "ChainMap Counter OrderedDict UserDict UserList defaultdict deque namedtuple",
+    "collections": "ChainMap Counter OrderedDict UserDict UserList UserString defaultdict deque namedtuple",
     "collections.abc": "*",
     "dataclasses": "FrozenInstanceError InitVar KW_ONLY MISSING asdict astuple dataclass field fields is_dataclass"
     " replace",
@@ -238,11 +238,21 @@ def _own_json_error(names: dict[str, Any]) -> None:
     names["JSONDecodeError"] = error
 
 
+def _own_user_string(names: dict[str, Any]) -> None:
+    """`UserString` without the methods that fill a format string with any attribute."""
+    for method in ("format", "format_map"):
+        delattr(names["UserString"], method)
+
+
 def _no_fix(names: dict[str, Any]) -> None:
     """Most copies are used as they are."""
 
 
-_FIXES: Final[dict[str, Callable[[dict[str, Any]], None]]] = {"functools": _own_wraps, "json": _own_json_error}
+_FIXES: Final[dict[str, Callable[[dict[str, Any]], None]]] = {
+    "collections": _own_user_string,
+    "functools": _own_wraps,
+    "json": _own_json_error,
+}
 
 
 def _annotations(cls: type) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final, Protocol
 
-from elitescript.errors import ScriptPermissionError
+from elitescript.errors import NotSimulatedError, ScriptPermissionError
 from elitescript.runtime.stdlib.loader import forwarded, real
 from elitescript.runtime.stdlib.processes import FIRST_PID, HARMLESS, ProcessTable
 from elitescript.runtime.world import TASK_PATH, Files, relative_name
@@ -58,6 +58,7 @@ def os_names(port: FilesPort, table: ProcessTable, facade: Callable[[str, dict[s
             files.make_folder(name)
 
     return {
+        **_NAMES_OF_FOLDERS,
         "environ": {},
         "getcwd": lambda: TASK_PATH.rstrip("/"),
         "getenv": lambda key, default=None: default,
@@ -72,12 +73,23 @@ def os_names(port: FilesPort, table: ProcessTable, facade: Callable[[str, dict[s
         "path": facade("os.path", _path_names(port)),
         "pathsep": ":",
         "remove": remove,
-        "sep": "/",
         "unlink": remove,
     }
 
 
-_PATH_FUNCTIONS: Final = ("basename", "commonprefix", "dirname", "isabs", "join", "normpath", "split", "splitext")
+_PATH_FUNCTIONS: Final = (
+    "basename",
+    "commonprefix",
+    "dirname",
+    "isabs",
+    "join",
+    "normcase",
+    "normpath",
+    "split",
+    "splitdrive",
+    "splitext",
+)
+_NAMES_OF_FOLDERS: Final = {"curdir": ".", "extsep": ".", "pardir": "..", "sep": "/"}
 
 
 def _path_names(port: FilesPort) -> dict[str, Any]:
@@ -89,18 +101,65 @@ def _path_names(port: FilesPort) -> dict[str, Any]:
         except ScriptPermissionError:
             return ""
 
+    def abspath(path: str) -> str:
+        """A path from the root on, without `.` and `..`."""
+        return str(posixpath.normpath(posixpath.join(TASK_PATH, path)))
+
+    def realpath(path: str, *, strict: bool = False) -> str:
+        """The same: programs see no links."""
+        if strict and not kind(path):
+            raise FileNotFoundError(2, "No such file or directory", path)
+        return abspath(path)
+
+    def relpath(path: str, start: str = TASK_PATH) -> str:
+        """A path from a folder on, the task folder by default."""
+        return str(posixpath.relpath(abspath(path), abspath(start)))
+
+    def expanduser(path: str) -> str:
+        """The path as it is: nobody has a home on the robot (*assumed*)."""
+        return str(posixpath.join(path))
+
+    def getmtime(path: str) -> float:
+        """Refuse: the task folder keeps no times.
+
+        Raises:
+            NotSimulatedError: always, for a file that is there.
+        """
+        name = relative_name(path)
+        if not port.task_files.kind(name):
+            raise FileNotFoundError(2, "No such file or directory", path)
+        raise NotSimulatedError(f"nobody knows when {path!r} was changed: the task folder keeps no times", value=path)
+
     return {
         **{name: forwarded(getattr(posixpath, name)) for name in _PATH_FUNCTIONS},
-        "abspath": lambda path: posixpath.normpath(posixpath.join(TASK_PATH, path)),
+        **_NAMES_OF_FOLDERS,
+        "abspath": abspath,
         "exists": lambda path: kind(path) != "",
+        "expanduser": expanduser,
+        "getmtime": getmtime,
         "getsize": lambda path: port.task_files.size(relative_name(path)),
         "isdir": lambda path: kind(path) == "folder",
         "isfile": lambda path: kind(path) == "file",
-        "sep": "/",
+        "realpath": realpath,
+        "relpath": relpath,
     }
 
 
-_SIGNALS: Final = {"SIGHUP": 1, "SIGINT": 2, "SIGKILL": 9, "SIGUSR1": 10, "SIGUSR2": 12, "SIGTERM": 15}
+_SIGNALS: Final = {
+    "SIGHUP": 1,
+    "SIGINT": 2,
+    "SIGABRT": 6,
+    "SIGKILL": 9,
+    "SIGUSR1": 10,
+    "SIGUSR2": 12,
+    "SIGPIPE": 13,
+    "SIGALRM": 14,
+    "SIGTERM": 15,
+    "SIGCHLD": 17,
+    "SIGCONT": 18,
+    "SIGSTOP": 19,
+}
+_UNHANDLED: Final = frozenset((9, 19))
 
 
 def signal_names() -> dict[str, Any]:
@@ -111,6 +170,8 @@ def signal_names() -> dict[str, Any]:
         """Keep a handler; return the one before."""
         if number not in _SIGNALS.values():
             raise ValueError("signal number out of range")
+        if number in _UNHANDLED:
+            raise OSError(22, "Invalid argument")
         before = handlers.get(number, 0)
         handlers[number] = handler
         return before
