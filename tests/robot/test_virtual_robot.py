@@ -440,3 +440,8 @@ def test_ctrl_c_ends_the_run_cleanly_and_then_interrupts():
     assert robot.current.state == "stopped"
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     assert robot.run("def b():\n  textmsg('fine')\nend\n").log == ["fine"]
+
+
+def test_open_is_told_what_becomes_of_broken_text(robot):
+    program = 'def a():\n  open("x", "wb").write(b"a\\xffb")\n  textmsg(open("x", errors="ignore").read())\nend\n'
+    assert robot.run(program).log == ["ab"]

@@ -155,7 +155,6 @@ COMPUTED = {
     "input": ("leak(input())", "RuntimeError"),
     "type of three": ("leak(type('C', (), {'__getattr__': lambda s, n: n}))", "PermissionError"),
     "type of type": ("leak(type(type(1))('C', (), {}).__name__)", "finished"),
-    "KeyboardInterrupt": ("raise KeyboardInterrupt", "NameError"),
     "stop class": ("leak(GreenletExit)", "NameError"),
     # format strings
     "format": ("leak('{0.__class__.__base__}'.format(1))", "PermissionError"),

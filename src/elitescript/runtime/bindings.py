@@ -56,8 +56,6 @@ _ERRORS: Final = [
 _REAL: Final[dict[str, Any]] = {
     **{name: getattr(builtins, name) for name in (*_REAL_NAMES.split(), *_ERRORS)},
     "Ellipsis": ...,
-    # A stand-in: handlers may name it, but nothing raises it; the real one belongs to the user.
-    "KeyboardInterrupt": type("KeyboardInterrupt", (BaseException,), {"__module__": "builtins"}),
     "NotImplemented": NotImplemented,
     "__debug__": True,
 }
@@ -119,6 +117,8 @@ def builtins_for(
     )
     names["copy"] = names["elicopy"] = _preloaded_copy(shelf)
     names["__import__"] = _import(shelf)
+    # A stand-in of this run: handlers may name it, but nobody raises it; the real one belongs to the user.
+    names["KeyboardInterrupt"] = type("KeyboardInterrupt", (BaseException,), {"__module__": "builtins"})
     names["__build_class__"] = class_builder(identities)
     names.update((name, command_function(catalogue, name, context)) for name in catalogue.names())
     names[TICK] = scheduler.fuel.pop
@@ -197,7 +197,7 @@ def _open(files: OpenFiles) -> Callable[..., Any]:
         newline: Any = None,
     ) -> Any:
         """Open a file of the task folder."""
-        return files.open(file, mode, encoding, newline)
+        return files.open(file, mode, encoding, newline, errors)
 
     open.__qualname__ = "open"
     return open
