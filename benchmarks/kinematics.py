@@ -1,4 +1,4 @@
-"""Forward and inverse kinematics and Jacobian of one pose, against other packages where installed."""
+"""Forward and inverse kinematics, Jacobian and inverse dynamics of one pose, against other packages where installed."""
 
 from __future__ import annotations
 
@@ -8,12 +8,18 @@ from math import pi
 from timeit import repeat
 from typing import Any
 
+from elitescript.kinematics.dynamics import Body, joint_torques
 from elitescript.kinematics.inverse import solutions, solve_branch
 from elitescript.kinematics.jacobian import jacobian
-from elitescript.models.model import RobotModel, load_model
+from elitescript.models.model import Link, RobotModel, load_model
 
 Q = (0.3, -1.2, -1.5, -1.1, 1.4, 0.2)
 """A pose with eight solutions, far from singularities, rad."""
+QD = (0.5, -0.4, 0.7, -0.9, 0.3, 1.1)
+QDD = (1.0, 2.0, -1.5, 0.5, -2.5, 3.0)
+LOAD_KG = 3.0
+LOAD_COG = (0.02, -0.015, 0.09)
+DYNAMICS = "inverse dynamics, with payload"
 OWN_BRANCH = 5
 RUNS = 7
 RUN_S = 0.05
@@ -49,6 +55,8 @@ def main() -> None:
 def _our_calls(model: RobotModel) -> Calls:
     arm = model.arm
     T = arm.forward(Q)
+    links = [Body(link.mass, link.com, link.inertia) for link in model.links]
+    load = Body(LOAD_KG, LOAD_COG)
     if len(solutions(arm, T)) != 8 or solve_branch(arm, T, OWN_BRANCH) is None:
         raise RuntimeError("the pose of this benchmark has to have eight solutions")
     return {
@@ -56,6 +64,7 @@ def _our_calls(model: RobotModel) -> Calls:
         "inverse kinematics, all eight": lambda: solutions(arm, T),
         "inverse kinematics, one": lambda: solve_branch(arm, T, OWN_BRANCH),
         "Jacobian": lambda: jacobian(arm, Q),
+        DYNAMICS: lambda: joint_torques(arm, links, Q, QD, QDD, model.gravity, load),
     }
 
 
@@ -75,18 +84,33 @@ def _eaik(model: RobotModel) -> Calls:
 
 def _toolbox(model: RobotModel) -> Calls:
     import numpy as np
-    from roboticstoolbox import DHRobot, RevoluteDH
+    from roboticstoolbox import DHRobot, RevoluteDH, RevoluteMDH
 
     links = [RevoluteDH(alpha=x, a=y, d=z) for x, y, z in zip(*_standard_dh(model), strict=True)]
     robot: Any = DHRobot(links)
     q = np.array(Q)
     T = robot.fkine(q)
     start = q + 0.05
+    heavy: Any = DHRobot(
+        [
+            RevoluteMDH(a=a, d=d, alpha=alpha, m=link.mass, r=list(link.com), I=_toolbox_inertia(link), Jm=0.0, G=1.0)
+            for link, a, d, alpha in zip(model.links, *model.arm.modified_dh, strict=True)
+        ],
+        gravity=[-g for g in model.gravity],
+    )
+    heavy.payload(LOAD_KG, list(LOAD_COG))
+    qd, qdd = np.array(QD), np.array(QDD)
     return {
         "forward kinematics": lambda: robot.fkine(q),
         "inverse kinematics, one": lambda: robot.ikine_LM(T, q0=start),
         "Jacobian": lambda: robot.jacob0(q),
+        DYNAMICS: lambda: heavy.rne(q, qd, qdd),
     }
+
+
+def _toolbox_inertia(link: Link) -> list[list[float]]:
+    ixx, iyy, izz, ixy, ixz, iyz = link.inertia
+    return [[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]]
 
 
 def _standard_dh(model: RobotModel) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:

@@ -44,6 +44,9 @@ class FakeMachine:
     def joints(self) -> JointState:
         return JointState(Q_TARGET, (0.2,) * 6, Q_ACTUAL, (0.1,) * 6)
 
+    def joint_torques(self) -> Six:
+        return (0.1, -20.5, 8.25, 0.5, -0.25, 0.0)
+
     def state(self) -> RobotState:
         flange = self.arm.forward(Q_ACTUAL)
         offset = transform_from_pose(self.tcp_offset)

@@ -37,5 +37,9 @@ def test_temperatures(call: Any) -> None:
     assert call("get_controller_temperature") == 41.5
 
 
+def test_torques_are_those_of_the_machine(call: Any) -> None:
+    assert call("get_joint_torques") == [0.1, -20.5, 8.25, 0.5, -0.25, 0.0]
+
+
 def test_target_waypoint(call: Any) -> None:
     assert call("get_target_waypoint") == [0.4, 0.1, 0.3, 0.0, 1.0, 0.0]

@@ -25,6 +25,7 @@ class _Writer:
         self._line(1, "count = 0")
         self._line(1, "done = False")
         self._line(1, "seen = []")
+        self._line(1, "set_payload(2, [0.03, -0.02, 0.08])")
         self._line(1, "import queue")
         self._line(1, "box = queue.Queue(2)")
         threads = chance.randrange(0, 3)
@@ -90,7 +91,7 @@ class _Writer:
             self._line(depth + 1, "pass")
             self._line(depth, "end")
         elif kind == "read":
-            self._line(depth, "textmsg(get_target_joint_positions())")
+            self._line(depth, f"textmsg({chance.choice(('get_target_joint_positions', 'get_joint_torques'))}())")
         elif kind == "speed_read":
             self._line(depth, "textmsg(get_target_tcp_speed())")
         elif kind == "movej":

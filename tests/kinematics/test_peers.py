@@ -1,4 +1,4 @@
-"""Forward and inverse kinematics against other people's packages, where they are installed."""
+"""Kinematics and inverse dynamics against other people's packages, where they are installed."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from typing import Any
 import pytest
 
 from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.dynamics import Body, joint_torques
 from elitescript.kinematics.inverse import solutions
 from elitescript.kinematics.jacobian import jacobian, singularity
 from elitescript.kinematics.limits import wrap_to_pi
+from elitescript.models.model import load_model
 
 pytestmark = pytest.mark.peers
 
@@ -61,3 +63,22 @@ def test_roboticstoolbox_finds_the_same_flange_and_jacobian() -> None:
     for q in regular_joints(50):
         assert CS66.forward(q) == pytest.approx(flat(robot.fkine(np.array(q)).A), abs=1e-12)
         assert np.abs(np.array(jacobian(CS66, q)) - robot.jacob0(np.array(q))).max() < 1e-12
+
+
+def test_roboticstoolbox_finds_the_same_torques() -> None:
+    np = pytest.importorskip("numpy")
+    toolbox = pytest.importorskip("roboticstoolbox")
+    model = load_model("CS66")
+    links, peers = [], []
+    for link, a, d, alpha in zip(model.links, *model.arm.modified_dh, strict=True):
+        ixx, iyy, izz, ixy, ixz, iyz = link.inertia
+        tensor = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+        links.append(Body(link.mass, link.com, link.inertia))
+        peers.append(toolbox.RevoluteMDH(a=a, d=d, alpha=alpha, m=link.mass, r=list(link.com), I=tensor, Jm=0.0, G=1.0))
+    # The toolbox takes the vector along which things fall.
+    robot = toolbox.DHRobot(peers, gravity=[-g for g in model.gravity])
+    rng = random.Random(61)
+    for _ in range(50):
+        q, qd, qdd = (tuple(rng.uniform(-span, span) for _ in range(6)) for span in (pi, 2.0, 8.0))
+        theirs = robot.rne(np.array(q), np.array(qd), np.array(qdd))
+        assert joint_torques(model.arm, links, q, qd, qdd, model.gravity) == pytest.approx(list(theirs), abs=1e-9)

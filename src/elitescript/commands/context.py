@@ -60,6 +60,9 @@ class Machine(Protocol):
     def joints(self) -> JointState:
         """Target and actual joints of this tick."""
 
+    def joint_torques(self) -> Six:
+        """Torques of this tick without those that the arm needs to carry and to move itself, N m."""
+
     def state(self) -> RobotState:
         """The whole machine at this tick."""
 

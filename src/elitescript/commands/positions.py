@@ -1,4 +1,4 @@
-"""Where the arm is, how fast it moves, how warm it is (manual 2.10 chapter 2.1).
+"""Where the arm is, how fast it moves, how warm its joints are and what they carry (manual 2.10 chapter 2.1).
 
 *Target* is what the controller commands in this tick, *actual* what the encoders measure.
 """
@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.quantities import JointPositions, JointSpeeds, Number, Pose, TcpSpeed, Vector
 from elitescript.commands.registry import command
-from elitescript.errors import NotSimulatedError
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
@@ -77,14 +76,19 @@ def get_joint_temperatures(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "
     return robot.machine.joint_temperatures
 
 
-@command(family="motion", manual="2.1.10", is_simulated=False)
-def get_joint_torques() -> Annotated[Six, Vector(Number(), 6, "Nm")]:
+@command(family="motion", manual="2.1.10")
+def get_joint_torques(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "Nm")]:
     """Torques of the joints, without what the arm needs to carry and move itself.
 
+    The payload is not part of the arm (*assumed*; the manual speaks of the robot itself): what remains is the torque
+    that carries and moves the payload set by `set_payload`, and it is zero while none is set. The simulated arm has no
+    friction and touches nothing.
+
     Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
+        [base, shoulder, elbow, wrist1, wrist2, wrist3], as the joints apply them, positive in the direction in which
+        the joint counts (*assumed*).
     """
-    raise NotSimulatedError("joint torques are not simulated yet")
+    return robot.machine.joint_torques()
 
 
 @command(family="motion", manual="2.1.11")

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
+from elitescript.controller.arm_dynamics import ArmDynamics
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
 from elitescript.controller.modes import WHY_NOT_READY, Power
@@ -19,14 +20,7 @@ from elitescript.errors import ArgumentRangeError, ScriptError, ScriptStateError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import IDENTITY, Transform, pose_from_transform, transform_from_pose
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
-from elitescript.messages.events import (
-    Event,
-    LineMarked,
-    RobotModeChanged,
-    SignalChanged,
-    TaskStateChanged,
-    Warned,
-)
+from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
 from elitescript.messages.machine import (
     MachineRequest,
     PauseTask,
@@ -63,6 +57,7 @@ class Controller:
 
     __slots__ = (
         "_T_flange_tcp",
+        "_dynamics",
         "_epoch_s",
         "_gravity",
         "_inbox",
@@ -123,6 +118,7 @@ class Controller:
         self._is_powering_down = False
         self._joints_tick = -1
         self._joints = JointState(model.home, ZERO_SIX, model.home, ZERO_SIX)
+        self._dynamics = ArmDynamics(model)
 
     def attach(self, program: ProgramPort) -> None:
         """Say what runs scripts in the phase `program`."""
@@ -237,6 +233,12 @@ class Controller:
             self._joints = JointState(q, qd, q, qd)
             self._joints_tick = self._tick
         return self._joints
+
+    def joint_torques(self) -> Six:
+        """Torques of this tick without those that the arm needs to carry and to move itself, N m."""
+        joints = self.joints()
+        qdd = self._motion.acceleration(self._tick)
+        return self._dynamics.remaining_torques(joints.q_actual, joints.qd_actual, qdd, self._gravity, self._payload)
 
     def setpoint_at(self, tick: int) -> Setpoint:
         """Target joints at a tick from the present one up to the next at which something is due."""
