@@ -1,6 +1,6 @@
 """Recordings for the tests of the page: made by hand, or by a short program."""
 
-from math import sin
+from random import Random
 
 from elitescript import VirtualRobot
 from elitescript.controller.trace import TraceRow
@@ -25,7 +25,12 @@ def row(t, line=1, q1=0.0, qd1=0.0, x=0.4, state="playing"):
 
 def restless(count):
     """Rows in which everything changes in every tick."""
-    return [row(k * 0.004, 1 + k % 7, sin(k * 0.9) * k / count, sin(k * 1.7), 0.4 + 0.1 * sin(k)) for k in range(count)]
+    chance = Random(5)
+
+    def six(width):
+        return tuple(chance.uniform(-width, width) for _ in range(6))
+
+    return [TraceRow(k * 0.004, 1 + k % 7, six(6.0), six(3.0), six(0.9), "playing") for k in range(count)]
 
 
 def recorded(program=PROGRAM):

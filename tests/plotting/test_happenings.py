@@ -2,7 +2,7 @@
 
 from elitescript.messages.events import Alarm, MotionEnded, MotionStarted, SignalChanged, TextMessage, Warned
 from elitescript.messages.motion import MoveJ
-from elitescript.plotting.happenings import MARKS_MAX, MOVES_MAX, SIGNALS_MAX, marks, moves, signals
+from elitescript.plotting.happenings import CHANGES_MAX, MARKS_MAX, MOVES_MAX, SIGNALS_MAX, marks, moves, signals
 
 Q = (0.0,) * 6
 
@@ -41,6 +41,13 @@ def test_outputs_come_before_inputs_and_count_in_numbers():
     names = ["standard_digital_in[0]", "standard_digital_out[10]", "standard_digital_out[9]"]
     found, _ = signals([SignalChanged(1, name, True) for name in names], 0.0)
     assert [signal["name"] for signal in found] == names[::-1]
+
+
+def test_a_signal_with_too_many_changes_says_so():
+    events = [SignalChanged(tick, "standard_digital_out[1]", tick % 2 == 1) for tick in range(1, 2 * CHANGES_MAX)]
+    ((output,), _) = signals(events, 0.0)
+    assert len(output["t"]) == len(output["v"]) <= CHANGES_MAX
+    assert output["left_out"] == 2 * CHANGES_MAX - len(output["t"])
 
 
 def test_what_is_left_out_is_counted():

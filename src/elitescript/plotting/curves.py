@@ -11,13 +11,13 @@ from elitescript.controller.trace import TraceRow
 from elitescript.models.model import RobotModel
 from elitescript.plotting.decimation import decimated, within_tolerance
 
-POINTS_MAX: Final = 1200
-"""Points of one curve: two for each of 600 stretches, which is about what a wide screen tells apart."""
+POINTS_MAX: Final = 1500
+"""Points of one curve: two for each of 750 stretches, which is about what a wide screen tells apart."""
 
 PATH_POINTS_MAX: Final = 3000
 
-RESOLUTION: Final = 2000.0
-"""A curve is true to its range divided by this: half a pixel of a chart that fills the screen."""
+RESOLUTION: Final = 1200.0
+"""A curve is true to its range divided by this, or by a quarter of it: at most half a pixel of a chart."""
 
 _STEPS: Final = 20_000
 """Integer steps from zero to the largest value of a packed curve."""

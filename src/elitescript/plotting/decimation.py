@@ -19,11 +19,15 @@ def decimated(times: Sequence[float], values: Sequence[float], *, tolerance: flo
     Args:
         times: strictly increasing.
         values: one for each time.
-        tolerance: what a dropped sample may lie off the line between its kept neighbours, in the unit of the values.
+        tolerance: what a dropped sample may lie off the line between its kept neighbours, in the unit of the values;
+            a curve that has too many points then may miss it by up to four times as much.
         points_max: upper bound of the number of indices, at least 8.
     """
-    indices = within_tolerance(times, values, tolerance)
-    return indices if len(indices) <= points_max else extremes(times, values, points_max)
+    for factor in (1.0, 2.0, 4.0):
+        indices = within_tolerance(times, values, factor * tolerance)
+        if len(indices) <= points_max:
+            return indices
+    return extremes(times, values, points_max)
 
 
 def within_tolerance(times: Sequence[float], values: Sequence[float], tolerance: float) -> list[int]:

@@ -66,6 +66,7 @@ def signals(events: Sequence[Event], start_s: float) -> tuple[list[dict[str, Any
                 "name": name,
                 "kind": signal.kind,
                 "unit": signal.unit,
+                "left_out": len(steps) - len(kept),
                 "t": [round(steps[index][0], 3) for index in kept],
                 "v": [_short(steps[index][1]) for index in kept],
             }

@@ -283,8 +283,6 @@ for (const signal of D.signals) {
     g.fillStyle = value ? C.green : C.soft; g.fillText(text, GUTTER - 10, 11);
   }, (px, py, t) => `${signal.name}: ${digital ? (signalAt(signal, t) ? "high" : "low") : signalAt(signal, t) + " " + signal.unit}`);
 }
-if (D.signals_left_out)
-  $("timeline").append(make("div", { className: "key", textContent: `${D.signals_left_out} more signals changed and are not shown` }));
 
 // Messages and alarms, and the time axis of the time line.
 const markColour = kind => ({ alarm: C.red, warning: C.amber, popup: C.j3, print: C.soft }[kind] ?? C.accent);
@@ -316,13 +314,25 @@ chart($("timeline"), axisY + 20, (g, w, h) => {
     .map(mark => `${fix(mark.t, 3)} s  ${mark.kind}${mark.line ? ", line " + mark.line : ""}: ${mark.text}`).join("\n");
 });
 
+// What this picture does not show.
+const thinned = D.signals.filter(signal => signal.left_out);
+const notes = [
+  D.spans_left_out && "very short visits of lines are drawn as one, under the line that took most of the time; the table counts each",
+  thinned.length && `${thinned.map(signal => signal.name).join(", ")}: more changes than can be drawn`,
+  D.signals_left_out && `${D.signals_left_out} more signals changed`,
+  D.marks_left_out && `${D.marks_left_out} later messages are left out`,
+].filter(Boolean);
+if (notes.length) $("timeline").append(make("div", { className: "key", textContent: `Not shown in full: ${notes.join("; ")}.` }));
+
 // Curves against their limits.
 const NEAR = 0.95;
 const curveChart = ({ title, unit, factor, series, height, last = false, zeroBased = false }) => {
   const plotHeight = height - (last ? 22 : 4), pad = 6;
   const range = () => {
     let low = Math.min(...series.map(s => s.curve.min)), high = Math.max(...series.map(s => s.curve.max));
-    if (zeroBased) low = 0;
+    // A standing arm shows a flat line, not the noise of the last digit.
+    const least = 0.02 * Math.min(...series.map(s => s.curve.high));
+    [low, high] = [zeroBased ? 0 : Math.min(low, -least), Math.max(high, least)];
     const size = Math.max(-low, high, 1e-9);
     for (const { curve } of series) {
       if (state.allLimits || (curve.high < 1.8 * size && curve.high < 1.8 * Math.max(high, 1e-9))) high = Math.max(high, curve.high);
@@ -440,20 +450,23 @@ const armPoints = q => {
   });
   return points;
 };
-const bounds = axis => [Math.min(0, ...axis), Math.max(0, ...axis)];
-const [bx, by, bz] = [bounds(path.x), bounds(path.y), bounds(path.z)];
-const armTop = Math.max(bz[1], d1 - a2 * 0.8);
-const centre = [(bx[0] + bx[1]) / 2, (by[0] + by[1]) / 2, armTop * 0.42];
-const extent = Math.max(Math.hypot(bx[1] - bx[0], by[1] - by[0]), armTop, 0.4);
+const times = Array.from({ length: 61 }, (_, i) => T0 + (T1 - T0) * i / 60);
+const poses = times.flatMap(t => armPoints(joints.map(joint => between(joint.q.t, joint.q.v, t))));
+const [bx, by, bz] = [path.x, path.y, path.z].map((axis, i) => {
+  const values = [0, ...axis, ...poses.map(point => point[i])];
+  return [Math.min(...values), Math.max(...values)];
+});
+const centre = [bx, by, bz].map(([low, high]) => (low + high) / 2);
+const extent = Math.max(Math.hypot(...[bx, by, bz].map(([low, high]) => high - low)), 0.4);
 const cell = extent > 1.6 ? 0.2 : 0.1;
 const projector = (w, h) => {
-  const size = Math.min(w, h * 1.25) / (extent * 1.55) * camera.zoom;
+  const size = Math.min(w, h * 1.15) * 0.92 / extent * camera.zoom;
   const [cy, sy, cp, sp] = [Math.cos(camera.yaw), Math.sin(camera.yaw), Math.cos(camera.pitch), Math.sin(camera.pitch)];
   return ([px, py, pz]) => {
     const x = px - centre[0], y = py - centre[1], z = pz - centre[2];
     // x to the right of the view, u into it, z up; then tilted by the pitch.
     const r = x * cy - y * sy, u = x * sy + y * cy;
-    const depth = u * cp - z * sp, k = size * 4 * extent / (4 * extent + depth);
+    const depth = u * cp - z * sp, k = size * 3 * extent / (3 * extent + depth);
     return [w / 2 + r * k, h * 0.5 - (z * cp + u * sp) * k];
   };
 };

@@ -65,7 +65,8 @@ def page_data(recording: Recording) -> dict[str, Any]:
     rows, model = recording.rows, recording.model
     start_s, end_s = rows[0].t, rows[-1].t
     speeds = tcp_speeds(rows)
-    spans = merged(stretches(rows), STRETCHES_MAX)
+    found = stretches(rows)
+    spans = merged(found, STRETCHES_MAX)
     table = line_times(rows)
     traces, signals_left_out = signals(recording.events, start_s)
     shown_marks, marks_left_out = marks(recording.events)
@@ -82,6 +83,7 @@ def page_data(recording: Recording) -> dict[str, Any]:
         "speed": speed_curve(rows, speeds, model.max_tool_speed),
         "path": tcp_path(rows, speeds),
         "spans": {"t": milliseconds([start_s, *(span.end_s for span in spans)]), "line": [span.line for span in spans]},
+        "spans_left_out": len(found) - len(spans),
         "table": [[entry.line, round(entry.moving_s, 6), round(entry.standing_s, 6), entry.visits] for entry in table],
         "source": {} if recording.source is None else _source_lines(recording.source, named),
         "moves": moves(recording.events, end_s),
