@@ -27,7 +27,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        if argv is None and arguments[:1] == ["run"] and _needs_another_process(arguments):
+        if argv is None and arguments[:1] in (["run"], ["plot"]) and _needs_another_process(arguments):
             return _run_again(arguments)
         return _run_here(arguments)
     except KeyboardInterrupt:
@@ -69,6 +69,10 @@ def _dispatch(options: argparse.Namespace) -> int:
         from elitescript.cli.check import check
 
         return check(options)
+    if options.command == "plot":
+        from elitescript.cli.plot import plot
+
+        return plot(options)
     from elitescript.cli.commands import commands
 
     return commands(options)
@@ -166,6 +170,31 @@ def _parser() -> argparse.ArgumentParser:
         description="Report every problem with its place, code, text and hint. Exit code 3 if there are errors.",
     )
     check.add_argument("files", nargs="+", metavar="FILE")
+
+    plot = subparsers.add_parser(
+        "plot",
+        help="write a page that shows a program's run, or a trace",
+        description="Run a program, or read the trace of a run, and write one HTML page with path, joints, time line "
+        "and cycle time by line. Exit code of a program: as for run.",
+    )
+    plot.add_argument("file", metavar="FILE", help="a program, or a trace: OUT.csv or OUT.jsonl of run --trace")
+    plot.add_argument("-o", "--output", metavar="OUT.html", help="the page (default: NAME.plot.html, in this folder)")
+    plot.add_argument("--robot", default="CS66", metavar="MODEL", help="arm whose limits are drawn (default CS66)")
+    plot.add_argument("--firmware", choices=list(PROFILES), help=f"controller firmware (default {DEFAULT_FIRMWARE})")
+    plot.add_argument("--until", type=float, metavar="SECONDS", help="stop after so much virtual time (default 300)")
+    plot.add_argument("--seed", type=int, metavar="N", help="seed of random() (default 0)")
+    plot.add_argument("--joints", metavar="Q1,...,Q6", help="joint positions at the start, rad")
+    plot.add_argument("--speed", type=float, metavar="0..1", help="speed percentage as a fraction")
+    plot.add_argument(
+        "--task-dir", metavar="DIR", help="folder for open() and get_task_path() (default: FILE's folder)"
+    )
+    plot.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="signal or global at the start; may be repeated",
+    )
 
     commands = subparsers.add_parser("commands", help="the catalogue of robot commands")
     commands.add_argument("name", nargs="?", metavar="NAME", help="one command; all if left out")

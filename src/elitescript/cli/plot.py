@@ -1,0 +1,90 @@
+"""`elitescript plot`: a run or a trace as a page to look at."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Final
+
+from elitescript.cli.report import TextReport
+from elitescript.cli.run import DOES_NOT_COMPILE, EXIT_CODES
+from elitescript.cli.settings import parse_joints, parse_settings
+from elitescript.controller.trace import Trace, TraceRow
+from elitescript.errors import ProgramError, UsageError
+from elitescript.language.diagnostics import render
+from elitescript.language.source import SourceFile
+from elitescript.messages.profile import DEFAULT_FIRMWARE
+from elitescript.models.model import load_model
+from elitescript.plotting.page import Recording, page
+from elitescript.plotting.trace_reader import SUFFIXES, read_trace
+from elitescript.robot import VirtualRobot
+from elitescript.worlds.program_file import source_of
+
+UNTIL_S: Final = 300.0
+"""Robot time after which a program that goes on is cut off, if nothing else is asked for."""
+
+_OF_PROGRAMS: Final = ("firmware", "until", "seed", "joints", "speed", "task_dir", "set")
+
+
+def plot(options: argparse.Namespace) -> int:
+    """Write the page; return the exit code, which for a program is that of `run`."""
+    path = Path(options.file)
+    target = Path(options.output) if options.output else Path(f"{path.stem}.plot.html")
+    if target.exists() and path.exists() and target.samefile(path):
+        raise UsageError(f"-o {target}: this is the file that is to be plotted")
+    if path.suffix in SUFFIXES:
+        recording, code = _recorded(path, options), 0
+    else:
+        try:
+            recording, code = _played(path, options)
+        except ProgramError as error:
+            _print_problems(path, error)
+            return DOES_NOT_COMPILE
+    text = page(recording)
+    try:
+        target.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise UsageError(f"-o {target}: {error.strerror or error}") from error
+    duration_s = recording.rows[-1].t - recording.rows[0].t
+    ending = {"time_limit": f", cut off at {duration_s:g} s (--until)", "": ""}.get(
+        recording.state, f", {recording.state}"
+    )
+    print(f"{target}: {duration_s:.3f} s of {recording.model.name}{ending} ({len(text.encode()) / 1000:.0f} kB)")
+    return code
+
+
+def _recorded(path: Path, options: argparse.Namespace) -> Recording:
+    for name in _OF_PROGRAMS:
+        if getattr(options, name) not in (None, []):
+            raise UsageError(f"--{name.replace('_', '-')} goes with a program; {path} is a trace")
+    return Recording(path.name, load_model(options.robot), read_trace(path))
+
+
+def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
+    until_s = UNTIL_S if options.until is None else options.until
+    if not until_s >= 0.0:
+        raise UsageError(f"--until must be >= 0 s, got {until_s:g}")
+    signals, presets = parse_settings(options.set)
+    report = TextReport(sys.stderr, sys.stderr)
+    robot = VirtualRobot(
+        options.robot,
+        firmware=options.firmware or DEFAULT_FIRMWARE,
+        seed=options.seed or 0,
+        joints=None if options.joints is None else parse_joints(options.joints),
+        speed=1.0 if options.speed is None else options.speed,
+        task_dir=options.task_dir or path.resolve().parent,
+        on_event=report.event,
+    )
+    for name, value in signals.items():
+        robot.signals[name] = value
+    source = source_of(path)
+    rows: list[TraceRow] = []
+    run = robot.run(robot.compile(source), until_s=until_s, presets=presets, trace=Trace(rows.append))
+    return Recording(path.name, robot.model, rows, source, run.events, run.state), EXIT_CODES[run.state]
+
+
+def _print_problems(path: Path, error: ProgramError) -> None:
+    source = SourceFile(str(path), path.read_bytes().decode("utf-8", "replace"))
+    for problem in error.problems:
+        print(render(problem, source), file=sys.stderr)

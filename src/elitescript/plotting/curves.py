@@ -1,0 +1,133 @@
+"""Curves of a trace: joints, their speeds and accelerations, and the TCP, thinned and packed for a page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import accumulate, pairwise
+from math import dist
+from typing import Any, Final
+
+from elitescript.controller.trace import TraceRow
+from elitescript.models.model import RobotModel
+from elitescript.plotting.decimation import decimated, within_tolerance
+
+POINTS_MAX: Final = 1500
+"""Points of one curve: two for each of 750 stretches, which is about what a wide screen tells apart."""
+
+PATH_POINTS_MAX: Final = 3000
+
+RESOLUTION: Final = 1200.0
+"""A curve is true to its range divided by this, or by a quarter of it: at most half a pixel of a chart."""
+
+_STEPS: Final = 20_000
+"""Integer steps from zero to the largest value of a packed curve."""
+
+_PATH_TOLERANCE_M: Final = 0.0002
+_PATH_STEP_M: Final = 0.0001
+
+
+def joint_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, Any]]:
+    """For each joint its name and the curves `q`, `qd`, `qdd` with their limits, rad and s.
+
+    The acceleration of a row is the change of `qd` since the row before, divided by the time between them.
+    """
+    times = [row.t for row in rows]
+    joints = []
+    for index, limit in enumerate(model.joints):
+        q = [row.q[index] for row in rows]
+        qd = [row.qd[index] for row in rows]
+        joints.append(
+            {
+                "name": limit.name,
+                "q": _limited(times, q, limit.q_min, limit.q_max),
+                "qd": _limited(times, qd, -limit.qd_max, limit.qd_max),
+                "qdd": _limited(times, accelerations(times, qd), -limit.qdd_max, limit.qdd_max),
+            }
+        )
+    return joints
+
+
+def accelerations(times: Sequence[float], qd: Sequence[float]) -> list[float]:
+    """Mean acceleration over the time before each sample, rad/s^2; zero at the first."""
+    steps = zip(pairwise(times), pairwise(qd), strict=True)
+    return [0.0, *((v1 - v0) / (t1 - t0) for (t0, t1), (v0, v1) in steps)]
+
+
+def tcp_speeds(rows: Sequence[TraceRow]) -> list[float]:
+    """Mean speed of the TCP over the time before each row, m/s; zero at the first.
+
+    A pose that changes while the joints stand is another TCP, not a motion.
+    """
+    return [
+        0.0,
+        *(
+            0.0 if row.q == later.q else dist(row.tcp_pose[:3], later.tcp_pose[:3]) / (later.t - row.t)
+            for row, later in pairwise(rows)
+        ),
+    ]
+
+
+def speed_curve(rows: Sequence[TraceRow], speeds: Sequence[float], speed_max: float) -> dict[str, Any]:
+    """The curve of the TCP speed with its limit, m/s."""
+    return _limited([row.t for row in rows], speeds, 0.0, speed_max)
+
+
+def tcp_path(rows: Sequence[TraceRow], speeds: Sequence[float]) -> dict[str, Any]:
+    """The TCP path: times, positions and speeds of its corners, and where the TCP was replaced by another."""
+    times = [row.t for row in rows]
+    columns = [[row.tcp_pose[axis] for row in rows] for axis in range(3)]
+    jumps = [
+        index + 1
+        for index, (row, later) in enumerate(pairwise(rows))
+        if row.q == later.q and row.tcp_pose[:3] != later.tcp_pose[:3]
+    ]
+    near_jumps = {index for jump in jumps[: PATH_POINTS_MAX // 8] for index in (jump - 1, jump)}
+    tolerance = 1.0
+    while True:
+        kept = set(within_tolerance(times, speeds, tolerance * 0.01 * max(speeds)))
+        for column in columns:
+            kept.update(within_tolerance(times, column, tolerance * _PATH_TOLERANCE_M))
+        kept |= near_jumps
+        if len(kept) <= PATH_POINTS_MAX:
+            break
+        tolerance *= 2.0
+    indices = sorted(kept)
+    place = {index: position for position, index in enumerate(indices)}
+    return {
+        "t": milliseconds([times[index] for index in indices]),
+        "xyz": [_deltas([round(column[index] / _PATH_STEP_M) for index in indices]) for column in columns],
+        "step": _PATH_STEP_M,
+        "v": [round(speeds[index], 3) for index in indices],
+        "jumps": [place[jump] for jump in jumps if jump in place],
+    }
+
+
+def milliseconds(times: Sequence[float]) -> list[int]:
+    """Times as whole milliseconds, each as the difference to the one before."""
+    return _deltas([round(1000.0 * time) for time in times])
+
+
+def _limited(times: Sequence[float], values: Sequence[float], low: float, high: float) -> dict[str, Any]:
+    bottom, top = min(values), max(values)
+    indices = decimated(times, values, tolerance=(top - bottom) / RESOLUTION, points_max=POINTS_MAX)
+    largest = max(abs(bottom), abs(top))
+    step = largest / _STEPS if largest > 0.0 else 1.0
+    return {
+        "t": milliseconds([times[index] for index in indices]),
+        "v": _deltas([round(values[index] / step) for index in indices]),
+        "step": step,
+        "min": bottom,
+        "max": top,
+        "low": low,
+        "high": high,
+        "used": max(top / high if high > 0.0 else 0.0, bottom / low if low < 0.0 else 0.0),
+    }
+
+
+def _deltas(values: Sequence[int]) -> list[int]:
+    return [values[0], *(later - value for value, later in pairwise(values))] if values else []
+
+
+def undo_deltas(deltas: Sequence[int]) -> list[int]:
+    """What `milliseconds` and the packed curves hold, as the page unpacks it."""
+    return list(accumulate(deltas))

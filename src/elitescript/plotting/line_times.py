@@ -1,0 +1,99 @@
+"""Where the time goes: stretches of one program line, and the sum for each line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+from elitescript.controller.trace import TraceRow
+from elitescript.messages.timing import seconds
+
+
+class Stretch(NamedTuple):
+    """A time during which the main thread stayed in one line."""
+
+    start_s: float
+    end_s: float
+    line: int
+    """0 when no program ran."""
+
+
+class LineTime(NamedTuple):
+    """What one line took in all."""
+
+    line: int
+    moving_s: float
+    """While the arm moved."""
+    standing_s: float
+    """While it did not."""
+    visits: int
+    """Stretches: how often the program came to this line from another one."""
+
+
+def stretches(rows: Sequence[TraceRow]) -> list[Stretch]:
+    """The stretches of a trace; they follow each other without gaps. A row lasts until the next one."""
+    found: list[Stretch] = []
+    start_s, line = rows[0].t, rows[0].line
+    for row in rows[1:]:
+        if row.line != line:
+            found.append(Stretch(start_s, row.t, line))
+            start_s, line = row.t, row.line
+    if rows[-1].t > start_s:
+        found.append(Stretch(start_s, rows[-1].t, line))
+    return found
+
+
+def line_times(rows: Sequence[TraceRow]) -> list[LineTime]:
+    """Time by line, the longest first; the sum over all lines is the duration of the trace."""
+    moving: dict[int, float] = {}
+    standing: dict[int, float] = {}
+    visits: dict[int, int] = {}
+    for stretch in stretches(rows):
+        visits[stretch.line] = visits.get(stretch.line, 0) + 1
+    for index, (row, later) in enumerate(pairwise(rows)):
+        times = moving if _is_moving(rows, index) else standing
+        times[row.line] = times.get(row.line, 0.0) + later.t - row.t
+    table = [LineTime(line, moving.get(line, 0.0), standing.get(line, 0.0), visits[line]) for line in visits]
+    return sorted(table, key=lambda entry: (-entry.moving_s - entry.standing_s, entry.line))
+
+
+def merged(found: Sequence[Stretch], stretches_max: int) -> list[Stretch]:
+    """No more stretches than so many: runs of short ones become one, under the line that took most of it."""
+    if len(found) <= stretches_max:
+        return list(found)
+    shortest_s = 2.0 * (found[-1].end_s - found[0].start_s) / stretches_max
+    result: list[Stretch] = []
+    shares: dict[int, float] = {}
+    start_s = found[0].start_s
+
+    def close(end_s: float) -> None:
+        if shares:
+            line = max(shares, key=lambda candidate: shares[candidate])
+            result.append(Stretch(start_s, end_s, line))
+            shares.clear()
+
+    for stretch in found:
+        if stretch.end_s - stretch.start_s >= shortest_s:
+            close(stretch.start_s)
+            result.append(stretch)
+            start_s = stretch.end_s
+            continue
+        shares[stretch.line] = shares.get(stretch.line, 0.0) + stretch.end_s - stretch.start_s
+        if stretch.end_s - start_s >= shortest_s:
+            close(stretch.end_s)
+            start_s = stretch.end_s
+    close(found[-1].end_s)
+    return result
+
+
+def _is_moving(rows: Sequence[TraceRow], index: int) -> bool:
+    """Whether the arm moves between a row and the next.
+
+    A row shows the state at the end of its tick. So where rows are one tick apart, the change since the row before is
+    the motion of this one; where they are further apart, most of it lies in the change to the next.
+    """
+    row, later = rows[index], rows[index + 1]
+    if later.t - row.t > 1.5 * seconds(1):
+        return row.q != later.q
+    return row.q != rows[index - 1].q if index else any(row.qd)

@@ -1,0 +1,102 @@
+"""Reading a trace back from its file, row by row, with the place of everything that is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from math import isfinite
+from pathlib import Path
+from typing import Any, Final
+
+from elitescript.controller.trace import TRACE_COLUMNS, TraceRow
+from elitescript.errors import UsageError
+
+SUFFIXES: Final = (".csv", ".jsonl")
+"""What the name of a trace ends in."""
+
+_NUMBERS: Final = tuple(name for name in TRACE_COLUMNS if name not in ("line", "state"))
+
+
+def read_trace(path: Path) -> list[TraceRow]:
+    """The rows of a trace file, in the order of time.
+
+    Columns beyond those of a trace are ignored, and their order is free.
+
+    Raises:
+        UsageError: the file cannot be read or is not a trace; the text begins with `file:line:`.
+    """
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise UsageError(f"cannot read {path}: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        number = error.object.count(b"\n", 0, error.start) + 1
+        raise UsageError(f"{path}:{number}: byte 0x{error.object[error.start]:02X} is not UTF-8 text") from None
+    lines = text.split("\n")
+    records = _csv_records(path, lines) if path.suffix == ".csv" else _json_records(path, lines)
+    rows: list[TraceRow] = []
+    for number, record in records:
+        row = _row(f"{path}:{number}", record)
+        if rows and not row.t > rows[-1].t:
+            raise UsageError(f"{path}:{number}: t = {row.t:g} s does not come after the {rows[-1].t:g} s before it")
+        rows.append(row)
+    if not rows:
+        raise UsageError(f"{path}:{max(1, text.count(chr(10)))}: the trace has no rows")
+    return rows
+
+
+def _csv_records(path: Path, lines: Iterable[str]) -> Iterator[tuple[int, Mapping[str, Any]]]:
+    numbered = enumerate(lines, 1)
+    header = [name.strip() for name in next(numbered)[1].split(",")]
+    _require_columns(f"{path}:1", header)
+    for number, line in numbered:
+        if not line.strip():
+            continue
+        cells = line.strip("\r").split(",")
+        if len(cells) != len(header):
+            raise UsageError(f"{path}:{number}: {len(cells)} cells, but the header has {len(header)}")
+        yield number, dict(zip(header, cells, strict=True))
+
+
+def _json_records(path: Path, lines: Iterable[str]) -> Iterator[tuple[int, Mapping[str, Any]]]:
+    import json
+
+    for number, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        try:
+            record = json.loads(line)
+        except (ValueError, RecursionError) as error:
+            raise UsageError(f"{path}:{number}: not JSON: {error}") from None
+        if not isinstance(record, dict):
+            raise UsageError(f"{path}:{number}: needs an object with the columns of a trace, has {line.strip()[:60]}")
+        _require_columns(f"{path}:{number}", record)
+        yield number, record
+
+
+def _require_columns(place: str, names: Iterable[str]) -> None:
+    missing = [name for name in TRACE_COLUMNS if name not in set(names)]
+    if missing:
+        raise UsageError(f"{place}: not a trace: no column {', '.join(missing)}")
+
+
+def _row(place: str, record: Mapping[str, Any]) -> TraceRow:
+    values = [_number(place, name, record[name]) for name in _NUMBERS]
+    line = _number(place, "line", record["line"])
+    if line < 0 or line != int(line):
+        raise UsageError(f"{place}: line: needs a line number of the program, or 0, has {record['line']!r}")
+    a, b, c, d, e, f = values[1:7]
+    g, h, i, j, k, m = values[7:13]
+    x, y, z, rx, ry, rz = values[13:19]
+    return TraceRow(
+        values[0], int(line), (a, b, c, d, e, f), (g, h, i, j, k, m), (x, y, z, rx, ry, rz), str(record["state"])
+    )
+
+
+def _number(place: str, column: str, value: Any) -> float:
+    try:
+        number = float("nan") if isinstance(value, bool) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = float("nan")
+    if not isfinite(number):
+        raise UsageError(f"{place}: {column}: needs a finite number, has {value!r}")
+    return number

@@ -1,0 +1,89 @@
+"""`elitescript plot` as its contract says: what it writes, what it says, exit codes."""
+
+import json
+import re
+
+import pytest
+
+from elitescript.cli.main import main
+
+PROGRAM = "def job():\n  global n\n  sleep(0.1)\n  textmsg(n)\n  movej([0.2, -1.5, -1.5, -1.6, 1.5, 0])\nend\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "job.script").write_text(PROGRAM)
+    return tmp_path
+
+
+def data_of(path):
+    text = path.read_text(encoding="utf-8")
+    return json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
+
+
+def test_a_program_is_run_and_plotted(folder, capsys):
+    assert main(["plot", "job.script", "--set", "n=7", "--robot", "CS620", "--speed", "0.5"]) == 0
+    data = data_of(folder / "job.plot.html")
+    assert (data["title"], data["model"], data["state"]) == ("job.script", "CS620", "finished")
+    assert [mark["text"] for mark in data["marks"]] == ["7"]
+    captured = capsys.readouterr()
+    assert re.fullmatch(r"job\.plot\.html: \d\.\d{3} s of CS620, finished \(\d+ kB\)\n", captured.out)
+    assert "7" in captured.err
+
+
+def test_the_page_goes_where_it_is_wanted(folder):
+    assert main(["plot", "job.script", "--set", "n=7", "--joints", "0.1,-1.5,-1.5,-1.6,1.5,0", "-o", "x.html"]) == 0
+    curve = data_of(folder / "x.html")["joints"][0]["q"]
+    assert (curve["min"], curve["max"]) == pytest.approx((0.1, 0.2))
+
+
+def test_a_trace_is_plotted_without_its_program(folder, capsys):
+    assert main(["run", "job.script", "--set", "n=7", "--trace", "out.csv"]) == 0
+    (folder / "job.script").unlink()
+    assert main(["plot", "out.csv"]) == 0
+    data = data_of(folder / "out.plot.html")
+    assert (data["title"], data["marks"], data["source"]) == ("out.csv", [], {})
+    assert {line for line, *_ in data["table"]} >= {3, 5}
+
+
+def test_an_alarm_is_on_the_page_and_in_the_exit_code(folder, capsys):
+    assert main(["plot", "job.script"]) == 1
+    (mark,) = data_of(folder / "job.plot.html")["marks"]
+    assert (mark["kind"], mark["line"]) == ("alarm", 4)
+    assert "ALARM" in capsys.readouterr().err
+
+
+def test_a_program_without_an_end_is_cut_off(folder, capsys):
+    (folder / "job.script").write_text("while True:\n  sleep(1)\n")
+    assert main(["plot", "job.script", "--until", "2.5"]) == 4
+    assert data_of(folder / "job.plot.html")["end"] == 2.5
+    assert "cut off at 2.5 s (--until)" in capsys.readouterr().out
+
+
+def test_a_program_that_does_not_compile_leaves_no_page(folder, capsys):
+    (folder / "job.script").write_text("x = (\n")
+    assert main(["plot", "job.script"]) == 3
+    assert "job.script:1:" in capsys.readouterr().err
+    assert not (folder / "job.plot.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["none.script"], "none.script"),
+        (["none.csv"], "cannot read none.csv"),
+        (["bad.csv"], "bad.csv:1: not a trace"),
+        (["bad.csv", "--until", "3"], "--until goes with a program; bad.csv is a trace"),
+        (["bad.csv", "--set", "n=3"], "--set goes with a program"),
+        (["job.script", "--robot", "CS99"], "CS99"),
+        (["job.script", "--until", "-1"], "--until must be >= 0 s, got -1"),
+        (["job.script", "-o", "job.script"], "this is the file that is to be plotted"),
+        (["job.script", "--set", "n=7", "-o", "no/such/folder.html"], "-o no/such/folder.html"),
+    ],
+)
+def test_a_call_that_makes_no_sense(folder, capsys, arguments, words):
+    (folder / "bad.csv").write_text("a,b\n")
+    assert main(["plot", *arguments]) == 2
+    assert words in capsys.readouterr().err
+    assert (folder / "job.script").read_text() == PROGRAM
