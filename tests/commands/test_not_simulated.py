@@ -13,11 +13,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
 @pytest.mark.parametrize(
     "text",
     [
-        "servoj([0, 0, 0, 0, 0, 0], 0.002, 0.3, 2500)",
-        "servoj([0, 0, 0, 0, 0, 0])",
-        "speedj([0, 0, 0, 0, 0, 0], 1)",
-        "speedl([0, 0, 0, 0, 0, 0], 1, 0.5, 'a')",
-        "speedl([0, 0, 0, 0, 0, 0], 1, 0.5, 2)",
         "encoder_enable_pulse_decode(0, 1, 16, 17)",
         "encoder_enable_pulse_decode(0, 3, 16, 0)",
         "encoder_enable_pulse_decode(0, 3, 16, 16)",

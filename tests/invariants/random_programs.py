@@ -60,7 +60,7 @@ class _Writer:
         chance = self._random
         kinds = ["sleep", "sync", "out", "message", "poll", "queue", "work", "read"]
         if may_move:
-            kinds += ["movej", "movej", "movel", "loop", "speed_read"]
+            kinds += ["movej", "movej", "movel", "loop", "speed_read", "drive", "stream"]
         kind = chance.choice(kinds)
         if kind == "sleep":
             self._line(depth, f"sleep({chance.uniform(0.0, 0.4):.5f})")
@@ -110,7 +110,46 @@ class _Writer:
             self._line(depth + 2, 'textmsg("refused ", e)')
             self._line(depth + 1, "end")
             self._line(depth, "end")
+        elif kind == "drive":
+            self._drive(depth)
+        elif kind == "stream":
+            self._stream(depth)
         else:
             self._line(depth, f"for i in range({chance.randrange(1, 4)}):")
             self._statement(depth + 1, may_move=False)
             self._line(depth, "end")
+
+    def _drive(self, depth: int) -> None:
+        """Motions at a speed, one after the other, with whatever else between them; a stop at the end."""
+        chance = self._random
+        self._line(depth, "try:")
+        for _ in range(chance.randrange(1, 4)):
+            self._line(depth + 1, self._drive_call())
+            self._statement(depth + 1, may_move=False)
+        self._line(depth, "except Exception as e:")
+        self._line(depth + 1, 'textmsg("refused ", e)')
+        self._line(depth, "end")
+        self._line(depth, chance.choice(("stopj(8)", "stopj(1.5)", "stopl(0.8)")))
+
+    def _drive_call(self) -> str:
+        chance = self._random
+        time = chance.choice(("", f", t={chance.uniform(0.001, 0.5):.4f}"))
+        if chance.random() < 0.5:
+            speeds = [round(chance.uniform(-0.6, 0.6), 3) for _ in range(6)]
+            return f"speedj({speeds}, {chance.uniform(0.5, 6):.3f}{time})"
+        speeds = [round(chance.uniform(-0.1, 0.1), 3) for _ in range(3)]
+        speeds += [round(chance.uniform(-0.2, 0.2), 3) for _ in range(3)]
+        return f"speedl({speeds}, {chance.uniform(0.2, 2):.3f}{time})"
+
+    def _stream(self, depth: int) -> None:
+        chance = self._random
+        self._line(depth, "q = get_target_joint_positions()")
+        self._line(depth, f"for i in range({chance.randrange(1, 40)}):")
+        self._line(depth + 1, f"q[{chance.randrange(6)}] += {chance.uniform(-0.01, 0.01):.4f}")
+        self._line(
+            depth + 1,
+            f"servoj(q, t={chance.choice((0.004, 0.008, 0.02))}, "
+            f"lookahead_time={chance.choice((0.03, 0.1, 0.2))}, gain={chance.choice((100, 300, 2000))})",
+        )
+        self._line(depth, "end")
+        self._line(depth, f"stopj({chance.uniform(1, 9):.2f})")

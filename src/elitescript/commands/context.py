@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.events import Event
 from elitescript.messages.machine import MachineRequest
-from elitescript.messages.motion import MotionRequest, MoveRequest, Six
+from elitescript.messages.motion import DriveRequest, MotionRequest, MoveRequest, Six
 from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import JointState, Payload, RobotState
@@ -115,8 +115,8 @@ class Robot(Protocol):
     def task_path(self) -> str:
         """Virtual path of the task folder, ending in `/`."""
 
-    def move(self, request: MoveRequest) -> None:
-        """Ask for a move and wait for its end."""
+    def move(self, request: MoveRequest | DriveRequest) -> None:
+        """Ask for a move and wait for its end, or for a drive and wait until its call is over."""
 
     def stop_motion(self, request: MotionRequest) -> None:
         """Ask for a stop and wait for standstill."""

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.quantities import JointPositions, Number, Optionally
 from elitescript.commands.registry import command
-from elitescript.errors import NotSimulatedError
+from elitescript.messages.motion import ServoJ
+from elitescript.messages.timing import PERIOD_S
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
+
+LOOKAHEAD_S: Final = (0.03, 0.2)
+GAIN: Final = (100.0, 2000.0)
+_STANDARD_GAIN: Final = 300.0
 
 
-@command(family="motion", manual="6.4.6", waits=True, works_in_sec=False, is_simulated=False)
+@command(family="motion", manual="6.4.6", waits=True, works_in_sec=False)
 def servoj(
+    robot: Robot,
     q: JointPositions,
     t: Annotated[float | None, Optionally(Number("s"), None)] = None,
     lookahead_time: Annotated[float, Number("s")] = 0.1,
@@ -18,8 +27,10 @@ def servoj(
 ) -> None:
     """Follow a stream of joint targets; each call takes the time `t`.
 
-    Targets that arrive within the look-ahead time are averaged and joined by splines. Values outside the ranges
-    below are brought into them, with one warning for each program; real clients send 0.3 s and a gain of 2000.
+    The stream is averaged over the look-ahead time, and the arm follows the mean; how, is *assumed*. When targets
+    stop coming, the arm comes to rest at the last one. A stream may begin while the arm moves; a stop command ends
+    it. The speed percentage does not count (*assumed*). Values outside the ranges below are brought into them, with
+    one warning for each program; real clients send 0.3 s and a gain of 2000.
 
     Args:
         q: joint target of this period.
@@ -28,5 +39,23 @@ def servoj(
         lookahead_time: window of the smoothing, 0.03 to 0.2 s; a smaller one follows faster, a larger one more
             smoothly.
         gain: how stiffly the arm follows, 100 to 2000; no effect up to firmware 2.10.
+
+    Raises:
+        MotionError: the target is outside the joint limits.
+        ScriptStateError: the arm is not ready.
     """
-    raise NotSimulatedError("streaming joint targets is not simulated yet")
+    profile = robot.profile
+    t_s = _limited(robot, "t", profile.servoj_t_s if t is None else t, PERIOD_S, None, "s")
+    lookahead_s = _limited(robot, "lookahead_time", lookahead_time, *LOOKAHEAD_S, "s")
+    used_gain = _limited(robot, "gain", gain, *GAIN, "") if profile.is_servoj_gain_used else _STANDARD_GAIN
+    robot.move(ServoJ(q, t_s, lookahead_s, used_gain))
+
+
+def _limited(robot: Robot, name: str, value: float, low: float, high: float | None, unit: str) -> float:
+    used = max(value, low) if high is None else min(max(value, low), high)
+    if used != value:
+        bounds = f">= {low:g}" if high is None else f"in [{low:g}, {high:g}]"
+        robot.warn_once(
+            f"servoj {name}", f"servoj: {name} must be {bounds} {unit}".rstrip() + f", got {value:g}; {used:g} is used"
+        )
+    return used

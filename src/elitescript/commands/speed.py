@@ -2,39 +2,49 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.quantities import JointSpeeds, Number, Optionally, TcpSpeed
 from elitescript.commands.registry import command
-from elitescript.errors import NotSimulatedError
+from elitescript.messages.motion import SpeedJ, SpeedL
 
-_NOT_YET: Final = "moving at a commanded speed is not simulated yet"
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
 
 _LeastTime = Annotated[float | None, Optionally(Number("s", 0.0, is_low_open=True), None)]
 
 
-@command(family="motion", manual="2.1.25", waits=True, works_in_sec=False, is_simulated=False)
+@command(family="motion", manual="2.1.25", waits=True, works_in_sec=False)
 def speedj(
+    robot: Robot,
     qd: JointSpeeds,
     a: Annotated[float, Number("rad/s^2", 0.0, is_low_open=True)],
     t: _LeastTime = None,
 ) -> None:
     """Accelerate the joints to the speeds `qd` and go on moving after the call returned.
 
-    The next motion or stop command ends the movement, as does the end of the program. The speed percentage lowers
-    the speeds that are reached.
+    It may begin while the arm moves or brakes; no speed jumps. All joints reach their speeds together. The next
+    `speedj`, `speedl`, `servoj` or stop command takes over, and the end of the program brakes; a move to a target
+    needs a stop first. The speed percentage lowers the speeds that are reached, which then counts as reaching `qd`
+    (*assumed*). At the end of a joint's range the arm brakes with a warning, and a call that would go further is
+    refused (*assumed*).
 
     Args:
         qd: target speeds of the joints.
         a: acceleration of the leading joint.
         t: time after which the call returns, whether or not `qd` is reached; without it the call returns when `qd`
             is reached.
+
+    Raises:
+        MotionError: a joint stands at the end of its range and would go further.
+        ScriptStateError: the arm is not ready.
     """
-    raise NotSimulatedError(_NOT_YET)
+    robot.move(SpeedJ(qd, a, t))
 
 
-@command(family="motion", manual="2.1.26", waits=True, works_in_sec=False, is_simulated=False)
+@command(family="motion", manual="2.1.26", waits=True, works_in_sec=False)
 def speedl(
+    robot: Robot,
     xd: TcpSpeed,
     a: Annotated[float, Number("m/s^2", 0.0, is_low_open=True)],
     t: _LeastTime = None,
@@ -42,8 +52,9 @@ def speedl(
 ) -> None:
     """Accelerate the TCP to the velocity `xd` and go on moving after the call returned.
 
-    The next motion or stop command ends the movement, as does the end of the program. The speed percentage lowers
-    the speed that is reached.
+    It may begin while the arm moves or brakes; no speed jumps. What ends it and what the speed percentage does is as
+    in `speedj`. Where a joint would have to turn faster than it can, the TCP goes slower; at the end of a joint's
+    range and too near to a singularity the arm brakes with a warning (*assumed*).
 
     Args:
         xd: linear velocity, then angular velocity vector, both in the base frame.
@@ -51,5 +62,10 @@ def speedl(
         t: time after which the call returns, whether or not `xd` is reached; without it the call returns when `xd`
             is reached.
         aRot: angular acceleration; without it the number of `a` counts. A later firmware than 2.10 brought it.
+
+    Raises:
+        MotionError: a joint stands at the end of its range and would go further, or the arm is too near to a
+            singularity.
+        ScriptStateError: the arm is not ready.
     """
-    raise NotSimulatedError(_NOT_YET)
+    robot.move(SpeedL(xd, a, a if aRot is None else aRot, t))

@@ -12,8 +12,9 @@ from typing import Any, Final
 from elitescript.controller.arm_dynamics import ArmDynamics
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
+from elitescript.controller.model_limits import motion_limits
 from elitescript.controller.modes import WHY_NOT_READY, Power
-from elitescript.controller.motion_control import MotionControl, motion_limits
+from elitescript.controller.motion_control import MotionControl
 from elitescript.controller.snapshot import build_state
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
 from elitescript.errors import ArgumentRangeError, ScriptError, ScriptStateError

@@ -1,101 +1,59 @@
-"""Takes motion requests, holds the one active move, and says where the arm is at any tick.
+"""Takes motion requests, holds the one active source of motion, and says where the arm is at any tick.
 
 A move that is accepted at tick N begins at the time of tick N. The setpoint of tick K is the state at the
 time of tick K: what scripts read during tick K, and what the plant reached after the motion phase of tick K-1. Speed
-percentage, pause, resume and stop change only how path time runs against time (`motion.timescale`), so position
-never jumps.
+percentage, pause, resume and stop change only how path time of a planned move runs against time
+(`motion.timescale`), so its position never jumps; whatever takes over from something else begins with its
+position and speed.
+
+A planned move begins at standstill. Motions at a speed and streams (`drives`) begin in any state, and end what
+ran before.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from math import isinf
 from typing import Final
 
+from elitescript.controller.drives import Drive, JointDrive
+from elitescript.controller.sources import NEVER, Braking, Move
+from elitescript.controller.stepped_drives import ServoDrive, ToolDrive
 from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, pose_from_transform
 from elitescript.messages.events import Event, MotionEnded, MotionStarted, Warned
-from elitescript.messages.motion import MotionRequest, MoveJ, MoveL, MoveRequest, Six, StopJ, StopL
+from elitescript.messages.motion import (
+    DriveRequest,
+    MotionRequest,
+    MoveJ,
+    MoveL,
+    MoveRequest,
+    ServoJ,
+    Six,
+    SpeedJ,
+    SpeedL,
+    StopJ,
+    StopL,
+)
 from elitescript.messages.state import ZERO_SIX
-from elitescript.messages.timing import PERIOD_S, ticks_for
-from elitescript.models.model import RobotModel
-from elitescript.motion.limits import MotionLimits
+from elitescript.messages.timing import PERIOD_S
+from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
-from elitescript.motion.segment import Segment, Setpoint
+from elitescript.motion.segment import Setpoint
+from elitescript.motion.speed import braked, braked_apart
 from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
+from elitescript.motion.twist import ToolMotion
 
 SPEED_RAMP_S: Final = 0.2
-"""Time in which a new speed percentage takes hold (*assumed*)."""
-
-NEVER: Final = 1 << 62
-"""Tick of what does not end by itself."""
+"""Time in which a new speed percentage takes hold of a planned move (*assumed*)."""
 
 _INSTANT_S: Final = 1e-6
 """Over this time the acceleration is taken as constant. Rounding of the speeds makes up some 1e-8 rad/s^2 of the
 difference, the bending of a path some 1e-5."""
 
-
-class Move:
-    """One accepted move, from its start to standstill."""
-
-    __slots__ = (
-        "end_tick",
-        "is_stopping",
-        "number",
-        "reaches_end",
-        "scale",
-        "segment",
-        "start_tick",
-        "thread",
-        "waypoint",
-    )
-
-    def __init__(
-        self, number: int, segment: Segment, start_tick: int, scale: TimeScale, thread: str, waypoint: Six
-    ) -> None:
-        self.number = number
-        self.segment = segment
-        self.start_tick = start_tick
-        self.scale = scale
-        self.thread = thread
-        self.waypoint = waypoint
-        self.is_stopping = False
-        self.reaches_end = True
-        """Whether the path's end is where the arm comes to rest."""
-        self.end_tick = self._arrival_tick()
-
-    def _arrival_tick(self) -> int:
-        arrival_s = self.scale.time_of(self.segment.duration_s)
-        # A move takes at least the tick in which it is commanded (assumed), so that a loop of empty moves waits.
-        return NEVER if isinf(arrival_s) else max(ticks_for(arrival_s), self.start_tick + 1)
-
-    def set_rate(self, tick: int, rate: float, ramp_s: float) -> None:
-        """Let path time run at `rate` from now on, reached after a ramp."""
-        self.scale = self.scale.with_target(tick * PERIOD_S, rate, ramp_s)
-        self.end_tick = self._arrival_tick()
-
-    def stop(self, tick: int, ramp_s: float) -> None:
-        """Come to rest on the path within `ramp_s`, or at its end if that is nearer."""
-        self.set_rate(tick, 0.0, ramp_s)
-        self.is_stopping = True
-        standstill_tick = max(ticks_for(tick * PERIOD_S + ramp_s), self.start_tick + 1)
-        self.reaches_end = self.end_tick <= standstill_tick
-        self.end_tick = min(self.end_tick, standstill_tick)
-
-    def hold(self) -> None:
-        """Do not begin: the arm stays where the move starts until a rate is set."""
-        self.scale = TimeScale.start(self.start_tick * PERIOD_S, 0.0)
-        self.end_tick = NEVER
-
-    def path_time_s(self, tick: float) -> float:
-        """How far along the segment the arm is, as time at full speed."""
-        return min(self.scale.path_time(tick * PERIOD_S), self.segment.duration_s)
-
-    @property
-    def q_rest(self) -> Six:
-        """Where the arm rests when the move is over."""
-        return self.segment.q_end if self.reaches_end else self.segment.sample(self.path_time_s(self.end_tick))
+AnyDrive = JointDrive | ToolDrive | ServoDrive
+AnySource = Move | Braking | AnyDrive
 
 
 class MotionControl:
@@ -115,7 +73,6 @@ class MotionControl:
         "_count",
         "_is_paused",
         "_limits",
-        "_move",
         "_next",
         "_noted",
         "_on_end",
@@ -123,6 +80,7 @@ class MotionControl:
         "_q_rest",
         "_sampled",
         "_sampled_tick",
+        "_source",
         "_speed_scale",
         "_stop_joint_deceleration",
         "waypoint",
@@ -143,7 +101,7 @@ class MotionControl:
         self._stop_joint_deceleration = stop_joint_deceleration
         self._on_event = on_event
         self._on_end = on_end
-        self._move: Move | None = None
+        self._source: AnySource | None = None
         self._next: Move | None = None
         self._count = 0
         self._speed_scale = 1.0
@@ -159,8 +117,8 @@ class MotionControl:
 
     @property
     def is_moving(self) -> bool:
-        """Whether a move is under way (paused or braking included)."""
-        return self._move is not None
+        """Whether a motion is under way (paused or braking included)."""
+        return self._source is not None
 
     @property
     def speed_scale(self) -> float:
@@ -169,12 +127,12 @@ class MotionControl:
 
     @property
     def next_tick(self) -> int | None:
-        """Tick at which the present move ends by itself; None while none will."""
-        move = self._move
-        return None if move is None or move.end_tick >= NEVER else move.end_tick
+        """Tick at which the present motion changes by itself; None while it will not."""
+        source = self._source
+        return None if source is None or source.due_tick >= NEVER else source.due_tick
 
     def setpoint(self, tick: int) -> Setpoint:
-        """Target joints at the time of a tick, from the present one on: rad, rad/s."""
+        """Target joints at the time of a tick, from the present one up to the next that is due: rad, rad/s."""
         if tick != self._sampled_tick:
             self._sampled = self._sample(tick)
             self._sampled_tick = tick
@@ -184,50 +142,45 @@ class MotionControl:
         """Target acceleration with which the joints go on from a tick, rad/s^2.
 
         Where it jumps, this is the value of the time that follows. It is a difference of the speeds of this instant and
-        the next, because path, profile and speed percentage all contribute; it asks for nothing before the tick, so it
-        does not depend on which ticks were run.
+        the next (of the next tick, for what goes from tick to tick), because path, profile and speed percentage all
+        contribute; it asks for nothing before the tick, so it does not depend on which ticks were run.
         """
-        speeds = zip(self.setpoint(tick).qd, self._sample(tick + _INSTANT_S / PERIOD_S).qd, strict=True)
-        return _six((later - now) / _INSTANT_S for now, later in speeds)
+        is_stepped = isinstance(self._source, ToolDrive | ServoDrive)
+        ahead_s = PERIOD_S if is_stepped else _INSTANT_S
+        later = self._sample(tick + 1 if is_stepped else tick + _INSTANT_S / PERIOD_S).qd
+        return _six((after - now) / ahead_s for now, after in zip(self.setpoint(tick).qd, later, strict=True))
 
     def _sample(self, tick: float) -> Setpoint:
-        move = self._move_at(tick)
-        if move is None:
+        source = self._source
+        if source is None:
             return Setpoint(self._q_rest, ZERO_SIX)
-        if tick >= move.end_tick:
-            return Setpoint(move.q_rest, ZERO_SIX)
-        q, qd = move.segment.setpoint(move.path_time_s(tick))
-        rate = move.scale.rate(tick * PERIOD_S)
-        if rate != 1.0:
-            a, b, c, d, e, f = qd
-            qd = (a * rate, b * rate, c * rate, d * rate, e * rate, f * rate)
-        return Setpoint(q, qd)
+        if self._next is not None and tick >= source.end_tick:
+            source = self._next
+        return source.setpoint(tick)
 
     def request(self, request: MotionRequest, tick: int, T_flange_tcp: Transform, line: int, thread: str) -> int:
-        """Begin a move or a stop; return the number of the move whose end is the end of it.
+        """Begin a motion or a stop; return the number of the call whose end is the end of it.
 
         Raises:
             MotionError: refused; nothing has changed.
         """
+        self._advance(tick)
         if isinstance(request, StopJ | StopL):
-            return self._brake(request, tick)
-        move = self._move
-        if move is not None and (self._next is not None or not move.is_stopping):
-            other = (self._next or move).thread
-            raise MotionError(
-                f"the arm is moving already, for the thread {other!r}; one motion at a time",
-                code="R114",
-                hint="let one thread do all moves, or wait for the other with join_thread",
-            )
-        start_tick = tick if move is None else move.end_tick
-        q_start = self._q_rest if move is None else move.q_rest
+            return self._brake(request, tick, T_flange_tcp)
+        if isinstance(request, SpeedJ | SpeedL | ServoJ):
+            return self._drive(request, tick, T_flange_tcp, line, thread)
+        source = self._source
+        if source is not None and (self._next is not None or not source.is_stopping or source.end_tick >= NEVER):
+            raise self._busy(source)
+        start_tick = tick if source is None else source.end_tick
+        q_start = self._q_rest if source is None else source.q_rest
         plan = self._plan(request, q_start, T_flange_tcp)
         self._count += 1
         scale = TimeScale.start(start_tick * PERIOD_S, 0.0 if self._is_paused else self._speed_scale)
         waypoint = self._pose_of(request.q_target, T_flange_tcp) if isinstance(request, MoveJ) else request.p_target
         accepted = Move(self._count, plan.segment, start_tick, scale, thread, waypoint)
-        if move is None:
-            self._move = accepted
+        if source is None:
+            self._source = accepted
             self._sampled_tick = -1
         else:
             self._next = accepted
@@ -241,81 +194,237 @@ class MotionControl:
         return accepted.number
 
     def is_done(self, number: int) -> bool:
-        """Whether that move is over."""
-        return all(move is None or move.number != number for move in (self._move, self._next))
+        """Whether the call of that number is over."""
+        return all(source is None or not source.is_awaited(number) for source in (self._source, self._next))
 
     def cancel(self, number: int, tick: int) -> None:
-        """Brake that move, if it is under way or about to be."""
+        """Brake what that call waits for, if it is under way or about to be."""
         if self._next is not None and self._next.number == number:
-            self._end(self._next, tick, is_complete=False)
-            self._next = None
-        elif self._move is not None and self._move.number == number:
+            self._drop_next(tick)
+        elif self._source is not None and self._source.is_awaited(number):
             self.stop(tick)
 
     def stop(self, tick: int) -> None:
         """Brake whatever is under way with the program-stop deceleration."""
-        if self._next is not None:
-            self._end(self._next, tick, is_complete=False)
-            self._next = None
-        move = self._move
-        if move is not None and not move.is_stopping:
-            move.stop(tick, self._program_stop_ramp_s(move, tick))
+        self._drop_next(tick)
+        self._advance(tick)
+        source = self._source
+        if isinstance(source, Move):
+            if not source.is_stopping:
+                source.stop(tick, self._program_stop_ramp_s(source, tick))
+                self._sampled_tick = -1
+        elif source is not None:
+            qd = self.setpoint(tick).qd
+            self._brake_joints(source.number, tick, max(map(abs, qd)) / self._stop_joint_deceleration)
 
     def set_speed_scale(self, fraction: float, tick: int) -> None:
         """New speed percentage, taken on in a ramp."""
         self._speed_scale = fraction
         if not self._is_paused:
-            self._set_rates(fraction, tick, SPEED_RAMP_S)
+            self._set_rates(fraction, tick)
 
     def pause(self, tick: int) -> None:
-        """Brake on the path, to go on later."""
+        """Brake, to go on later."""
         self._is_paused = True
-        move = self._move
-        if move is not None and not move.is_stopping:
-            move.set_rate(tick, 0.0, self._program_stop_ramp_s(move, tick))
+        self._advance(tick)
+        source = self._source
+        if isinstance(source, Move) and not source.is_stopping:
+            source.set_rate(tick, 0.0, self._program_stop_ramp_s(source, tick))
+        elif isinstance(source, Drive) and not source.is_stopping:
+            source.pause(tick)
+        self._changed(tick)
         if self._next is not None:
             self._next.hold()
 
     def resume(self, tick: int) -> None:
         """Go on after a pause, with the speed percentage of now."""
         self._is_paused = False
-        self._set_rates(self._speed_scale, tick, SPEED_RAMP_S)
+        self._advance(tick)
+        source = self._source
+        if isinstance(source, Drive) and not source.is_stopping:
+            source.resume(tick, self._speed_scale)
+            self._changed(tick)
+        else:
+            self._set_rates(self._speed_scale, tick)
 
     def settle(self, tick: int) -> None:
-        """Note what has ended by `tick`; call it before scripts run in that tick."""
-        while self._move is not None and self._move.end_tick <= tick:
-            move = self._move
-            self._q_rest = move.q_rest
+        """Note what has happened by `tick`; call it before scripts run in that tick."""
+        self._advance(tick)
+        while (source := self._source) is not None and source.end_tick <= tick:
+            self._q_rest = source.q_rest
             self._sampled_tick = -1
-            self._move, self._next = self._next, None
-            self._end(move, move.end_tick, is_complete=move.reaches_end)
+            end_tick = source.end_tick
+            self._source, self._next = self._next, None
+            self._on_event(MotionEnded(end_tick, source.reaches_end))
+            self._on_end(source.number if source.is_awaited(source.number) else 0, source.reaches_end)
+        if isinstance(source, Drive) and source.return_tick <= tick:
+            source.is_returned = True
+            self._on_end(source.number, True)
 
     def _warn_once(self, line: int, kind: str, warning: Warned) -> None:
         if (line, kind) not in self._noted:
             self._noted.add((line, kind))
             self._on_event(warning)
 
-    def _end(self, move: Move, tick: int, *, is_complete: bool) -> None:
-        self._on_event(MotionEnded(tick, is_complete))
-        self._on_end(move.number, is_complete)
+    def _drop_next(self, tick: int) -> None:
+        """Forget the move that was to begin at standstill."""
+        move, self._next = self._next, None
+        if move is not None:
+            self._on_event(MotionEnded(tick, False))
+            self._on_end(move.number, False)
 
-    def _set_rates(self, rate: float, tick: int, ramp_s: float) -> None:
-        for move in (self._move, self._next):
-            if move is not None and not move.is_stopping:
-                move.set_rate(max(tick, move.start_tick), rate, ramp_s)
+    def _busy(self, source: AnySource) -> MotionError:
+        if isinstance(source, Drive):
+            what = type(source.request).__name__.lower()
+            return MotionError(
+                f"the arm is moving already: {what} of line {source.line}, thread {source.thread!r}, goes on after its "
+                "call, and a planned move begins at standstill",
+                code="R114",
+                hint="brake with stopj or stopl first",
+            )
+        return MotionError(
+            f"the arm is moving already, for the thread {(self._next or source).thread!r}; one motion at a time",
+            code="R114",
+            hint="let one thread do all moves, or wait for the other with join_thread",
+        )
 
-    def _brake(self, request: StopJ | StopL, tick: int) -> int:
-        move = self._move
-        if move is None:
+    def _set_rates(self, rate: float, tick: int) -> None:
+        self._advance(tick)
+        for source in (self._source, self._next):
+            if isinstance(source, Move) and not source.is_stopping:
+                source.set_rate(max(tick, source.start_tick), rate, SPEED_RAMP_S)
+            elif isinstance(source, Drive):
+                source.set_fraction(tick, rate)
+        self._changed(tick)
+
+    # ---------------------------------------------------------------- drives and brakes
+
+    def _drive(self, request: DriveRequest, tick: int, T_flange_tcp: Transform, line: int, thread: str) -> int:
+        source = self._source
+        number = self._count + 1
+        if isinstance(request, ServoJ):
+            joint = joint_outside(self._limits, request.q_target)
+            if joint is not None:
+                raise joint_range_error(self._limits, joint, request.q_target[joint], "at the target of servoj")
+            if isinstance(source, ServoDrive):
+                self._count = number
+                if not source.is_returned:
+                    self._on_end(source.number, False)
+                source.take(number, thread, line, request, tick)
+                self._changed(tick)
+                return number
+        drive = self._new_drive(request, number, tick, T_flange_tcp, line, thread)
+        obstacle = drive.obstacle(tick)
+        if obstacle is not None and drive.leads_into(obstacle, self.setpoint(tick).q):
+            raise obstacle.error()
+        self._count = number
+        self._drop_next(tick)
+        if self._is_paused:
+            drive.pause(tick)
+        self._source = drive
+        self._report_take_over(source, request, tick, line, thread)
+        if drive.is_lowered:
+            name = type(request).__name__.lower()
+            text = f"{name} asks for more than the arm can do; it goes as fast as it can, in the same direction"
+            self._warn_once(line, "speed", Warned(tick, text, thread, line))
+        self._changed(tick)
+        return number
+
+    def _new_drive(
+        self, request: DriveRequest, number: int, tick: int, T_flange_tcp: Transform, line: int, thread: str
+    ) -> AnyDrive:
+        start, deceleration = self.setpoint(tick), self._stop_joint_deceleration
+        if isinstance(request, SpeedJ):
+            return JointDrive(number, thread, line, request, tick, start, self._speed_scale, self._limits, deceleration)
+        if isinstance(request, SpeedL):
+            motion = ToolMotion(self._arm, self._limits, T_flange_tcp, deceleration)
+            return ToolDrive(number, thread, line, request, tick, start, self._speed_scale, motion)
+        return ServoDrive(number, thread, line, request, tick, start, self._limits, deceleration)
+
+    def _report_take_over(
+        self,
+        before: AnySource | None,
+        request: DriveRequest,
+        tick: int,
+        line: int,
+        thread: str,
+    ) -> None:
+        """Say that another motion runs now; a stream of the same request is one motion."""
+        if isinstance(before, Move | Braking):
+            self._on_event(MotionEnded(tick, False))
+        if before is not None and before.is_awaited(before.number):
+            self._on_end(before.number, False)
+        if not isinstance(before, Drive) or before.request != request:
+            source = self._source
+            duration_s = source.profile.duration_s if isinstance(source, JointDrive) else 0.0
+            self._on_event(MotionStarted(tick, request, line, thread, duration_s))
+
+    def _advance(self, tick: int) -> None:
+        """Bring what goes from period to period to a tick, and brake it where it cannot go on."""
+        if isinstance(self._source, Drive):
+            self._source.advance(tick)
+            self._guard(tick)
+
+    def _changed(self, tick: int) -> None:
+        self._sampled_tick = -1
+        self._guard(tick)
+
+    def _guard(self, tick: int) -> None:
+        source = self._source
+        if not isinstance(source, JointDrive | ToolDrive | ServoDrive):
+            return
+        obstacle = source.obstacle(tick)
+        if obstacle is None:
+            if isinstance(source, ServoDrive) and source.is_lowered:
+                text = "servoj: the targets come faster than the joints can turn; the arm falls behind"
+                self._warn_once(0, "servoj", Warned(tick, text, source.thread, source.line))
+            return
+        start, deceleration = source.setpoint(tick), self._stop_joint_deceleration
+        if obstacle.joint >= 0:
+            profile = braked_apart(start, deceleration, self._limits)
+        else:
+            profile = braked(start, max(map(abs, start.qd)) / deceleration, self._limits)
+        self._source = Braking(source.number, source.thread, profile, tick)
+        self._sampled_tick = -1
+        warning = Warned(tick, f"{obstacle.text}; the arm brakes", source.thread, source.line)
+        self._warn_once(source.line, "obstacle", warning)
+
+    def _brake(self, request: StopJ | StopL, tick: int, T_flange_tcp: Transform) -> int:
+        source = self._source
+        if source is None:
             return 0
-        if self._next is not None:
-            self._end(self._next, tick, is_complete=False)
-            self._next = None
-        if not move.is_stopping:
-            path_time_s, rate = move.path_time_s(tick), move.scale.rate(tick * PERIOD_S)
-            ramp = stop_ramp if isinstance(request, StopJ) else stop_ramp_tool
-            move.stop(tick, max(ramp(move.segment, path_time_s, rate, request.a), PERIOD_S))
-        return move.number
+        self._drop_next(tick)
+        if isinstance(source, Move):
+            if not source.is_stopping:
+                path_time_s, rate = source.path_time_s(tick), source.scale.rate(tick * PERIOD_S)
+                ramp = stop_ramp if isinstance(request, StopJ) else stop_ramp_tool
+                source.stop(tick, max(ramp(source.segment, path_time_s, rate, request.a), PERIOD_S))
+                self._sampled_tick = -1
+            return source.number
+        if isinstance(source, ToolDrive) and isinstance(request, StopL):
+            if not source.is_stopping:
+                if source.is_awaited(source.number):
+                    self._on_end(source.number, False)
+                self._count += 1
+                source.stop(self._count, request.a)
+                self._changed(tick)
+            return source.number if self._source is None else self._source.number
+        start = self.setpoint(tick)
+        if isinstance(request, StopJ):
+            return self._brake_joints(source.number, tick, max(map(abs, start.qd)) / request.a)
+        vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, start.q, start.qd, T_flange_tcp)
+        ramp_s = max((vx * vx + vy * vy + vz * vz) ** 0.5, (wx * wx + wy * wy + wz * wz) ** 0.5) / request.a
+        return self._brake_joints(source.number, tick, ramp_s)
+
+    def _brake_joints(self, number: int, tick: int, ramp_s: float) -> int:
+        """Bring the joints to rest; a braking under way is taken over if that is sooner."""
+        source = self._source
+        assert source is not None
+        braking = Braking(number, source.thread, braked(self.setpoint(tick), ramp_s, self._limits), tick)
+        if not isinstance(source, Braking) or braking.end_tick < source.end_tick:
+            self._source = braking
+            self._sampled_tick = -1
+        return number
 
     def _program_stop_ramp_s(self, move: Move, tick: int) -> float:
         rate = move.scale.rate(tick * PERIOD_S)
@@ -330,27 +439,6 @@ class MotionControl:
 
     def _pose_of(self, q: Six, T_flange_tcp: Transform) -> Six:
         return pose_from_transform(self._arm.forward_tcp(q, T_flange_tcp))
-
-    def _move_at(self, tick: float) -> Move | None:
-        """The move that a tick belongs to; looks past the end of the present one."""
-        move = self._move
-        if move is not None and tick >= move.end_tick and self._next is not None:
-            return self._next
-        return move
-
-
-def motion_limits(model: RobotModel) -> MotionLimits:
-    """The limits of a model in the form that the planner takes."""
-    joints = model.joints
-    return MotionLimits(
-        q_min=_six(joint.q_min for joint in joints),
-        q_max=_six(joint.q_max for joint in joints),
-        qd_max=_six(joint.qd_max for joint in joints),
-        qdd_max=_six(joint.qdd_max for joint in joints),
-        tool_speed_max=model.max_tool_speed,
-        tool_acceleration_max=model.max_tool_acceleration,
-        equivalent_radius_m=model.equivalent_radius_m,
-    )
 
 
 def _six(values: Iterable[float]) -> Six:

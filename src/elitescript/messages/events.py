@@ -95,12 +95,13 @@ class MotionStarted:
     line: int
     thread: str
     duration_s: float
-    """Duration at full speed; 0 when the arm is already there."""
+    """Duration at full speed; 0 when the arm is already there. Of `speedj` the time until its speeds are reached; 0
+    of `speedl` and `servoj`, where it is not known."""
 
 
 @dataclass(frozen=True, slots=True)
 class MotionEnded:
-    """The arm stands still again, at its target or because it was stopped."""
+    """The arm stands still again, at its target or because it was stopped; or a motion at a speed has taken over."""
 
     tick: int
     is_complete: bool

@@ -67,5 +67,44 @@ class StopL:
     a: float
 
 
+@dataclass(frozen=True, slots=True)
+class SpeedJ:
+    """Joints to the speeds `qd` (rad/s), and on until something else is asked for."""
+
+    qd: Six
+    a: float
+    """Acceleration of the leading joint, rad/s^2."""
+    t_s: float | None = None
+    """Time after which the call returns; None returns when the speeds are reached."""
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedL:
+    """TCP to the velocity `xd` (m/s and rad/s, base frame), and on until something else is asked for."""
+
+    xd: Six
+    a: float
+    """Tool acceleration, m/s^2."""
+    a_rot: float
+    """Angular acceleration, rad/s^2."""
+    t_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ServoJ:
+    """One target of a stream of joint targets."""
+
+    q_target: Six
+    t_s: float
+    """Control time of this target; the call takes it."""
+    lookahead_s: float
+    """Window of the smoothing."""
+    gain: float
+    """How stiffly the arm follows, 100 to 2000."""
+
+
 MoveRequest = MoveJ | MoveL | MoveC
-MotionRequest = MoveJ | MoveL | MoveC | StopJ | StopL
+"""A move to a target, planned as a whole."""
+DriveRequest = SpeedJ | SpeedL | ServoJ
+"""A motion that begins in any state and goes on after the call."""
+MotionRequest = MoveRequest | DriveRequest | StopJ | StopL

@@ -9,7 +9,7 @@ from elitescript.commands.context import Machine
 from elitescript.errors import ScriptStateError
 from elitescript.messages.events import Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import MachineRequest, PauseTask, SetLineMark
-from elitescript.messages.motion import MotionRequest, MoveRequest
+from elitescript.messages.motion import DriveRequest, MotionRequest, MoveRequest, ServoJ, SpeedJ, SpeedL
 from elitescript.messages.profile import Profile
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.scheduler import Scheduler
@@ -129,9 +129,15 @@ class Context:
 
     # ---------------------------------------------------------------- the machine
 
-    def move(self, request: MoveRequest) -> None:
-        """Ask for a move and wait for its end."""
-        self._wait_for_move(request, "the end of its move")
+    def move(self, request: MoveRequest | DriveRequest) -> None:
+        """Ask for a move and wait for its end, or for a drive and wait until its call is over."""
+        if isinstance(request, ServoJ):
+            reason = "the time of its target"
+        elif isinstance(request, SpeedJ | SpeedL):
+            reason = "its speed" if request.t_s is None else "the time of its speed"
+        else:
+            reason = "the end of its move"
+        self._wait_for_move(request, reason)
 
     def stop_motion(self, request: MotionRequest) -> None:
         """Ask for a stop and wait for standstill."""
