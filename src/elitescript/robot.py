@@ -32,6 +32,7 @@ from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
 from elitescript.run import EndState, Run, SignalRecord
 from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
 from elitescript.worlds.program_file import source_of
 
@@ -59,6 +60,8 @@ class VirtualRobot:
         world: everything outside, instead of `task_dir`.
         strict: refuse what a Python 3 controller refuses, instead of warning.
         epoch_s: controller clock at tick 0, seconds since 1970.
+        work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
+            not known (*assumed*).
         on_event: receives every event at the moment it happens.
 
     Raises:
@@ -77,6 +80,7 @@ class VirtualRobot:
         world: World | None = None,
         strict: bool = False,
         epoch_s: float = EPOCH_S,
+        work_per_tick: int = WORK_PER_TICK,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
@@ -90,7 +94,9 @@ class VirtualRobot:
             raise UsageError(f"speed must be in [0, 1], got {speed!r}")
         self.controller = Controller(self.model, epoch_s=epoch_s, on_event=self._event, home=home, speed_scale=speed)
         self.signals = Signals(self.controller)
-        self._host = ScriptHost(self.controller, profile=self.profile, seed=seed, on_end=self._program_ended)
+        self._host = ScriptHost(
+            self.controller, profile=self.profile, seed=seed, on_end=self._program_ended, work_per_tick=work_per_tick
+        )
         self.controller.attach(self._host)
         self._run: Run | None = None
         self._trace: Trace | None = None

@@ -2,7 +2,9 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.language.compiler import check_unit
 from elitescript.language.diagnostics import apply_fix
+from elitescript.language.source import SourceFile
 from tests.language.marked import check_marks, codes, findings
 from tests.language.stage import output
 
@@ -169,3 +171,12 @@ def test_tabs_and_blanks_mix_as_in_python():
 
 def test_comments_at_the_margin_do_not_close_blocks():
     assert output("def a():\n  if True:\n# left\n    textmsg(1)\n# left\n  end\nend") == ["1"]
+
+
+@pytest.mark.parametrize(
+    "text", ["def a():\n  x = 1\n\ty = 2\nend\n", "def a():\n    if x:\n            y = 1\n\tz = 1\nend\n"]
+)
+def test_a_tab_among_blanks_is_named(text):
+    (problem, *_) = check_unit(SourceFile("a", text))
+    assert problem.code == "E001"
+    assert "tab" in problem.hint

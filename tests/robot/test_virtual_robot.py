@@ -445,3 +445,9 @@ def test_ctrl_c_ends_the_run_cleanly_and_then_interrupts():
 def test_open_is_told_what_becomes_of_broken_text(robot):
     program = 'def a():\n  open("x", "wb").write(b"a\\xffb")\n  textmsg(open("x", errors="ignore").read())\nend\n'
     assert robot.run(program).log == ["ab"]
+
+
+def test_how_much_a_thread_may_do_in_a_tick_is_a_setting():
+    program = "def a():\n  for i in range(100000):\n    pass\n  end\nend\n"
+    slow, quick = (VirtualRobot(work_per_tick=work).run(program).time_s for work in (1000, 100_000))
+    assert quick < 0.01 < 0.3 < slow

@@ -106,6 +106,7 @@ class Controller:
             motion_limits(model),
             model.home if home is None else home,
             model.stop_joint_deceleration,
+            model.speed_ramp_s,
             on_event,
             self._motion_ended,
         )

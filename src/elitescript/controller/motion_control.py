@@ -45,9 +45,6 @@ from elitescript.motion.speed import braked, braked_apart
 from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
 from elitescript.motion.twist import ToolMotion
 
-SPEED_RAMP_S: Final = 0.2
-"""Time in which a new speed percentage takes hold of a planned move (*assumed*)."""
-
 _INSTANT_S: Final = 1e-6
 """Over this time the acceleration is taken as constant. Rounding of the speeds makes up some 1e-8 rad/s^2 of the
 difference, the bending of a path some 1e-5."""
@@ -64,6 +61,7 @@ class MotionControl:
         limits: joint and tool limits.
         home: joint positions at power-on.
         stop_joint_deceleration: rad/s^2, for a program that is stopped.
+        speed_ramp_s: time in which a new speed percentage takes hold of a planned move.
         on_event: receives motion events and warnings.
         on_end: called with number and completeness of a move when the arm has come to rest.
     """
@@ -81,6 +79,7 @@ class MotionControl:
         "_sampled",
         "_sampled_tick",
         "_source",
+        "_speed_ramp_s",
         "_speed_scale",
         "_stop_joint_deceleration",
         "waypoint",
@@ -92,6 +91,7 @@ class MotionControl:
         limits: MotionLimits,
         home: Six,
         stop_joint_deceleration: float,
+        speed_ramp_s: float,
         on_event: Callable[[Event], None],
         on_end: Callable[[int, bool], None],
     ) -> None:
@@ -99,6 +99,7 @@ class MotionControl:
         self._limits = limits
         self._q_rest = home
         self._stop_joint_deceleration = stop_joint_deceleration
+        self._speed_ramp_s = speed_ramp_s
         self._on_event = on_event
         self._on_end = on_end
         self._source: AnySource | None = None
@@ -292,7 +293,7 @@ class MotionControl:
         self._advance(tick)
         for source in (self._source, self._next):
             if isinstance(source, Move) and not source.is_stopping:
-                source.set_rate(max(tick, source.start_tick), rate, SPEED_RAMP_S)
+                source.set_rate(max(tick, source.start_tick), rate, self._speed_ramp_s)
             elif isinstance(source, Drive):
                 source.set_fraction(tick, rate)
         self._changed(tick)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from math import hypot
 from typing import Final
 
@@ -20,7 +21,7 @@ LOOKAHEAD_TICKS_MAX: Final = 50
 """Longest window of the smoothing of `servoj`: 0.2 s."""
 
 
-class Stepped(Drive):
+class Stepped(Drive, ABC):
     """A drive that goes from period to period; the next state is worked out when somebody looks."""
 
     __slots__ = ("_ahead", "_tick")
@@ -44,26 +45,26 @@ class Stepped(Drive):
         return max(self._tick, self._may_end_tick) if self._has_arrived else NEVER
 
     @property
+    @abstractmethod
     def _stands_still(self) -> bool:
         """Whether nothing will change."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def _has_arrived(self) -> bool:
         """Whether nothing will change until somebody asks for something else."""
-        raise NotImplementedError
 
     @property
-    def _setpoint(self) -> Setpoint:
-        raise NotImplementedError
+    @abstractmethod
+    def _setpoint(self) -> Setpoint: ...
 
+    @abstractmethod
     def _look_ahead(self) -> Setpoint:
         """State of the next tick."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _step(self) -> None:
         """Take the state of the next tick."""
-        raise NotImplementedError
 
     def setpoint(self, tick: float) -> Setpoint:
         """Target joints at a tick up to `due_tick`."""

@@ -8,7 +8,9 @@ left, and Python sees blocks that are complete, even where the author's were not
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from functools import cache
+from typing import Final
 
 from elitescript.language.diagnostics import Fix
 from elitescript.language.lexer import LogicalLine
@@ -121,7 +123,7 @@ class _Reader:
                 line.start,
                 line.start + 1,
                 f"the indentation of {column} goes back to no earlier line",
-                f"use one of the indentations above it: {', '.join(map(str, indents))}",
+                _TAB_HINT if self._has_tab(line) else f"use one of the indentations above it: {_listed(indents)}",
             )
             self._skip(line, line.column)
             return False
@@ -139,9 +141,13 @@ class _Reader:
             hint = "let the text begin in column 1"
         else:
             text = "this line is indented deeper than the one before, but no block begins here"
-            hint = "give it the same indentation as the line above"
+            hint = _TAB_HINT if self._has_tab(line) else "give it the same indentation as the line above"
         self.draft.report("E001", line.start, line.start + 1, text, hint)
         self._skip(line, self.indents[-1])
+
+    def _has_tab(self, line: LogicalLine) -> bool:
+        row = self.draft.lexed.masked_row(line.line)
+        return "\t" in row[: len(row) - len(row.lstrip())]
 
     def _skip(self, line: LogicalLine, above: int) -> None:
         self.draft.dropped.add(line)
@@ -400,3 +406,10 @@ class _Reader:
             f"a block cannot begin in a single line: the body of this `{header.word}` is missing",
             "send several lines as `def name():` ... `end`",
         )
+
+
+def _listed(numbers: Iterable[int]) -> str:
+    return ", ".join(map(str, numbers))
+
+
+_TAB_HINT: Final = "this line is indented with a tab, which counts up to the next multiple of eight; use blanks"

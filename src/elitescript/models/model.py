@@ -120,6 +120,8 @@ class RobotModel:
     """Start value of `set_gravity`: the vector that points away from the earth, m/s^2."""
     equivalent_radius_m: float
     """Weighs a rotation against a translation where one number has to stand for both."""
+    speed_ramp_s: float
+    """Time in which a new speed percentage takes hold of a planned move (*assumed*)."""
     joint_temperatures: JointVector
     """What the joints report, degC; constant, because heat is not simulated."""
     controller_temperature: float
@@ -210,6 +212,7 @@ def load_model_file(path: str | Path) -> RobotModel:
         stop_tool_deceleration=data.number("stop_tool_deceleration", positive=True),
         gravity=data.vector("gravity"),
         equivalent_radius_m=data.number("equivalent_radius_m", positive=True),
+        speed_ramp_s=data.number("speed_ramp_s", positive=True),
         joint_temperatures=data.joint_row("joint_temperatures"),
         controller_temperature=data.number("controller_temperature"),
         safety=SafetyLimits(
@@ -251,6 +254,7 @@ _KNOWN_KEYS: Final = frozenset(
         "stop_tool_deceleration",
         "gravity",
         "equivalent_radius_m",
+        "speed_ramp_s",
         "joint_temperatures",
         "controller_temperature",
         "safety.joint_speed_margin",

@@ -15,6 +15,7 @@ radians (documented for speed and acceleration: they then are rad/s and rad/s^2)
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from math import atan2, cos, hypot, pi, sin
 from typing import Final
@@ -45,7 +46,7 @@ ARC_HEIGHT_MIN_M: Final = 1e-6
 decimals can tell; they have no circle."""
 
 
-class CartesianPath:
+class CartesianPath(ABC):
     """Pose of the flange over the path position; immutable. Made by `line` and `arc`."""
 
     __slots__ = (
@@ -122,13 +123,13 @@ class CartesianPath:
             return f"at the target, {self.length:.4f} {self.unit} from the start of the {what}"
         return f"{s:.4f} {self.unit} from the start of the {what} of {self.length:.4f} {self.unit}"
 
+    @abstractmethod
     def point(self, s: float) -> Vector3:
         """Return the guided point at a path position, base frame, m."""
-        raise NotImplementedError
 
+    @abstractmethod
     def point_slope(self, s: float) -> Vector3:
         """Return the derivative of the guided point by the path position."""
-        raise NotImplementedError
 
     def flange(self, s: float) -> Transform:
         """Return `T_base_flange` at a path position."""
