@@ -4,7 +4,8 @@ One row per family. Its name is what `--set`, `robot.signals` and the end record
 commands and the pendant derive theirs from here.
 
 Evidence: counts and ranges are *documented* (manual 2.10, I/O and register chapters); that a tool
-pin has separate in and out images is *assumed*.
+pin has separate in and out images is *assumed*. The last rows are what a test does to the robot; no
+program reads them as signals.
 """
 
 from __future__ import annotations
@@ -61,6 +62,11 @@ _ROWS: Final = (
     Signal("output_int_register", "int", 48, False, INT32_LOW, INT32_HIGH, summary="integer registers of programs"),
     Signal("output_float_register", "float", 48, False, summary="float registers that programs write"),
     Signal("flag", "bool", 32, False, summary="internal flags, kept from one program to the next"),
+    Signal("emergency_stop", "bool", 1, True, summary="an emergency stop button is pressed"),
+    Signal("safeguard_stop", "bool", 1, True, summary="a safeguard, such as a door, is open"),
+    Signal("reduced_mode", "bool", 1, True, summary="the reduced safety limits are asked for"),
+    Signal("external_wrench", "float", 6, True, None, None, "N, N m", "what pushes the TCP, in the base frame"),
+    Signal("encoder_speed", "float", 2, True, None, None, "1/s", "counts per second of a simulated encoder"),
 )
 
 SIGNALS: Final[dict[str, Signal]] = {row.name: row for row in _ROWS}
