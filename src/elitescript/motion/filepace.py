@@ -91,25 +91,25 @@ def paced(spline: JointSpline, limits: MotionLimits) -> Pace:
         s_a, s_b = interval * spline.interval_s, (interval + 1) * spline.interval_s
         x_a, x_b = x[interval], x[interval + 1]
         if x_a == top == x_b:
-            pieces.add(s_a, s_b, top, 0.0)
+            pieces.add(s_a, s_b, top, top, 0.0)
             continue
         u = change(interval)
         peak = min(top, 0.5 * (x_a + x_b) + u * spline.interval_s)
         rise, fall = 0.5 * (peak - x_a) / u, 0.5 * (peak - x_b) / u
         least = _NO_WAY * spline.interval_s
         if rise > least:
-            pieces.add(s_a, s_a + rise, x_a, u)
+            pieces.add(s_a, s_a + rise, x_a, peak, u)
         if s_b - fall - s_a - rise > least:
-            pieces.add(s_a + rise, s_b - fall, peak, 0.0)
+            pieces.add(s_a + rise, s_b - fall, peak, peak, 0.0)
         if fall > least:
-            pieces.add(s_b - fall, s_b, peak, -u)
+            pieces.add(s_b - fall, s_b, peak, x_b, -u)
     return Pace(pieces.profile(spline.duration_s), _too_fast(excess, ceiling))
 
 
 def _change(spline: JointSpline, limits: MotionLimits, interval: int, ceiling: float) -> float:
     least = _CHANGE_MAX
     for joint, limit in enumerate(limits.qdd_max):
-        speed, acceleration = spline.bounds(joint, interval)
+        speed, acceleration = spline.largest(joint, interval)
         if speed > 0.0:
             least = min(least, (limit - acceleration * ceiling) / speed)
     return least
@@ -136,7 +136,7 @@ class _Pieces:
         self._acceleration: list[float] = []
         self._t_s = 0.0
 
-    def add(self, s_a: float, s_b: float, x_a: float, u: float) -> None:
+    def add(self, s_a: float, s_b: float, x_a: float, x_b: float, u: float) -> None:
         speed = sqrt(x_a)
         if not (u == 0.0 and self._acceleration and self._acceleration[-1] == 0.0 and self._speed[-1] == speed):
             self._start_s.append(self._t_s)
@@ -144,8 +144,7 @@ class _Pieces:
             self._speed.append(speed)
             self._acceleration.append(u)
         # From the start of the piece, so that nothing is summed up over the many intervals of one piece.
-        way = s_b - self._position[-1]
-        self._t_s = self._start_s[-1] + 2.0 * way / (speed + sqrt(max(0.0, x_a + 2.0 * u * way)))
+        self._t_s = self._start_s[-1] + 2.0 * (s_b - self._position[-1]) / (speed + sqrt(x_b))
 
     def profile(self, length: float) -> Profile:
         return Profile(length, self._t_s, self._start_s, self._position, self._speed, self._acceleration)

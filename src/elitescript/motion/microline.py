@@ -280,7 +280,7 @@ def _check_steps(arm: Arm, limits: MotionLimits, columns: Sequence[Sequence[floa
 
 def _slowed(limits: MotionLimits, spline: JointSpline, request: MoveML, too_fast: TooFast, duration_s: float) -> Note:
     """Return the note for points that come faster than the arm can move; names file, line, joint and numbers."""
-    speed, acceleration = spline.bounds(too_fast.joint, too_fast.interval)
+    speed, acceleration = spline.largest(too_fast.joint, too_fast.interval)
     name = JOINT_NAMES[too_fast.joint]
     if too_fast.is_speed:
         asked = f"joint {name} would turn at {speed:.3f} rad/s; it can {limits.qd_max[too_fast.joint]:.4g} rad/s"

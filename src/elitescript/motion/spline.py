@@ -6,7 +6,8 @@ point at its time. The second derivatives M at the points solve
     M_(k-1) + 4 M_k + M_(k+1) = 6 (q_(k-1) - 2 q_k + q_(k+1)) / h^2
 
 with prescribed speeds at both ends (de Boor, A Practical Guide to Splines, chapter IV). Inside an interval the
-acceleration is linear, so it is largest at a point; the speed is a parabola. This makes bounds exact or nearly so.
+acceleration is linear, so it is largest at a point, and the speed is a parabola: what a joint is asked for at most
+is known exactly.
 """
 
 from __future__ import annotations
@@ -93,13 +94,13 @@ class JointSpline:
         w1, w2, w3, w4, w5, w6 = speed
         return (q1, q2, q3, q4, q5, q6), (w1, w2, w3, w4, w5, w6)
 
-    def bounds(self, joint: int, interval: int) -> tuple[float, float]:
-        """Return bounds of |speed|, rad/s, and |acceleration|, rad/s^2, of a joint in an interval."""
+    def largest(self, joint: int, interval: int) -> tuple[float, float]:
+        """Return the largest |speed|, rad/s, and |acceleration|, rad/s^2, of a joint in an interval."""
         h = self.interval_s
         column, m = self.columns[joint], self.seconds[joint]
         ma, mb = m[interval], m[interval + 1]
         mean = (column[interval + 1] - column[interval]) / h
-        return _speed_bound(mean, ma, mb, h), max(abs(ma), abs(mb))
+        return _top_speed(mean, ma, mb, h), max(abs(ma), abs(mb))
 
     def excess(self, speed_max: Six, acceleration_max: Six) -> dict[int, tuple[int, float, float]]:
         """Return what intervals ask of the joints beyond some limits.
@@ -121,7 +122,7 @@ class JointSpline:
             for q_b, m_b in zip(column[1:], m[1:], strict=True):
                 interval += 1
                 if largest > a_top or not -room < q_b - q_a < room:
-                    speed = _speed_bound((q_b - q_a) / h, m_a, m_b, h) / top
+                    speed = _top_speed((q_b - q_a) / h, m_a, m_b, h) / top
                     acceleration = max(m_a, -m_a, m_b, -m_b) / a_top
                     worst = max(speed * speed, acceleration)
                     if worst > 1.0:
@@ -150,11 +151,14 @@ class JointSpline:
         return min(found), max(found)
 
 
-def _speed_bound(mean: float, m_a: float, m_b: float, h: float) -> float:
-    """Return a bound of |speed|: the larger of the ends, and what a parabola may rise above them."""
+def _top_speed(mean: float, m_a: float, m_b: float, h: float) -> float:
+    """Return the largest |speed| in an interval: at one of its ends, or where the acceleration changes its sign."""
     start = mean - h * (2.0 * m_a + m_b) / 6.0
     end = mean + h * (m_a + 2.0 * m_b) / 6.0
-    return max(start, -start, end, -end) + 0.125 * h * abs(m_b - m_a)
+    top = max(start, -start, end, -end)
+    if m_a * m_b < 0.0:
+        top = max(top, abs(start - 0.5 * h * m_a * m_a / (m_b - m_a)))
+    return top
 
 
 def _end_speeds(ends: Sequence[Sequence[float]], h: float) -> tuple[list[float], bool]:
