@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from math import pi
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import pytest
@@ -111,7 +111,7 @@ def test_too_many_points_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_hundred_thousand_lines_take_well_under_a_second() -> None:
     data = ("-0.123456, 1.234567, -2.345678, 0.000001, 1.500000, -3.141593\n" * 100_000).encode()
-    started = perf_counter()
+    started = process_time()
     numbers, _ = read_points(data, "path.txt", is_cartesian=False, is_degrees=True)
     assert len(numbers) == 48 * 100_000
-    assert perf_counter() - started < 2.0
+    assert process_time() - started < 1.0
