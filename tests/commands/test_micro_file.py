@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from math import pi
+from random import Random
 from time import process_time
 from typing import Any
 
@@ -115,3 +116,27 @@ def test_a_hundred_thousand_lines_take_well_under_a_second() -> None:
     numbers, _ = read_points(data, "path.txt", is_cartesian=False, is_degrees=True)
     assert len(numbers) == 48 * 100_000
     assert process_time() - started < 1.0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_any_text_is_read_whole_or_refused(seed: int) -> None:
+    chance = Random(seed)
+    outcomes = set()
+    for _ in range(200):
+        rows = [
+            chance.choice((" ", ",", ", ", "\t")).join(f"{chance.uniform(-9, 9):.3f}" for _ in range(6))
+            for _ in range(4)
+        ]
+        text = list("\n".join(rows))
+        for _ in range(chance.randrange(3)):
+            text[chance.randrange(len(text))] = chance.choice(" ,\n\r\t#.-e_x1\0\x0b\x85\u2028\ufeff\u0661")
+        try:
+            numbers, lines = read("".join(text))
+        except InvalidValueError as error:
+            assert str(error).startswith("path.txt, line ")
+            outcomes.add("refused")
+        else:
+            assert len(numbers) == 6 * len(lines)
+            assert lines == sorted(set(lines))
+            outcomes.add("read")
+    assert outcomes == {"read", "refused"}

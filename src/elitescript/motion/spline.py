@@ -39,26 +39,20 @@ class JointSpline:
         duration_s: time of the last point.
     """
 
-    __slots__ = ("_m", "_q", "columns", "duration_s", "interval_s", "is_end_at_rest", "is_start_at_rest", "seconds")
+    __slots__ = ("columns", "duration_s", "interval_s", "is_end_at_rest", "is_start_at_rest", "seconds")
 
     def __init__(self, columns: Sequence[Sequence[float]], interval_s: float) -> None:
-        count = len(columns[0])
         self.interval_s = interval_s
-        self.duration_s = (count - 1) * interval_s
-        self.columns = tuple(columns)
+        self.duration_s = (len(columns[0]) - 1) * interval_s
         speeds_start, self.is_start_at_rest = _end_speeds([column[:3] for column in columns], interval_s)
         speeds_end, self.is_end_at_rest = _end_speeds([column[:-4:-1] for column in columns], interval_s)
+        self.columns = tuple([array("d", column) for column in columns])
+        """Positions of each joint at the points, rad."""
         self.seconds = tuple(
-            _second_derivatives(column, interval_s, start, -end)
+            array("d", _second_derivatives(column, interval_s, start, -end))
             for column, start, end in zip(columns, speeds_start, speeds_end, strict=True)
         )
         """Accelerations of each joint at the points, rad/s^2."""
-        # Row by row, so that a sample finds what it needs in one place.
-        self._q = array("d", bytes(48 * count))
-        self._m = array("d", bytes(48 * count))
-        for joint in range(6):
-            self._q[joint::6] = array("d", columns[joint])
-            self._m[joint::6] = array("d", self.seconds[joint])
 
     @property
     def intervals(self) -> int:
@@ -78,16 +72,11 @@ class JointSpline:
         a = 1.0 - b
         bow_a, bow_b = (a * a - 1.0) * a * h * h / 6.0, (b * b - 1.0) * b * h * h / 6.0
         rise_a, rise_b = (1.0 - 3.0 * a * a) * h / 6.0, (3.0 * b * b - 1.0) * h / 6.0
-        here, ahead = 6 * interval, 6 * interval + 6
+        ahead = interval + 1
         q: list[float] = []
         speed: list[float] = []
-        for qa, qb, ma, mb in zip(
-            self._q[here:ahead],
-            self._q[ahead : ahead + 6],
-            self._m[here:ahead],
-            self._m[ahead : ahead + 6],
-            strict=True,
-        ):
+        for column, m in zip(self.columns, self.seconds, strict=True):
+            qa, qb, ma, mb = column[interval], column[ahead], m[interval], m[ahead]
             q.append(a * qa + b * qb + bow_a * ma + bow_b * mb)
             speed.append((qb - qa) / h + rise_a * ma + rise_b * mb)
         q1, q2, q3, q4, q5, q6 = q
