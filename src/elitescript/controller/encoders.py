@@ -1,7 +1,7 @@
 """What the encoders make of the joints: positions with noise, and speeds from one period to the next.
 
-The noise of a tick is a function of seed, tick and joint alone: whoever looks, however often and in whatever order, finds
-the same, and an arm that rests may still be looked at at any tick.
+The noise of a tick is a function of seed, tick and joint alone: whoever looks, however often and in whatever order,
+finds the same, and an arm that rests may still be looked at at any tick.
 """
 
 from __future__ import annotations
@@ -39,9 +39,7 @@ class Encoders:
             return joints
         before, here = self.noise(tick - 1), self.noise(tick)
         a, b, c, d, e, f = [q + n for q, n in zip(joints.q_actual, here, strict=True)]
-        g, h, i, j, k, m = [
-            qd + (n - n0) / PERIOD_S for qd, n, n0 in zip(joints.qd_actual, here, before, strict=True)
-        ]
+        g, h, i, j, k, m = [qd + (n - n0) / PERIOD_S for qd, n, n0 in zip(joints.qd_actual, here, before, strict=True)]
         return JointState(joints.q_target, joints.qd_target, (a, b, c, d, e, f), (g, h, i, j, k, m))
 
     def noise(self, tick: int) -> Six:

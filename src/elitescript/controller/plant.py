@@ -58,9 +58,7 @@ class LaggingJoints:
         """Return actual positions and speeds of a tick, one after the present one: rad, rad/s."""
         a, b, c, d, e, f = [
             self._joint(*joint)
-            for joint in zip(
-                now.q_target, target.q, target.qd, now.q_actual, now.qd_actual, self._viscous, strict=True
-            )
+            for joint in zip(now.q_target, target.q, target.qd, now.q_actual, now.qd_actual, self._viscous, strict=True)
         ]
         return Setpoint((a[0], b[0], c[0], d[0], e[0], f[0]), (a[1], b[1], c[1], d[1], e[1], f[1]))
 

@@ -7,15 +7,18 @@ A body of one time constant goes from its temperature T towards the end temperat
 
 for the losses of the windings, which go with the square of the current, and those of the gear. The load is looked at
 once in `LOOK_TICKS`, at fixed ticks, and holds until one is found that differs. So an arm that rests costs nothing
-for hours, and nobody can tell a leap from the ticks it leaves out. What the loads mean is worked out when somebody asks.
+for hours, and nobody can tell a leap from the ticks it leaves out. What the loads mean is worked out when somebody
+asks.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import exp
 from typing import Final, NamedTuple
 
+from elitescript.controller.arm_dynamics import ArmDynamics
+from elitescript.controller.arm_state import ArmState
+from elitescript.controller.setup import Setup
 from elitescript.messages.motion import Six
 from elitescript.messages.state import Payload
 from elitescript.messages.timing import PERIOD_S
@@ -43,21 +46,31 @@ class Warmth:
 
     Args:
         model: the arm, with the assumptions about its heat.
-        torques_of: the torques that the joints apply under a load, N m.
+        dynamics: the torques that the joints apply under a load.
     """
 
-    __slots__ = ("_load", "_model", "_pending", "_since_tick", "_start", "_torques_of", "_end", "next_look")
+    __slots__ = ("_dynamics", "_end", "_load", "_model", "_pending", "_since_tick", "_start", "next_look")
 
-    def __init__(self, model: RobotModel, torques_of: Callable[[Load], Six]) -> None:
+    def __init__(self, model: RobotModel, dynamics: ArmDynamics) -> None:
         self._model = model
-        self._torques_of = torques_of
+        self._dynamics = dynamics
         self._pending: list[tuple[int, Load]] = []
         self._load: Load | None = None
         self._start: tuple[float, ...] = (*model.joint_temperatures, model.controller_temperature)
-        self._end = self._start
+        self._end: tuple[float, ...] = self._start
         self._since_tick = 0
         self.next_look = 0
         """Next tick whose load counts."""
+
+    def go_on(self, arm_state: ArmState, setup: Setup, until_tick: int) -> None:
+        """Look at the loads of the ticks from `next_look` up to but not including the next one that is due."""
+        while (tick := self.next_look) < until_tick:
+            here, after = arm_state.joints(tick), arm_state.joints(tick + 1)
+            a, b, c, d, e, f = [
+                (later - now) / PERIOD_S for now, later in zip(here.qd_actual, after.qd_actual, strict=True)
+            ]
+            load = Load(here.q_actual, here.qd_actual, (a, b, c, d, e, f), setup.gravity, setup.payload)
+            self.look(load, until_tick if arm_state.is_resting else tick + 1)
 
     def look(self, load: Load, until_tick: int) -> None:
         """Take the load of `next_look`, which holds at the other ticks up to but not including `until_tick`."""
@@ -91,7 +104,7 @@ class Warmth:
         ends = []
         losses = 0.0
         for idle, joint, torque, speed in zip(
-            model.joint_temperatures, model.joints, self._torques_of(load), load.qd, strict=True
+            model.joint_temperatures, model.joints, self._dynamics.measured_torques(*load), load.qd, strict=True
         ):
             windings = (torque / joint.effort_max) ** 2
             gear = abs(speed) / joint.qd_max
