@@ -12,7 +12,7 @@ from elitescript.models.model import RobotModel
 
 
 class JointLoads:
-    """Works them out when somebody asks; who does not, pays a look at the joints each second.
+    """Works them out when somebody asks; who does not, pays a look at the joints every ten seconds.
 
     Args:
         model: the arm.

@@ -24,8 +24,8 @@ from elitescript.messages.state import Payload
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import RobotModel
 
-LOOK_TICKS: Final = 257
-"""About a second; a prime number, so that a program which repeats itself is not always looked at in the same place."""
+LOOK_TICKS: Final = 2503
+"""About ten seconds; a prime number, so that a program which repeats itself is not always met in the same place."""
 
 PENDING_MAX: Final = 512
 """Loads that are kept before they are worked out."""
