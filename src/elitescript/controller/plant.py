@@ -79,11 +79,10 @@ class LaggingJoints:
         x_next = r_next - behind - left * decay
         xd_next = slope - (rate - omega * left) * decay
         if self._coulomb > 0.0 and not stands:
-            friction = xd_next / self._per_qd
-            if abs(friction) <= self._coulomb and xd == 0.0:
-                return x, 0.0
-            if abs(friction) > self._coulomb:
-                friction = copysign(self._coulomb, friction)
+            stopping = xd_next / self._per_qd
+            if abs(stopping) <= self._coulomb:
+                return (x if xd == 0.0 else x_next - stopping * self._per_q), 0.0
+            friction = copysign(self._coulomb, stopping)
             x_next -= friction * self._per_q
             xd_next -= friction * self._per_qd
         if viscous > 0.0:
