@@ -28,6 +28,7 @@ def test_a_table_names_what_the_class_names() -> None:
         ({"lag": 0.02}, r"^plant\.lag: unknown key \(known: lag_s, noise_rad, "),
         ({"lag_s": -0.1}, r"^plant: lag_s of the plant must be in \[0, 1\] s, got -0\.1"),
         ({"lag_s": 20}, r"in \[0, 1\] s, got 20"),
+        ({"lag_s": 1e-5}, "lag_s of the plant must be 0 or at least 0.001 s, got 1e-05"),
         ({"noise_rad": "big"}, "noise_rad of the plant needs a number, has 'big'"),
         ({"noise_rad": float("nan")}, "needs a number, has nan"),
         ({"coulomb_friction": True}, "needs a number, has True"),

@@ -9,6 +9,9 @@ from typing import Final
 
 from elitescript.errors import UsageError
 
+LAG_MIN_S: Final = 0.001
+"""A shorter lag is over long before the period ends: none at all."""
+
 
 @dataclass(frozen=True, slots=True)
 class PlantConfig:
@@ -42,6 +45,8 @@ class PlantConfig:
                 raise UsageError(f"{name} of the plant needs a number, has {value!r}")
             if not low <= value <= high:
                 raise UsageError(f"{name} of the plant must be in [{low:g}, {high:g}]{unit}, got {value:g}")
+        if 0.0 < self.lag_s < LAG_MIN_S:
+            raise UsageError(f"lag_s of the plant must be 0 or at least {LAG_MIN_S:g} s, got {self.lag_s:g}")
         if isinstance(self.seed, bool) or not isinstance(self.seed, int):
             raise UsageError(f"seed of the plant needs a whole number, has {self.seed!r}")
 
