@@ -10,9 +10,9 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.controller.arm_state import ArmState
-from elitescript.controller.encoders import Encoders
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
+from elitescript.controller.joint_encoders import Encoders
 from elitescript.controller.joint_loads import JointLoads
 from elitescript.controller.model_limits import motion_limits
 from elitescript.controller.modes import WHY_NOT_READY, Power
