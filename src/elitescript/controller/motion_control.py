@@ -12,7 +12,7 @@ ran before.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 from elitescript.controller.drives import Drive, JointDrive
 from elitescript.controller.sources import NEVER, Braking, Move
@@ -443,8 +443,3 @@ class MotionControl:
 
             return plan_moveml(self._arm, self._limits, q_start, T_flange_tcp, request)
         return plan_movec(self._arm, self._limits, q_start, T_flange_tcp, request)
-
-
-def _six(values: Iterable[float]) -> Six:
-    a, b, c, d, e, f = values
-    return (a, b, c, d, e, f)

@@ -69,42 +69,6 @@ class StopL:
 
 
 @dataclass(frozen=True, slots=True)
-class SpeedJ:
-    """Joints to the speeds `qd` (rad/s), and on until something else is asked for."""
-
-    qd: Six
-    a: float
-    """Acceleration of the leading joint, rad/s^2."""
-    t_s: float | None = None
-    """Time after which the call returns; None returns when the speeds are reached."""
-
-
-@dataclass(frozen=True, slots=True)
-class SpeedL:
-    """TCP to the velocity `xd` (m/s and rad/s, base frame), and on until something else is asked for."""
-
-    xd: Six
-    a: float
-    """Tool acceleration, m/s^2."""
-    a_rot: float
-    """Angular acceleration, rad/s^2."""
-    t_s: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ServoJ:
-    """One target of a stream of joint targets."""
-
-    q_target: Six
-    t_s: float
-    """Control time of this target; the call takes it."""
-    lookahead_s: float
-    """Window of the smoothing."""
-    gain: float
-    """How stiffly the arm follows, 100 to 2000."""
-
-
-@dataclass(frozen=True, slots=True)
 class MicroLine:
     """Points at a constant interval of time, in SI units, as a program holds them.
 
@@ -161,6 +125,42 @@ class MoveML:
     def r(self) -> float:
         """Blend radius: it always ends at rest."""
         return 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedJ:
+    """Joints to the speeds `qd` (rad/s), and on until something else is asked for."""
+
+    qd: Six
+    a: float
+    """Acceleration of the leading joint, rad/s^2."""
+    t_s: float | None = None
+    """Time after which the call returns; None returns when the speeds are reached."""
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedL:
+    """TCP to the velocity `xd` (m/s and rad/s, base frame), and on until something else is asked for."""
+
+    xd: Six
+    a: float
+    """Tool acceleration, m/s^2."""
+    a_rot: float
+    """Angular acceleration, rad/s^2."""
+    t_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ServoJ:
+    """One target of a stream of joint targets."""
+
+    q_target: Six
+    t_s: float
+    """Control time of this target; the call takes it."""
+    lookahead_s: float
+    """Window of the smoothing."""
+    gain: float
+    """How stiffly the arm follows, 100 to 2000."""
 
 
 MoveRequest = MoveJ | MoveL | MoveC | MoveML
