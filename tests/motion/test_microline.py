@@ -177,6 +177,8 @@ def test_away_from_the_first_point_it_is_refused_with_the_way_there() -> None:
     far = refused(file_of(circle(10), is_cartesian=True), six((Q_WORK[0] + 0.3, *Q_WORK[1:])), first=3)
     assert far.code == "R116"
     assert "index, 0, 3)" in (far.hint or "")
+    beyond = [shifted(Q_WORK, 0.001 * k) for k in range(600)]
+    assert refused(file_of(beyond, is_cartesian=True), six((Q_WORK[0] + 0.3, *Q_WORK[1:]))).code == "R116"
 
 
 def test_points_too_fast_are_played_more_slowly_and_said_so() -> None:

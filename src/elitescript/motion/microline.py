@@ -121,19 +121,18 @@ def plan_moveml(arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Tran
     q1, q2, q3, q4, q5, q6 = [column[0] for column in columns]
     q_first = (q1, q2, q3, q4, q5, q6)
     _check_ranges(limits, columns, request)
-    _check_start(arm, q_start, q_first, T_flange_tcp, request)
+    if not points.is_cartesian:
+        _check_start(arm, q_start, q_first, T_flange_tcp, request)
     _check_steps(arm, limits, columns, request)
-    lead: Segment | None = None
-    if max(abs(there - here) for here, there in zip(q_start, q_first, strict=True)) > SAME_PLACE_RAD:
-        lead = plan_movej(arm, limits, q_start, MoveJ(q_first, request.a, request.v), T_flange_tcp).segment
-    else:
+    is_aside = max(abs(there - here) for here, there in zip(q_start, q_first, strict=True)) > SAME_PLACE_RAD
+    to_first = MoveJ(q_first if is_aside else q_start, request.a, request.v)
+    way_there = plan_movej(arm, limits, q_start, to_first, T_flange_tcp)
+    if request.first == request.last:
+        return way_there
+    lead = way_there.segment if is_aside else None
+    if lead is None:
         for column, angle in zip(columns, q_start, strict=True):
             column[0] = angle
-    if request.first == request.last:
-        # No time passes over one point, but it may lie a little aside.
-        return plan_movej(
-            arm, limits, q_start, MoveJ(lead.q_end if lead else q_start, request.a, request.v), T_flange_tcp
-        )
     spline = JointSpline(columns, points.interval_s)
     _check_excursions(limits, spline, request)
     profile, too_fast = paced(spline, limits)
@@ -168,6 +167,9 @@ def _solved(
                 value=number,
                 hint=SINGULAR_HINT,
             )
+        if number == request.first:
+            # Before the others, which the arm may not reach from where it is.
+            _check_start(arm, q_start, q, T_flange_tcp, request)
         rows.extend(q)
     return [rows[joint::6].tolist() for joint in range(6)]
 
@@ -210,7 +212,9 @@ def _check_ranges(limits: MotionLimits, columns: Sequence[Sequence[float]], requ
             found.append((next(index for index, angle in enumerate(column) if not low <= angle <= high), joint))
     if found:
         index, joint = min(found)
-        raise _out_of_range(limits, request, joint, columns[joint][index], request.points.place(request.first + index))
+        raise _out_of_range(
+            limits, request, joint, columns[joint][index], f"at {request.points.place(request.first + index)}"
+        )
 
 
 def _check_excursions(limits: MotionLimits, spline: JointSpline, request: MoveML) -> None:
@@ -234,7 +238,7 @@ def _out_of_range(limits: MotionLimits, request: MoveML, joint: int, angle: floa
         hint = "begin with that joint a full turn away"
     elif abs(angle) > SURELY_DEGREES:
         hint = "unit_type 1 is for joint positions in deg"
-    return joint_range_error(limits, joint, angle, f"at {place}".replace("at behind", "behind"), hint=hint)
+    return joint_range_error(limits, joint, angle, place, hint=hint)
 
 
 def _check_steps(arm: Arm, limits: MotionLimits, columns: Sequence[Sequence[float]], request: MoveML) -> None:
