@@ -1,0 +1,164 @@
+"""What comes in from outside at a tick: everything that a session does to a robot.
+
+A session is the sequence of (tick, inputs). The journal records it, `replay` feeds it back. Each input carries what
+it needs and nothing live; `origin` names who sent it, such as `primary#3`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from elitescript.messages.machine import MachineRequest
+
+
+@dataclass(frozen=True, slots=True)
+class RunUnit:
+    """A unit of script text: a program replaces the running one, a secondary program runs beside it."""
+
+    origin: str
+    kind: str
+    """`program`, `secondary` or `line`."""
+    text: str
+    first_line: int = 1
+    """Number of its first line where it came from."""
+
+
+@dataclass(frozen=True, slots=True)
+class Do:
+    """A request to the machine."""
+
+    origin: str
+    request: MachineRequest
+
+
+@dataclass(frozen=True, slots=True)
+class LoadTask:
+    """Load a task of the task folder."""
+
+    origin: str
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class LoadConfiguration:
+    """Load a configuration of the configuration folder."""
+
+    origin: str
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class PlayTask:
+    """Start the loaded task, or go on with a paused one."""
+
+    origin: str
+
+
+@dataclass(frozen=True, slots=True)
+class SetVariable:
+    """Give a program variable a value while no task runs; the text is a literal."""
+
+    origin: str
+    name: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class ShowPopup:
+    """Open a message window."""
+
+    origin: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class ClosePopup:
+    """Close the message window; a thread that waits for it goes on."""
+
+    origin: str
+
+
+@dataclass(frozen=True, slots=True)
+class AddLog:
+    """A line for the robot's log."""
+
+    origin: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class SetRemote:
+    """Switch between remote and local control."""
+
+    origin: str
+    is_remote: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Interpret:
+    """A line for interpreter mode."""
+
+    origin: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Query:
+    """A function call of the query port."""
+
+    origin: str
+    ident: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class VariablesArrived:
+    """A client has sent these RTSI inputs; their values come as `Do(WriteSignal)`. For the watchdog."""
+
+    origin: str
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelOpened:
+    """The end of an attempt to connect."""
+
+    channel: int
+    is_open: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelData:
+    """Bytes for a script."""
+
+    channel: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelClosed:
+    """The peer has closed, or the connection broke."""
+
+    channel: int
+    reason: str = ""
+
+
+Input = (
+    RunUnit
+    | Do
+    | LoadTask
+    | LoadConfiguration
+    | PlayTask
+    | SetVariable
+    | ShowPopup
+    | ClosePopup
+    | AddLog
+    | SetRemote
+    | Interpret
+    | Query
+    | VariablesArrived
+    | ChannelOpened
+    | ChannelData
+    | ChannelClosed
+)

@@ -1,0 +1,115 @@
+"""All that ports publish, at one tick, and what never changes about a robot.
+
+Primary port, RTSI, dashboard, Modbus server, pendant and `ctl` read a `Snapshot` and a `RobotDescription`, nothing
+else: what two ports say of the same tick agrees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from elitescript.messages.enums import AnalogDomain
+from elitescript.messages.motion import Six
+from elitescript.messages.signals import Value
+from elitescript.messages.state import RobotState
+
+Three = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class TaskPicture:
+    """The task as the dashboard shows it."""
+
+    loaded: str
+    """Path of the loaded task relative to the task folder; empty if none is."""
+    running: str
+    """Name of the program that runs, whether it came from the task or from a port; empty if none does."""
+    configuration: str
+    """Path of the loaded configuration relative to its folder."""
+    is_saved: bool
+    is_configuration_modified: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """The whole machine as its ports show it, at one tick."""
+
+    robot: RobotState
+    joint_torques: Six
+    """N m."""
+    joint_currents: Six
+    """A."""
+    joint_temperatures: Six
+    """degC."""
+    joint_voltages: Six
+    """V."""
+    tcp_force: Six
+    """Wrench of the sensor without the payload, N and N m."""
+    raw_wrench: Six
+    """Wrench as the sensor measures it."""
+    elbow_position: Three
+    """m, base frame."""
+    elbow_velocity: Three
+    """m/s, base frame."""
+    speed_scaling: float
+    """How fast planned time passes at present, 0 to 1."""
+    controller_temperature: float
+    """degC."""
+    robot_voltage: float
+    """V."""
+    robot_current: float
+    """A."""
+    io_current: float
+    """A."""
+    tool_current: float
+    """A."""
+    tool_temperature: float
+    """degC."""
+    signals: Mapping[str, tuple[Value, ...]]
+    """Every family of `messages.signals` by name."""
+    domains: Mapping[str, tuple[AnalogDomain, ...]]
+    """Domain of every analog channel by family."""
+    tool_analog_mode: int
+    """See `SetToolAnalogMode`."""
+    tool_pin_modes: tuple[int, int, int, int]
+    """`ToolPinMode` of each pin."""
+    is_remote: bool
+    """Whether clients may change the robot."""
+    is_freedrive: bool
+    """Whether a person guides the arm."""
+    popup: str
+    """Text of the message window that is open; empty if none is."""
+    task: TaskPicture
+    overruns: int
+    """Ticks that began late, since the start."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDescription:
+    """What never changes about a robot."""
+
+    model: str
+    type_id: int
+    """Number of the model on the wire."""
+    serial_number: str
+    robot_id: str
+    firmware: tuple[int, int, int, int]
+    """Version of the controller: major, minor, bug fix, build."""
+    q_min: Six
+    q_max: Six
+    """rad"""
+    qd_max: Six
+    """rad/s"""
+    qdd_max: Six
+    """rad/s^2"""
+    default_joint_speed: float
+    default_joint_acceleration: float
+    default_tool_speed: float
+    default_tool_acceleration: float
+    equivalent_radius_m: float
+    dh_a: Six
+    dh_d: Six
+    dh_alpha: Six
+    """Modified (Craig) parameters, m and rad: row i holds a(i-1), alpha(i-1), d(i)."""
+    safety_checksum: int

@@ -1,0 +1,66 @@
+"""The interface of every connection that the controller serves: bytes in, inputs out; events and snapshots in, bytes out.
+
+A connection is sans-I/O: it knows no socket and no clock, only ticks. The pump (`services.tcp`) calls `receive` with
+whatever has arrived, hands the inputs to the robot, calls `publish` after every tick, and writes what `take` returns
+with one call each. Buffers are bounded; a client that sends what cannot be meets `ProtocolError`: its connection is
+closed, nobody else's.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+from elitescript.messages.inputs import Input
+from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot import RobotDescription
+
+
+class ProtocolError(Exception):
+    """The peer sent what cannot be; the text says what, where and what was expected."""
+
+
+class Connection(ABC):
+    """One client of one port.
+
+    Args:
+        origin: names the client in inputs and logs, such as `rtsi#2`.
+        description: the robot.
+    """
+
+    __slots__ = ("_out", "description", "is_over", "origin")
+
+    def __init__(self, origin: str, description: RobotDescription) -> None:
+        self.origin = origin
+        self.description = description
+        self.is_over = False
+        """Whether the connection is to be closed once what it has to say is sent."""
+        self._out: list[bytes] = []
+
+    @abstractmethod
+    def receive(self, data: bytes, output: Output) -> list[Input]:
+        """Take bytes that have arrived; return what they ask for.
+
+        Args:
+            data: any part of the stream.
+            output: of the last tick, for what is answered at once.
+
+        Raises:
+            ProtocolError: the stream makes no sense; the connection is to be closed.
+        """
+
+    @abstractmethod
+    def publish(self, output: Output) -> None:
+        """Take note of a tick: queue what this client is to hear of it."""
+
+    def closed(self) -> list[Input]:
+        """The client has gone; return what that means for the robot."""
+        return []
+
+    def take(self) -> list[bytes]:
+        """Return the messages that are to be sent, in order; each is one write."""
+        out, self._out = self._out, []
+        return out
+
+    def send(self, message: bytes) -> None:
+        """Queue one message."""
+        self._out.append(message)
