@@ -11,6 +11,8 @@ from typing import Any, Final
 
 from elitescript.controller.arm_dynamics import ArmDynamics
 from elitescript.controller.arm_state import ArmState
+from elitescript.controller.conveyor import Tracking
+from elitescript.controller.encoders import ENCODER_HANDLERS, Encoders
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
 from elitescript.controller.model_limits import motion_limits
@@ -35,7 +37,7 @@ from elitescript.messages.machine import (
     StopTask,
     WriteSignal,
 )
-from elitescript.messages.motion import MotionRequest, Six
+from elitescript.messages.motion import MotionRequest, Six, TrackRequest
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.timing import seconds
@@ -56,6 +58,7 @@ class Controller:
     __slots__ = (
         "_arm_state",
         "_dynamics",
+        "_encoders",
         "_epoch_s",
         "_inbox",
         "_is_powering_down",
@@ -69,6 +72,7 @@ class Controller:
         "_signals",
         "_task",
         "_tick",
+        "_tracking",
         "arm",
         "joint_ranges",
     )
@@ -93,9 +97,10 @@ class Controller:
         self._signals = SignalImage(self._signal_changed)
         self._power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)))
         self._task = Task(self._task_changed)
+        limits = motion_limits(model)
         self._motion = MotionControl(
             model.arm,
-            motion_limits(model),
+            limits,
             model.home if home is None else home,
             model.stop_joint_deceleration,
             model.speed_ramp_s,
@@ -103,7 +108,18 @@ class Controller:
             self._motion_ended,
         )
         self._motion.set_speed_scale(speed_scale, 0)
-        self._arm_state = ArmState(self._motion)
+        self._encoders = Encoders()
+        self._tracking = Tracking(
+            model.arm,
+            limits,
+            self._encoders,
+            model.stop_joint_deceleration,
+            (model.default_tool_acceleration, model.default_tool_speed),
+            self._motion.stop,
+            on_event,
+            self._motion_ended,
+        )
+        self._arm_state = ArmState(self._motion, (self._tracking,))
         self._setup = Setup(model)
         self._node: tuple[int, str] = (0, "")
         self._is_powering_down = False
@@ -270,23 +286,34 @@ class Controller:
         """Every signal that is not at its default."""
         return self._signals.non_defaults()
 
+    def encoder_count(self, index: int) -> float:
+        """What the counter of a conveyor encoder shows."""
+        return self._encoders[index].count(self._tick)
+
+    def encoder_unwound(self, index: int, delta: float) -> float:
+        """A difference of two counts of an encoder, without the overflow of its counter."""
+        return self._encoders[index].range.unwound(delta)
+
     def timestamp_s(self) -> float:
         """The controller's clock, seconds since 1970."""
         return self._epoch_s + seconds(self._tick)
 
     # ---------------------------------------------------------------- requests
 
-    def request_motion(self, request: MotionRequest, line: int, thread: str) -> int:
+    def request_motion(self, request: MotionRequest | TrackRequest, line: int, thread: str) -> int:
         """See `commands.context.Machine.request_motion`."""
         mode = RobotMode.POWER_OFF if self._is_powering_down else self._power.mode
         why = WHY_NOT_READY.get(mode)
         if why is not None:
             raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
-        return self._motion.request(request, self._tick, self._setup.T_flange_tcp, line, thread)
+        T_flange_tcp = self._setup.T_flange_tcp
+        if isinstance(request, TrackRequest):
+            return self._tracking.request(request, self._tick, self.joints().q_target, T_flange_tcp, line, thread)
+        return self._motion.request(request, self._tick, T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:
         """Whether that move is over."""
-        return self._motion.is_done(move)
+        return self._tracking.is_done(move) if move < 0 else self._motion.is_done(move)
 
     def cancel_move(self, move: int) -> None:
         """Brake that move, if it is under way."""
@@ -344,6 +371,8 @@ class Controller:
 
     def _write_signal(self, request: WriteSignal) -> None:
         self._signals.write(request)
+        if request.name == "encoder_speed":
+            self._encoders[request.index].turn(float(request.value), self._tick)
         self._warn_of_hand_guiding(request.name, request.index)
 
     def _warn_of_hand_guiding(self, name: str, index: int) -> None:
@@ -362,6 +391,9 @@ class Controller:
 
     def _declare(self, request: Any) -> None:
         SETUP_HANDLERS[type(request)](self._setup, request)
+
+    def _set_encoder(self, request: Any) -> None:
+        ENCODER_HANDLERS[type(request)](self._encoders, request, self._tick)
 
     def _set_line_mark(self, request: SetLineMark) -> None:
         self._node = (request.number, request.label)
@@ -409,5 +441,6 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     StopTask: Controller._stop_task,
     **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
     **dict.fromkeys(SETUP_HANDLERS, Controller._declare),
+    **dict.fromkeys(ENCODER_HANDLERS, Controller._set_encoder),
 }
 """Every kind of machine request and who handles it."""

@@ -1,0 +1,384 @@
+"""Conveyor tracking: what carries the nominal motion along with a belt or a turntable.
+
+Moves are commanded as if the conveyor had stood still since the call of `track_conveyor_...`: its way is zero there
+(*assumed*). The way that the arm goes along with follows that of the conveyor; it begins with the speed that the tool
+has, catches up what was lost at the start with the acceleration and at most the speed of a `movel` without arguments
+on top of the conveyor's (*assumed*), and is then exactly that of the conveyor (`motion.pursuit`). It takes no account
+of the speed percentage (*assumed*: a belt does not slow down). A pause brings the arm to rest; afterwards it catches
+up again (*assumed*).
+
+A joint at the end of its range, a singularity, the end of reach, and a joint that would have to be quicker than it
+can, end the tracking: the arm brakes as it does in front of an obstacle of `speedl` (*assumed*).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+from elitescript.controller.encoders import CountLine, Encoder, Encoders
+from elitescript.errors import MotionError
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_branch
+from elitescript.kinematics.jacobian import joint_speeds, singularity, tcp_twist
+from elitescript.kinematics.transforms import IDENTITY, Transform, compose, inverse
+from elitescript.messages.events import Event, Warned
+from elitescript.messages.motion import Six, StopTracking, TrackCircular, TrackLinear, TrackRequest
+from elitescript.messages.state import ZERO_SIX, JointState
+from elitescript.messages.timing import PERIOD_S
+from elitescript.motion.conveyor import Conveyor, StraightConveyor, Turntable
+from elitescript.motion.limits import JOINT_NAMES, MotionLimits, unwrapped
+from elitescript.motion.pursuit import CatchUp, Coast
+from elitescript.motion.segment import Setpoint
+from elitescript.motion.speed import Obstacle, SpeedProfile, braked, braked_apart, obstacle_at, range_obstacle
+from elitescript.motion.twist import ToolMotion, singular_obstacle
+
+WHAT: Final = "conveyor tracking"
+
+_ROUNDING: Final = 1.0 + 1e-9
+
+
+class Following(NamedTuple):
+    """The way as that of the conveyor less what is left to catch up."""
+
+    line: CountLine
+    catch_up: CatchUp
+
+
+class Step(NamedTuple):
+    """What comes of one tick."""
+
+    setpoint: Setpoint
+    way: float
+    speed: float
+    obstacle: Obstacle | None = None
+    braking: SpeedProfile | None = None
+    """How the arm brakes in front of the obstacle, from the tick before on."""
+
+
+class Tracking:
+    """A `controller.arm_state.Correction`.
+
+    Args:
+        arm: geometry.
+        limits: joint and tool limits.
+        encoders: what tells the ways of the conveyors.
+        deceleration: of the joints, rad/s^2, when the arm comes to rest.
+        catch_up: acceleration, m/s^2, and speed, m/s, of the tool when it catches up.
+        stop_nominal: brakes the nominal motion at a tick.
+        on_event: receives warnings.
+        on_end: called with the number of the call that waited for the end, or 0.
+    """
+
+    __slots__ = (
+        "_T_flange_tcp",
+        "_T_tcp_flange",
+        "_arm",
+        "_braking",
+        "_catch_up",
+        "_conveyor",
+        "_count",
+        "_deceleration",
+        "_encoder",
+        "_encoders",
+        "_is_paused",
+        "_is_stopping",
+        "_law",
+        "_law_tick",
+        "_limits",
+        "_line",
+        "_motion",
+        "_on_end",
+        "_on_event",
+        "_q",
+        "_reference",
+        "_relaid",
+        "_speed",
+        "_step",
+        "_step_of",
+        "_stop_nominal",
+        "_thread",
+        "_tick",
+        "_waiting",
+        "_way",
+    )
+
+    def __init__(
+        self,
+        arm: Arm,
+        limits: MotionLimits,
+        encoders: Encoders,
+        deceleration: float,
+        catch_up: tuple[float, float],
+        stop_nominal: Callable[[int], None],
+        on_event: Callable[[Event], None],
+        on_end: Callable[[int, bool], None],
+    ) -> None:
+        self._arm = arm
+        self._limits = limits
+        self._encoders = encoders
+        self._deceleration = deceleration
+        self._catch_up = catch_up
+        self._stop_nominal = stop_nominal
+        self._on_event = on_event
+        self._on_end = on_end
+        self._conveyor: Conveyor | None = None
+        self._encoder: Encoder = encoders[0]
+        self._T_flange_tcp = self._T_tcp_flange = IDENTITY
+        self._motion = ToolMotion(arm, limits, IDENTITY, deceleration)
+        self._reference = 0.0
+        self._q: Six = ZERO_SIX
+        self._way = self._speed = 0.0
+        self._tick = self._law_tick = 0
+        self._law: Following | Coast = Coast(0.0, 0.0, 0.0)
+        self._relaid: Following | None = None
+        self._braking: SpeedProfile | None = None
+        self._is_paused = self._is_stopping = False
+        self._line, self._thread = 0, ""
+        self._count = self._waiting = 0
+        self._step: Step | None = None
+        self._step_of: tuple[Setpoint, JointState, Following | Coast] | None = None
+
+    # ---------------------------------------------------------------- requests
+
+    @property
+    def is_active(self) -> bool:
+        """Whether the arm goes along with a conveyor, or comes to rest after that."""
+        return self._conveyor is not None
+
+    def is_done(self, number: int) -> bool:
+        """Whether the call of that number is over."""
+        return number != self._waiting
+
+    def request(self, request: TrackRequest, tick: int, q: Six, T_flange_tcp: Transform, line: int, thread: str) -> int:
+        """Begin or end at a tick; return the number of the call: negative while it has to wait, else 0.
+
+        Args:
+            request: what is asked for.
+            tick: the present one.
+            q: target joints at that tick, rad.
+            T_flange_tcp: active TCP; it is the point that goes along with a turntable (*assumed*: also when another
+                one is set meanwhile).
+            line: of the call.
+            thread: of the call.
+
+        Raises:
+            MotionError: a conveyor is tracked already, or the arm is too near to a singularity.
+        """
+        if isinstance(request, StopTracking):
+            return self._end(tick)
+        if self._conveyor is not None:
+            raise MotionError(
+                f"the arm tracks a conveyor already, since line {self._line}; one at a time",
+                code="R114",
+                hint="end it with stop_conveyor_tracking first",
+            )
+        blocked = singularity(self._arm, q).blocked
+        if blocked:
+            raise singular_obstacle(self._arm, q, blocked, WHAT).error()
+        self._conveyor = _conveyor_of(request)
+        self._encoder = self._encoders[request.encoder]
+        self._T_flange_tcp, self._T_tcp_flange = T_flange_tcp, inverse(T_flange_tcp)
+        self._motion = self._motion._replace(T_flange_tcp=T_flange_tcp)
+        self._q = q
+        self._way = self._speed = 0.0
+        self._tick = tick
+        self._is_paused = self._is_stopping = False
+        self._braking = None
+        self._line, self._thread = line, thread
+        self._follow(tick, self._encoder.line(tick).at(tick))
+        return 0
+
+    def pause(self, tick: int) -> None:
+        """Come to rest, to go on later."""
+        if not self._is_stopping and not self._is_paused:
+            self._coast(tick)
+        self._is_paused = True
+
+    def resume(self, tick: int) -> None:
+        """Go on after a pause."""
+        if self._is_paused and not self._is_stopping:
+            self._follow(tick, self._reference)
+        self._is_paused = False
+
+    def stop(self, tick: int) -> None:
+        """Come to rest and end."""
+        if not self._is_stopping:
+            if not self._is_paused:
+                self._coast(tick)
+            self._is_stopping = True
+
+    def _end(self, tick: int) -> int:
+        if self._conveyor is None:
+            return 0
+        self.stop(tick)
+        self._stop_nominal(tick)
+        if not self._waiting:
+            self._count -= 1
+            self._waiting = self._count
+        return self._waiting
+
+    # ---------------------------------------------------------------- from tick to tick
+
+    def peek(self, tick: int, nominal: Setpoint, now: JointState) -> Setpoint:
+        """Return the target of a tick, one after the present one; changes nothing."""
+        return self._next(tick, nominal, now).setpoint
+
+    def commit(self, tick: int, nominal: Setpoint, now: JointState, is_resting: bool) -> None:
+        """Go on to that tick."""
+        step = self._next(tick, nominal, now)
+        if self._relaid is not None:
+            self._law, self._law_tick, self._relaid = self._relaid, tick - 1, None
+        self._step = self._step_of = None
+        self._tick, self._q, self._way, self._speed = tick, step.setpoint.q, step.way, step.speed
+        if step.obstacle is not None:
+            self._braking, self._law_tick, self._is_stopping = step.braking, tick - 1, True
+            self._on_event(Warned(tick, f"{step.obstacle.text}; the arm brakes", self._thread, self._line))
+            self._stop_nominal(tick)
+        if self._is_stopping and is_resting and self._stands(tick):
+            self._conveyor = None
+            number, self._waiting = self._waiting, 0
+            self._on_end(number, True)
+
+    def _stands(self, tick: int) -> bool:
+        law = self._law if self._braking is None else self._braking
+        duration_s = law.ramp_s if isinstance(law, Coast) else law.duration_s if isinstance(law, SpeedProfile) else 0.0
+        return (tick - self._law_tick) * PERIOD_S >= duration_s
+
+    def _next(self, tick: int, nominal: Setpoint, now: JointState) -> Step:
+        if self._braking is not None:
+            return Step(self._braking.at((tick - self._law_tick) * PERIOD_S), self._way, self._speed)
+        law = self._present_law()
+        known = self._step_of
+        if self._step is None or known is None or known[0] is not nominal or known[1] is not now or known[2] is not law:
+            self._step_of = (nominal, now, law)
+            self._step = self._work_out(tick, nominal, now, law)
+        return self._step
+
+    def _work_out(self, tick: int, nominal: Setpoint, now: JointState, law: Following | Coast) -> Step:
+        law_tick = self._law_tick if law is self._law else self._tick
+        way, speed = self._on(law, tick, (tick - law_tick) * PERIOD_S)
+        target = self._carried(nominal, now.q_target, way, speed)
+        before = Setpoint(now.q_target, now.qd_target)
+        if isinstance(target, Setpoint):
+            obstacle = None if target is nominal else self.obstacle(target, before)
+            if obstacle is None:
+                return Step(target, way, speed)
+        else:
+            obstacle = target
+        if obstacle.joint >= 0:
+            braking = braked_apart(before, self._deceleration, self._limits)
+        else:
+            braking = braked(before, max(map(abs, before.qd)) / self._deceleration, self._limits)
+        return Step(braking.at(PERIOD_S), self._way, 0.0, obstacle, braking)
+
+    def _carried(self, nominal: Setpoint, q_near: Six, way: float, speed: float) -> Setpoint | Obstacle:
+        """Return the target for a nominal setpoint on a conveyor with a way and a speed."""
+        if way == 0.0 and speed == 0.0:
+            return nominal
+        arm, conveyor = self._arm, self._conveyor
+        assert conveyor is not None
+        T_base_tcp = conveyor.carried(arm.forward_tcp(nominal.q, self._T_flange_tcp), way)
+        T_base_flange = compose(T_base_tcp, self._T_tcp_flange)
+        q = solve_branch(arm, T_base_flange, branch_of(arm, nominal.q), q_near[5])
+        if q is None:
+            reason = reason_unreachable(arm, T_base_flange) or "the arm would have to change its configuration"
+            return Obstacle("R111", f"{WHAT} takes the tool out of reach: {reason}", way, "", "")
+        q = unwrapped(q, q_near)
+        twist = ZERO_SIX
+        if nominal.qd != ZERO_SIX:
+            twist = tcp_twist(arm, nominal.q, nominal.qd, self._T_flange_tcp)
+        twist = conveyor.carried_twist(twist, T_base_tcp, way, speed)
+        qd = joint_speeds(arm, q, twist, self._T_flange_tcp)
+        if qd is None:
+            return singular_obstacle(arm, q_near, singularity(arm, q).blocked or "wrist", WHAT)
+        return Setpoint(q, qd)
+
+    def obstacle(self, target: Setpoint, before: Setpoint) -> Obstacle | None:
+        """Return why the arm cannot go on to a target, one tick after a state; None if it can."""
+        limits = self._limits
+        for joint, (q, q_before, w, w_before) in enumerate(zip(target.q, before.q, target.qd, before.qd, strict=True)):
+            top, a_top = limits.qd_max[joint], limits.qdd_max[joint]
+            fastest = max(abs(w), abs(q - q_before) / PERIOD_S)
+            if fastest > top * _ROUNDING:
+                return _too_quick(joint, "turn with", fastest, top, "rad/s")
+            a = abs(w - w_before) / PERIOD_S
+            if a > a_top * _ROUNDING:
+                return _too_quick(joint, "accelerate with", a, a_top, "rad/s^2")
+        outside = obstacle_at(*target, self._deceleration, limits)
+        if outside is not None:
+            return range_obstacle(limits, outside, before.q, WHAT)
+        met = self._motion.singularity_met(*target)
+        return None if met is None else singular_obstacle(self._arm, before.q, met, WHAT)
+
+    # ---------------------------------------------------------------- laws of the way
+
+    def _on(self, law: Following | Coast, tick: int, elapsed_s: float) -> tuple[float, float]:
+        """Return way and speed of the arm on a law."""
+        if isinstance(law, Coast):
+            return law.at(elapsed_s)
+        assert self._conveyor is not None
+        lag, rate = law.catch_up.at(elapsed_s)
+        per_count = self._conveyor.way_per_count
+        return (law.line.at(tick) - self._reference) * per_count - lag, law.line.rate * per_count - rate
+
+    def _present_law(self) -> Following | Coast:
+        """Return the law that goes on from the present tick: another one when the conveyor moves otherwise."""
+        law = self._law
+        if isinstance(law, Coast):
+            return law
+        line = self._encoder.line(self._tick)
+        if line == law.line:
+            self._relaid = None
+            return law
+        if self._relaid is None or self._relaid.line != line:
+            self._relaid = self._following(line)
+        return self._relaid
+
+    def _following(self, line: CountLine) -> Following:
+        conveyor = self._conveyor
+        assert conveyor is not None
+        a, v = self._catch_up
+        T_base_tcp = self._arm.forward_tcp(self._q, self._T_flange_tcp)
+        lever = conveyor.lever(T_base_tcp, self._limits.equivalent_radius_m)
+        per_count = conveyor.way_per_count
+        lag = (line.at(self._tick) - self._reference) * per_count - self._way
+        return Following(line, CatchUp(lag, line.rate * per_count - self._speed, a / lever, v / lever))
+
+    def _follow(self, tick: int, reference: float) -> None:
+        self._reference = reference
+        self._lay(tick, self._following(self._encoder.line(tick)))
+
+    def _coast(self, tick: int) -> None:
+        self._lay(tick, Coast(self._way, self._speed, self._ramp_s()))
+
+    def _lay(self, tick: int, law: Following | Coast) -> None:
+        self._law, self._law_tick, self._relaid = law, tick, None
+
+    def _ramp_s(self) -> float:
+        """Return the time in which the joints lose what the conveyor adds to their speeds."""
+        conveyor = self._conveyor
+        if self._speed == 0.0 or conveyor is None:
+            return 0.0
+        T_base_tcp = self._arm.forward_tcp(self._q, self._T_flange_tcp)
+        twist = conveyor.carried_twist(ZERO_SIX, T_base_tcp, self._way, self._speed)
+        qd = joint_speeds(self._arm, self._q, twist, self._T_flange_tcp)
+        fastest = max(map(abs, qd)) / self._deceleration if qd else 0.0
+        lever = conveyor.lever(T_base_tcp, self._limits.equivalent_radius_m)
+        return max(fastest, abs(self._speed) * lever / self._limits.tool_acceleration_max, PERIOD_S)
+
+
+def _conveyor_of(request: TrackLinear | TrackCircular) -> Conveyor:
+    if isinstance(request, TrackLinear):
+        return StraightConveyor(request.direction, request.counts_per_m)
+    return Turntable(request.center, request.counts_per_turn, request.turns_tool)
+
+
+def _too_quick(joint: int, does: str, value: float, limit: float, unit: str) -> Obstacle:
+    return Obstacle(
+        "R117",
+        f"{WHAT} would make joint {JOINT_NAMES[joint]} {does} {value:.4g} {unit}, it can {limit:.4g} {unit}",
+        value,
+        f"<= {limit:.6g}",
+        unit,
+    )
