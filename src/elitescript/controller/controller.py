@@ -12,7 +12,7 @@ from typing import Any, Final
 from elitescript.controller.arm_dynamics import ArmDynamics
 from elitescript.controller.arm_state import ArmState
 from elitescript.controller.conveyor import Tracking
-from elitescript.controller.encoders import ENCODER_HANDLERS, Encoders
+from elitescript.controller.encoders import ENCODER_HANDLERS
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
 from elitescript.controller.model_limits import motion_limits
@@ -58,7 +58,6 @@ class Controller:
     __slots__ = (
         "_arm_state",
         "_dynamics",
-        "_encoders",
         "_epoch_s",
         "_inbox",
         "_is_powering_down",
@@ -108,17 +107,7 @@ class Controller:
             self._motion_ended,
         )
         self._motion.set_speed_scale(speed_scale, 0)
-        self._encoders = Encoders()
-        self._tracking = Tracking(
-            model.arm,
-            limits,
-            self._encoders,
-            model.stop_joint_deceleration,
-            (model.default_tool_acceleration, model.default_tool_speed),
-            self._motion.stop,
-            on_event,
-            self._motion_ended,
-        )
+        self._tracking = Tracking(model, limits, self._motion.stop, on_event, self._motion_ended)
         self._arm_state = ArmState(self._motion, (self._tracking,))
         self._setup = Setup(model)
         self._node: tuple[int, str] = (0, "")
@@ -288,11 +277,11 @@ class Controller:
 
     def encoder_count(self, index: int) -> float:
         """What the counter of a conveyor encoder shows."""
-        return self._encoders[index].count(self._tick)
+        return self._tracking.encoders[index].count(self._tick)
 
     def encoder_unwound(self, index: int, delta: float) -> float:
         """A difference of two counts of an encoder, without the overflow of its counter."""
-        return self._encoders[index].range.unwound(delta)
+        return self._tracking.encoders[index].range.unwound(delta)
 
     def timestamp_s(self) -> float:
         """The controller's clock, seconds since 1970."""
@@ -372,7 +361,7 @@ class Controller:
     def _write_signal(self, request: WriteSignal) -> None:
         self._signals.write(request)
         if request.name == "encoder_speed":
-            self._encoders[request.index].turn(float(request.value), self._tick)
+            self._tracking.encoders[request.index].turn(float(request.value), self._tick)
         self._warn_of_hand_guiding(request.name, request.index)
 
     def _warn_of_hand_guiding(self, name: str, index: int) -> None:
@@ -393,7 +382,7 @@ class Controller:
         SETUP_HANDLERS[type(request)](self._setup, request)
 
     def _set_encoder(self, request: Any) -> None:
-        ENCODER_HANDLERS[type(request)](self._encoders, request, self._tick)
+        ENCODER_HANDLERS[type(request)](self._tracking.encoders, request, self._tick)
 
     def _set_line_mark(self, request: SetLineMark) -> None:
         self._node = (request.number, request.label)

@@ -26,12 +26,16 @@ from elitescript.messages.events import Event, Warned
 from elitescript.messages.motion import Six, StopTracking, TrackCircular, TrackLinear, TrackRequest
 from elitescript.messages.state import ZERO_SIX, JointState
 from elitescript.messages.timing import PERIOD_S
+from elitescript.models.model import RobotModel
 from elitescript.motion.conveyor import Conveyor, StraightConveyor, Turntable
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, unwrapped
 from elitescript.motion.pursuit import CatchUp, Coast
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.speed import Obstacle, SpeedProfile, braked, braked_apart, obstacle_at, range_obstacle
 from elitescript.motion.twist import ToolMotion, singular_obstacle
+
+FIRST_CALL: Final = -(1 << 40)
+"""Numbers of calls that wait for the end; below those that anybody else gives."""
 
 WHAT: Final = "conveyor tracking"
 
@@ -60,11 +64,8 @@ class Tracking:
     """A `controller.arm_state.Correction`.
 
     Args:
-        arm: geometry.
+        model: the arm; how it catches up and brakes.
         limits: joint and tool limits.
-        encoders: what tells the ways of the conveyors.
-        deceleration: of the joints, rad/s^2, when the arm comes to rest.
-        catch_up: acceleration, m/s^2, and speed, m/s, of the tool when it catches up.
         stop_nominal: brakes the nominal motion at a tick.
         on_event: receives warnings.
         on_end: called with the number of the call that waited for the end, or 0.
@@ -80,7 +81,6 @@ class Tracking:
         "_count",
         "_deceleration",
         "_encoder",
-        "_encoders",
         "_is_paused",
         "_is_stopping",
         "_law",
@@ -101,31 +101,29 @@ class Tracking:
         "_tick",
         "_waiting",
         "_way",
+        "encoders",
     )
 
     def __init__(
         self,
-        arm: Arm,
+        model: RobotModel,
         limits: MotionLimits,
-        encoders: Encoders,
-        deceleration: float,
-        catch_up: tuple[float, float],
         stop_nominal: Callable[[int], None],
         on_event: Callable[[Event], None],
         on_end: Callable[[int, bool], None],
     ) -> None:
-        self._arm = arm
+        self.encoders = Encoders()
+        self._arm: Arm = model.arm
         self._limits = limits
-        self._encoders = encoders
-        self._deceleration = deceleration
-        self._catch_up = catch_up
+        self._deceleration = model.stop_joint_deceleration
+        self._catch_up = (model.default_tool_acceleration, model.default_tool_speed)
         self._stop_nominal = stop_nominal
         self._on_event = on_event
         self._on_end = on_end
         self._conveyor: Conveyor | None = None
-        self._encoder: Encoder = encoders[0]
+        self._encoder: Encoder = self.encoders[0]
         self._T_flange_tcp = self._T_tcp_flange = IDENTITY
-        self._motion = ToolMotion(arm, limits, IDENTITY, deceleration)
+        self._motion = ToolMotion(self._arm, limits, IDENTITY, self._deceleration)
         self._reference = 0.0
         self._q: Six = ZERO_SIX
         self._way = self._speed = 0.0
@@ -135,7 +133,7 @@ class Tracking:
         self._braking: SpeedProfile | None = None
         self._is_paused = self._is_stopping = False
         self._line, self._thread = 0, ""
-        self._count = self._waiting = 0
+        self._count, self._waiting = FIRST_CALL, 0
         self._step: Step | None = None
         self._step_of: tuple[Setpoint, JointState, Following | Coast] | None = None
 
@@ -177,7 +175,7 @@ class Tracking:
         if blocked:
             raise singular_obstacle(self._arm, q, blocked, WHAT).error()
         self._conveyor = _conveyor_of(request)
-        self._encoder = self._encoders[request.encoder]
+        self._encoder = self.encoders[request.encoder]
         self._T_flange_tcp, self._T_tcp_flange = T_flange_tcp, inverse(T_flange_tcp)
         self._motion = self._motion._replace(T_flange_tcp=T_flange_tcp)
         self._q = q
@@ -191,6 +189,8 @@ class Tracking:
 
     def pause(self, tick: int) -> None:
         """Come to rest, to go on later."""
+        if self._conveyor is None:
+            return
         if not self._is_stopping and not self._is_paused:
             self._coast(tick)
         self._is_paused = True
@@ -203,7 +203,7 @@ class Tracking:
 
     def stop(self, tick: int) -> None:
         """Come to rest and end."""
-        if not self._is_stopping:
+        if self._conveyor is not None and not self._is_stopping:
             if not self._is_paused:
                 self._coast(tick)
             self._is_stopping = True
