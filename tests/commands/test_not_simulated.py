@@ -13,9 +13,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
 @pytest.mark.parametrize(
     "text",
     [
-        "encoder_enable_pulse_decode(0, 1, 16, 17)",
-        "encoder_enable_pulse_decode(0, 3, 16, 0)",
-        "encoder_enable_pulse_decode(0, 3, 16, 16)",
         "moveml(0)",
         "moveml(0, 5, 0)",
         "moveml(0, 5, 5)",

@@ -452,6 +452,18 @@ def test_the_end_brakes_a_motion_at_a_speed_too():
     cell.check_smooth()
 
 
+def test_a_pause_without_a_conveyor_is_no_pause_of_the_next_one():
+    cell = Cell(300.0)
+    tracking = cell.controller._tracking
+    tracking.pause(0)
+    tracking.stop(0)
+    tracking.resume(0)
+    assert not tracking.is_active
+    cell.track(BELT[0])
+    cell.run(250)
+    assert_same(cell.pose, cell.part(BELT[1], 300.0))
+
+
 def test_nothing_to_end_is_no_wait():
     cell = Cell()
     assert cell.controller.is_move_done(cell.ask(StopTracking()))
