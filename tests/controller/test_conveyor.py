@@ -11,7 +11,7 @@ from elitescript.controller.controller import Controller
 from elitescript.controller.encoders import RANGES
 from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.transforms import pose_from_transform, transform_from_pose
-from elitescript.messages.events import MotionEnded, Warned
+from elitescript.messages.events import MotionEnded, TrackingEnded, TrackingStarted, Warned
 from elitescript.messages.machine import (
     PauseTask,
     PrepareEncoder,
@@ -47,9 +47,10 @@ conveyors = pytest.mark.parametrize(("request_", "conveyor"), CONVEYORS, ids=["b
 class Cell:
     """A controller without scripts, run by hand; keeps every target."""
 
-    def __init__(self, speed=0.0, encoder=0):
+    def __init__(self, speed=0.0, encoder=0, model=MODEL):
         self.events = []
-        self.controller = Controller(MODEL, epoch_s=0.0, on_event=self.events.append)
+        self.model = model
+        self.controller = Controller(model, epoch_s=0.0, on_event=self.events.append)
         self.controller.request(SetTcp(TCP))
         self.turn(speed, encoder)
         self.rows = []
@@ -107,7 +108,7 @@ class Cell:
     def check_smooth(self):
         for (q, qd), (q_next, qd_next) in pairwise(self.rows):
             for joint, (x, w, x_next, w_next) in enumerate(zip(q, qd, q_next, qd_next, strict=True)):
-                limit = MODEL.joints[joint]
+                limit = self.model.joints[joint]
                 assert abs(w_next - w) <= limit.qdd_max * PERIOD_S * (1 + 1e-9)
                 assert abs(w_next) <= limit.qd_max * (1 + 1e-9)
                 # The speeds are those of the positions: what is left is the change of the acceleration in a tick.
@@ -462,6 +463,88 @@ def test_a_pause_without_a_conveyor_is_no_pause_of_the_next_one():
     cell.track(BELT[0])
     cell.run(250)
     assert_same(cell.pose, cell.part(BELT[1], 300.0))
+
+
+@pytest.mark.parametrize("name", ["CS63", "CS612", "CS616", "CS620", "CS625"])
+def test_every_other_arm_does_it_too(name):
+    for request, conveyor in ((BELT[0], BELT[1]), (TURNING[0], TURNING[1])):
+        cell = Cell(100.0, model=load_model(name))
+        cell.track(request)
+        cell.ask(cell.line_by(0.02, 0.0, -0.03))
+        cell.run(250)
+        x, y, z, *rotation = cell.start
+        assert_same(cell.pose, cell.part(conveyor, 100.0, (x + 0.02, y, z - 0.03, *rotation)))
+        cell.check_smooth()
+
+
+def test_another_tcp_meanwhile_is_no_jump():
+    for request, _ in CONVEYORS:
+        cell = Cell(300.0)
+        cell.track(request)
+        cell.run(100)
+        cell.controller.request(SetTcp((0.0, 0.1, 0.3, 0.0, 0.4, 0.0)))
+        cell.run(100)
+        cell.check_smooth()
+
+
+def test_a_move_through_a_singularity_beside_its_nominal_way_is_given_up():
+    cell = Cell(300.0)
+    cell.track(BELT[0])
+    cell.run(150)
+    number = cell.ask(MoveJ((*HOME[:4], -HOME[4], HOME[5]), 2.0, 1.0))
+    cell.run_to_rest()
+    assert cell.controller.is_move_done(number)
+    (warning,) = cell.warnings
+    assert "through a singularity, and on the conveyor beside it: joint shoulder would jump by " in warning.text
+    cell.check_smooth()
+
+
+def test_the_end_ends_the_move_of_another_thread_too():
+    cell = Cell(200.0)
+    cell.track(BELT[0])
+    move = cell.ask(cell.line_by(0.0, 0.0, -0.2, v=0.05), "other")
+    cell.run(150)
+    number = cell.ask(StopTracking())
+    cell.run(100)
+    assert cell.controller.is_move_done(move)
+    assert cell.controller.is_move_done(number)
+    assert not cell.controller.is_moving
+    cell.check_smooth()
+
+
+def test_a_pause_while_it_ends_does_not_hold_the_end():
+    cell = Cell(300.0)
+    cell.controller.task_started("job")
+    cell.track(BELT[0])
+    cell.run(150)
+    number = cell.ask(StopTracking())
+    cell.run(2)
+    cell.controller.request(PauseTask())
+    cell.run(100)
+    assert cell.controller.is_move_done(number)
+    assert not cell.controller.is_moving
+    cell.controller.request(ResumeTask())
+    cell.run(20)
+    assert not cell.controller.is_moving
+    cell.check_smooth()
+
+
+def test_both_ends_are_in_the_record():
+    cell = Cell(300.0)
+    cell.run(3)
+    cell.track(BELT[0])
+    cell.run(150)
+    cell.ask(StopTracking())
+    cell.run(100)
+    assert cell.events[-2] == TrackingStarted(3, BELT[0], 7, "main")
+    assert isinstance(cell.events[-1], TrackingEnded)
+
+
+def test_the_end_that_two_threads_ask_for_is_one():
+    cell = Cell(300.0)
+    cell.track(BELT[0])
+    cell.run(150)
+    assert cell.ask(StopTracking()) == cell.ask(StopTracking(), "other")
 
 
 def test_nothing_to_end_is_no_wait():

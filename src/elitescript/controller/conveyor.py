@@ -22,7 +22,7 @@ from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_branch
 from elitescript.kinematics.jacobian import joint_speeds, singularity, tcp_twist
 from elitescript.kinematics.transforms import IDENTITY, Transform, compose, inverse
-from elitescript.messages.events import Event, Warned
+from elitescript.messages.events import Event, TrackingEnded, TrackingStarted, Warned
 from elitescript.messages.motion import Six, StopTracking, TrackCircular, TrackLinear, TrackRequest
 from elitescript.messages.state import ZERO_SIX, JointState
 from elitescript.messages.timing import PERIOD_S
@@ -67,7 +67,7 @@ class Tracking:
         model: the arm; how it catches up and brakes.
         limits: joint and tool limits.
         stop_nominal: brakes the nominal motion at a tick.
-        on_event: receives warnings.
+        on_event: receives beginnings, ends and warnings.
         on_end: called with the number of the call that waited for the end, or 0.
     """
 
@@ -185,6 +185,7 @@ class Tracking:
         self._braking = None
         self._line, self._thread = line, thread
         self._follow(tick, self._encoder.line(tick).at(tick))
+        self._on_event(TrackingStarted(tick, request, line, thread))
         return 0
 
     def pause(self, tick: int) -> None:
@@ -237,6 +238,7 @@ class Tracking:
             self._stop_nominal(tick)
         if self._is_stopping and is_resting and self._stands(tick):
             self._conveyor = None
+            self._on_event(TrackingEnded(tick))
             number, self._waiting = self._waiting, 0
             self._on_end(number, True)
 
@@ -299,9 +301,18 @@ class Tracking:
         limits = self._limits
         for joint, (q, q_before, w, w_before) in enumerate(zip(target.q, before.q, target.qd, before.qd, strict=True)):
             top, a_top = limits.qd_max[joint], limits.qdd_max[joint]
-            fastest = max(abs(w), abs(q - q_before) / PERIOD_S)
-            if fastest > top * _ROUNDING:
-                return _too_quick(joint, "turn with", fastest, top, "rad/s")
+            if abs(w) > top * _ROUNDING:
+                return _too_quick(joint, "turn with", abs(w), top, "rad/s")
+            # No acceleration within the limit makes speeds and positions differ by more than this.
+            if abs(q - q_before - 0.5 * (w + w_before) * PERIOD_S) > 0.25 * a_top * PERIOD_S * PERIOD_S * _ROUNDING:
+                return Obstacle(
+                    "R112",
+                    f"the move passes through a singularity, and on the conveyor beside it: joint {JOINT_NAMES[joint]} "
+                    f"would jump by {q - q_before:.4f} rad",
+                    q - q_before,
+                    "",
+                    "rad",
+                )
             a = abs(w - w_before) / PERIOD_S
             if a > a_top * _ROUNDING:
                 return _too_quick(joint, "accelerate with", a, a_top, "rad/s^2")
