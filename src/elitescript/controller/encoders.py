@@ -20,9 +20,13 @@ from typing import Any, Final, NamedTuple
 from elitescript.errors import ArgumentRangeError, ScriptStateError
 from elitescript.messages.enums import PulseDecoder
 from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount
+from elitescript.messages.signals import Value
 from elitescript.messages.timing import TICKS_PER_S
 
 ENCODERS: Final = 2
+
+SPEED_SIGNAL: Final = "encoder_speed"
+"""Quadrature counts per second of a simulated encoder."""
 
 
 class CountRange(NamedTuple):
@@ -229,6 +233,11 @@ class Encoders:
 
     def __getitem__(self, index: int) -> Encoder:
         return self._encoders[index]
+
+    def signal_changed(self, name: str, index: int, value: Value, tick: int) -> None:
+        """A signal has another value: one of them turns the wheel of a simulated encoder."""
+        if name == SPEED_SIGNAL:
+            self._encoders[index].turn(float(value), tick)
 
     def prepare(self, request: PrepareEncoder, tick: int) -> None:
         """See `Encoder.prepare`."""
