@@ -111,8 +111,8 @@ class Cell:
                 limit = self.model.joints[joint]
                 assert abs(w_next - w) <= limit.qdd_max * PERIOD_S * (1 + 1e-9)
                 assert abs(w_next) <= limit.qd_max * (1 + 1e-9)
-                # The speeds are those of the positions: what is left is the change of the acceleration in a tick.
-                assert x_next - x == pytest.approx(0.5 * (w + w_next) * PERIOD_S, abs=2e-5)
+                # The speeds are those of the positions: what is left is a change of the acceleration within the tick.
+                assert x_next - x == pytest.approx(0.5 * (w + w_next) * PERIOD_S, abs=1e-4)
 
 
 def assert_same(pose, other, tolerance=EXACT_M):
@@ -249,30 +249,38 @@ class TestOverTheEndOfTheRange:
 
 
 def test_the_tool_gets_up_to_speed_with_a_bounded_acceleration_and_catches_up_once():
-    cell = Cell(500.0)
+    cell = Cell(600.0)
     cell.track(TrackLinear((0.0, 1.0, 0.0), PER_M, 0))
     speeds = []
-    for _ in range(250):
+    for _ in range(150):
         cell.run(1)
         speeds.append(cell.twist[1])
     steps = [abs(b - a) / PERIOD_S for a, b in pairwise([0.0, *speeds])]
-    assert max(steps) == pytest.approx(MODEL.default_tool_acceleration, rel=1e-6)
-    assert max(speeds) == pytest.approx(0.25 * (1 + 0.5**0.5), rel=0.01)
-    assert speeds[-1] == pytest.approx(0.25, abs=1e-12)
+    assert max(steps) == pytest.approx(MODEL.tracking_acceleration, rel=1e-6)
+    assert max(speeds) == pytest.approx(0.3 * (1 + 0.5**0.5), rel=0.01)
+    assert speeds[-1] == pytest.approx(0.3, abs=1e-12)
     # Time-optimal: one plus root two times the time to get up to speed.
-    settled = next(k for k, speed in enumerate(speeds) if abs(speed - 0.25) < 1e-9 and k > 80)
-    assert settled * PERIOD_S == pytest.approx(0.25 / 1.2 * (1 + 2**0.5), abs=2 * PERIOD_S)
+    settled = max(k for k, speed in enumerate(speeds) if abs(speed - 0.3) > 1e-9) + 2
+    assert settled * PERIOD_S == pytest.approx(0.3 / 3.0 * (1 + 2**0.5), abs=2 * PERIOD_S)
 
 
-def test_a_quick_belt_is_caught_up_with_no_more_than_the_default_tool_speed_above_its_own():
-    cell = Cell(1200.0)
-    cell.track(TrackLinear((0.0, 1.0, 0.0), PER_M, 0))
+def test_a_quick_belt_is_caught_up_with_no_more_than_the_tracking_speed_above_its_own():
+    cell = Cell(-1600.0)
+    cell.track(TrackLinear((0.0, -1.0, 0.0), PER_M, 0))
     speeds = []
-    for _ in range(290):
+    for _ in range(145):
         cell.run(1)
         speeds.append(cell.twist[1])
-    assert max(speeds) == pytest.approx(0.6 + MODEL.default_tool_speed, abs=1e-9)
+    assert max(speeds) == pytest.approx(0.8 + MODEL.tracking_speed, abs=1e-9)
     assert not cell.warnings
+
+
+def test_a_slow_belt_is_caught_up_gently():
+    cell = Cell(40.0)
+    cell.track(TrackLinear((0.0, 1.0, 0.0), PER_M, 0))
+    cell.run(50)
+    assert cell.pose[1] - cell.start[1] == pytest.approx(40.0 * 0.2 / PER_M, abs=EXACT_M)
+    assert cell.twist[1] == pytest.approx(0.02, abs=1e-12)
 
 
 def test_the_other_encoder_is_another_conveyor():
@@ -347,13 +355,13 @@ class TestCountsThatAreSet:
     def test_whole_counts_every_20_ms_do_not_make_the_tool_jump(self):
         cell, twists = self.stream(lambda tick: float(int(3.31 * tick)), 400)
         steps = [abs(b - a) / PERIOD_S for a, b in pairwise(twists)]
-        assert max(steps) <= MODEL.default_tool_acceleration * (1 + 1e-6)
+        assert max(steps[100:]) < 0.15
         assert cell.pose[1] - cell.start[1] == pytest.approx(3.31 * 400 / 10000, abs=1e-4)
-        assert max(abs(w - 0.08275) for w in twists[200:]) < 0.01
+        assert max(abs(w - 0.08275) for w in twists[200:]) < 0.001
 
     def test_one_jump_of_the_count_is_a_smooth_way(self):
         cell, twists = self.stream(lambda tick: 0.0 if tick < 100 else 1000.0, 500)
-        assert max(abs(b - a) for a, b in pairwise(twists)) <= 1.2 * PERIOD_S * (1 + 1e-6)
+        assert max(abs(b - a) for a, b in pairwise(twists)) <= 3.0 * PERIOD_S * (1 + 1e-6)
         assert cell.pose[1] - cell.start[1] == pytest.approx(0.1, abs=EXACT_M)
 
     def test_when_no_more_come_the_arm_stands_where_the_belt_was_seen_last(self):

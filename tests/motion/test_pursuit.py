@@ -6,7 +6,7 @@ from random import Random
 
 import pytest
 
-from elitescript.motion.pursuit import CatchUp, Coast
+from elitescript.motion.pursuit import CatchUp, Coast, caught_up
 
 A, V = 1.2, 0.25
 
@@ -74,6 +74,19 @@ def test_a_rate_above_the_bound_is_brought_below_it_first():
     law = CatchUp(0.5, -0.8, 1.0, 0.2)
     assert law.at(0.6)[1] == pytest.approx(-0.2, abs=1e-12)
     assert law.at(law.duration_s) == (0.0, 0.0)
+
+
+def test_small_lags_are_caught_up_gently_but_in_time():
+    generator = Random(8)
+    for _ in range(300):
+        size = 10.0 ** generator.uniform(-8.0, 0.0)
+        lag, rate = generator.uniform(-1.0, 1.0) * size, generator.uniform(-1.0, 1.0) * size
+        quickest, law = CatchUp(lag, rate, 3.0, 0.5), caught_up(lag, rate, 3.0, 0.5, 0.2)
+        assert law.at(0.0) == (lag, rate)
+        if quickest.duration_s >= 0.2:
+            assert law.duration_s == quickest.duration_s
+        else:
+            assert 0.15 < law.duration_s <= 0.2 + 1e-12
 
 
 def test_coasting_stands_after_its_ramp_at_half_of_the_way():

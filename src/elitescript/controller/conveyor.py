@@ -2,10 +2,10 @@
 
 Moves are commanded as if the conveyor had stood still since the call of `track_conveyor_...`: its way is zero there
 (*assumed*). The way that the arm goes along with follows that of the conveyor; it begins with the speed that the tool
-has, catches up what was lost at the start with the acceleration and at most the speed of a `movel` without arguments
-on top of the conveyor's (*assumed*), and is then exactly that of the conveyor (`motion.pursuit`). It takes no account
-of the speed percentage (*assumed*: a belt does not slow down). A pause brings the arm to rest; afterwards it catches
-up again (*assumed*).
+has, catches up what was lost at the start with `tracking_acceleration` and at most `tracking_speed` above the
+conveyor's (settings of the model, *assumed*), and is then exactly that of the conveyor (`motion.pursuit`). It takes no
+account of the speed percentage (*assumed*: a belt does not slow down). A pause brings the arm to rest; afterwards it
+catches up again (*assumed*).
 
 A joint at the end of its range, a singularity, the end of reach, and a joint that would have to be quicker than it
 can, end the tracking: the arm brakes as it does in front of an obstacle of `speedl` (*assumed*).
@@ -29,7 +29,7 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import RobotModel
 from elitescript.motion.conveyor import Conveyor, StraightConveyor, Turntable
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, unwrapped
-from elitescript.motion.pursuit import CatchUp, Coast
+from elitescript.motion.pursuit import CatchUp, Coast, caught_up
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.speed import Obstacle, SpeedProfile, braked, braked_apart, obstacle_at, range_obstacle
 from elitescript.motion.twist import ToolMotion, singular_obstacle
@@ -37,9 +37,15 @@ from elitescript.motion.twist import ToolMotion, singular_obstacle
 FIRST_CALL: Final = -(1 << 40)
 """Numbers of calls that wait for the end; below those that anybody else gives."""
 
+GENTLE_S: Final = 0.2
+"""Small lags are caught up no sooner (*assumed*), so that whole counts that a program sets do not shake the arm."""
+
 WHAT: Final = "conveyor tracking"
 
 _ROUNDING: Final = 1.0 + 1e-9
+
+_SAME_COUNT: Final = 1e-6
+"""Counts, or counts per second, that make no difference."""
 
 
 class Following(NamedTuple):
@@ -116,7 +122,7 @@ class Tracking:
         self._arm: Arm = model.arm
         self._limits = limits
         self._deceleration = model.stop_joint_deceleration
-        self._catch_up = (model.default_tool_acceleration, model.default_tool_speed)
+        self._catch_up = (model.tracking_acceleration, model.tracking_speed)
         self._stop_nominal = stop_nominal
         self._on_event = on_event
         self._on_end = on_end
@@ -339,7 +345,7 @@ class Tracking:
         if isinstance(law, Coast):
             return law
         line = self._encoder.line(self._tick)
-        if line == law.line:
+        if _is_same_course(line, law.line, self._tick):
             self._relaid = None
             return law
         if self._relaid is None or self._relaid.line != line:
@@ -354,7 +360,7 @@ class Tracking:
         lever = conveyor.lever(T_base_tcp, self._limits.equivalent_radius_m)
         per_count = conveyor.way_per_count
         lag = (line.at(self._tick) - self._reference) * per_count - self._way
-        return Following(line, CatchUp(lag, line.rate * per_count - self._speed, a / lever, v / lever))
+        return Following(line, caught_up(lag, line.rate * per_count - self._speed, a / lever, v / lever, GENTLE_S))
 
     def _follow(self, tick: int, reference: float) -> None:
         self._reference = reference
@@ -377,6 +383,13 @@ class Tracking:
         fastest = max(map(abs, qd)) / self._deceleration if qd else 0.0
         lever = conveyor.lever(T_base_tcp, self._limits.equivalent_radius_m)
         return max(fastest, abs(self._speed) * lever / self._limits.tool_acceleration_max, PERIOD_S)
+
+
+def _is_same_course(line: CountLine, other: CountLine, tick: int) -> bool:
+    """Whether two lines, one of them new at a tick, are one: counts that are set come with rounding."""
+    if line == other:
+        return True
+    return abs(line.at(tick) - other.at(tick)) < _SAME_COUNT and abs(line.rate - other.rate) < _SAME_COUNT
 
 
 def _conveyor_of(request: TrackLinear | TrackCircular) -> Conveyor:

@@ -10,7 +10,7 @@ with the lag and the rate of that moment, so that place and speed of the pursuer
 from __future__ import annotations
 
 from math import copysign, sqrt
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 
 class Piece(NamedTuple):
@@ -72,6 +72,35 @@ class CatchUp:
         elapsed_s = t_s - piece.start_s
         gained = piece.acceleration * elapsed_s
         return piece.lag + elapsed_s * (piece.rate + 0.5 * gained), piece.rate + gained
+
+
+def caught_up(lag: float, rate: float, acceleration: float, rate_max: float, gentle_s: float) -> CatchUp:
+    """Return the law that catches up in the least time, or with less acceleration if that is less than a time.
+
+    Args:
+        lag: as for `CatchUp`.
+        rate: as for `CatchUp`.
+        acceleration: as for `CatchUp`.
+        rate_max: as for `CatchUp`.
+        gentle_s: what would take less than this is done more gently, in hardly less.
+    """
+    law = CatchUp(lag, rate, acceleration, rate_max)
+    if not 0.0 < law.duration_s < gentle_s:
+        return law
+    # The time falls with the acceleration, at most with its inverse and at least with that of its root.
+    low, high = acceleration * (law.duration_s / gentle_s) ** 2, acceleration
+    for _ in range(_HALVINGS):
+        middle = sqrt(low * high)
+        gentler = CatchUp(lag, rate, middle, rate_max)
+        if gentler.duration_s <= gentle_s:
+            law, high = gentler, middle
+        else:
+            low = middle
+    return law
+
+
+_HALVINGS: Final = 12
+"""Of the logarithm of the acceleration; leave less than a hundredth of it."""
 
 
 class Coast(NamedTuple):
