@@ -86,7 +86,7 @@ def test_small_lags_are_caught_up_gently_but_in_time():
         if quickest.duration_s >= 0.2:
             assert law.duration_s == quickest.duration_s
         else:
-            assert 0.15 < law.duration_s <= 0.2 + 1e-12
+            assert quickest.duration_s <= law.duration_s <= 0.2 + 1e-12
 
 
 def test_coasting_stands_after_its_ramp_at_half_of_the_way():

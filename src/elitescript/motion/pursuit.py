@@ -82,12 +82,11 @@ def caught_up(lag: float, rate: float, acceleration: float, rate_max: float, gen
         rate: as for `CatchUp`.
         acceleration: as for `CatchUp`.
         rate_max: as for `CatchUp`.
-        gentle_s: what would take less than this is done more gently, in hardly less.
+        gentle_s: what would take less than this is done more gently; it still takes at most this.
     """
     law = CatchUp(lag, rate, acceleration, rate_max)
     if not 0.0 < law.duration_s < gentle_s:
         return law
-    # The time falls with the acceleration, at most with its inverse and at least with that of its root.
     low, high = acceleration * (law.duration_s / gentle_s) ** 2, acceleration
     for _ in range(_HALVINGS):
         middle = sqrt(low * high)
