@@ -13,9 +13,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
 @pytest.mark.parametrize(
     "text",
     [
-        "moveml(0)",
-        "moveml(0, 5, 0)",
-        "moveml(0, 5, 5)",
         "freedrive_mode()",
         "freedrive_mode([0, 1, 0, 0, 0, 0], 'tool')",
         "freedrive_mode(frame=[0, 0, 0.1, 0, 0, 0])",

@@ -400,7 +400,7 @@ def _conveyor_of(request: TrackLinear | TrackCircular) -> Conveyor:
 
 def _too_quick(joint: int, does: str, value: float, limit: float, unit: str) -> Obstacle:
     return Obstacle(
-        "R117",
+        "R118",
         f"{WHAT} would make joint {JOINT_NAMES[joint]} {does} {value:.4g} {unit}, it can {limit:.4g} {unit}",
         value,
         f"<= {limit:.6g}",
