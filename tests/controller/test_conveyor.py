@@ -170,7 +170,6 @@ class TestOnEveryConveyor:
         cell.track(request_)
         cell.run(250)
         number = cell.ask(StopTracking())
-        assert number < 0
         assert not cell.controller.is_move_done(number)
         while not cell.controller.is_move_done(number):
             cell.run(1)
@@ -419,7 +418,20 @@ class TestWhatCannotGoOn:
         cell = Cell(200.0)
         cell.track(TrackLinear((1.0, 0.0, 0.0), 1000.0, 0))
         cell.run_to_rest()
-        assert cell.ask(StopTracking()) == 0
+        assert cell.controller.is_move_done(cell.ask(StopTracking()))
+
+    def test_a_move_that_comes_while_the_arm_brakes_begins_where_it_stands(self):
+        cell = Cell(200.0)
+        cell.track(TrackLinear((1.0, 0.0, 0.0), 1000.0, 0))
+        while not cell.warnings:
+            cell.run(1)
+        number = cell.ask(MoveJ(HOME, 1.4, 1.0))
+        end = cell.ask(StopTracking())
+        assert not cell.controller.is_move_done(end)
+        cell.run_to_rest()
+        assert cell.controller.is_move_done(number)
+        assert cell.rows[-1][0] == HOME
+        cell.check_smooth()
 
 
 class TestRefusals:
@@ -544,8 +556,11 @@ def test_both_ends_are_in_the_record():
     cell.run(150)
     cell.ask(StopTracking())
     cell.run(100)
-    assert cell.events[-2] == TrackingStarted(3, BELT[0], 7, "main")
-    assert isinstance(cell.events[-1], TrackingEnded)
+    started, ended, rested = cell.events[-3:]
+    assert started == TrackingStarted(3, BELT[0], 7, "main")
+    assert ended == TrackingEnded(153)
+    assert isinstance(rested, MotionEnded)
+    assert 153 < rested.tick < 180
 
 
 def test_the_end_that_two_threads_ask_for_is_one():

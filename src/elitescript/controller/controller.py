@@ -114,7 +114,7 @@ class Controller:
             self._motion_ended,
         )
         self._motion.set_speed_scale(speed_scale, 0)
-        self._tracking = Tracking(model, limits, self._motion.stop, on_event, self._motion_ended)
+        self._tracking = Tracking(model, limits, self._motion.take_over, on_event)
         joints = LaggingJoints(plant, limits.qd_max) if plant.lag_s > 0.0 else None
         self._arm_state = ArmState(self._motion, (self._tracking,), joints)
         self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
@@ -313,12 +313,12 @@ class Controller:
             raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
         T_flange_tcp = self._setup.T_flange_tcp
         if isinstance(request, TrackRequest):
-            return self._tracking.request(request, self._tick, self.joints().q_target, T_flange_tcp, line, thread)
+            return self._tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
         return self._motion.request(request, self._tick, T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:
         """Whether that move is over."""
-        return self._tracking.is_done(move) if move < 0 else self._motion.is_done(move)
+        return self._motion.is_done(move)
 
     def cancel_move(self, move: int) -> None:
         """Brake that move, if it is under way."""

@@ -8,7 +8,8 @@ account of the speed percentage (*assumed*: a belt does not slow down). A pause 
 catches up again (*assumed*).
 
 A joint at the end of its range, a singularity, the end of reach, and a joint that would have to be quicker than it
-can, end the tracking: the arm brakes as it does in front of an obstacle of `speedl` (*assumed*).
+can, end the tracking: the arm brakes as it does in front of an obstacle of `speedl` (*assumed*). However it ends, all
+that moves the arm comes to rest together: the nominal motion takes over the state of the joints and brakes them.
 """
 
 from __future__ import annotations
@@ -31,11 +32,8 @@ from elitescript.motion.conveyor import Conveyor, StraightConveyor, Turntable
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, unwrapped
 from elitescript.motion.pursuit import CatchUp, Coast, caught_up
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import Obstacle, SpeedProfile, braked, braked_apart, obstacle_at, range_obstacle
+from elitescript.motion.speed import Obstacle, SpeedProfile, halted, obstacle_at, range_obstacle
 from elitescript.motion.twist import ToolMotion, singular_obstacle
-
-FIRST_CALL: Final = -(1 << 40)
-"""Numbers of calls that wait for the end; below those that anybody else gives."""
 
 GENTLE_S: Final = 0.2
 """Small lags are caught up no sooner (*assumed*), so that whole counts that a program sets do not shake the arm."""
@@ -63,7 +61,7 @@ class Step(NamedTuple):
     speed: float
     obstacle: Obstacle | None = None
     braking: SpeedProfile | None = None
-    """How the arm brakes in front of the obstacle, from the tick before on."""
+    """How the arm comes to rest in front of the obstacle, from the tick before on."""
 
 
 class Tracking:
@@ -72,40 +70,36 @@ class Tracking:
     Args:
         model: the arm; how it catches up and brakes.
         limits: joint and tool limits.
-        stop_nominal: brakes the nominal motion at a tick.
+        take_over: has the nominal motion come to rest by a profile from a tick on, for a thread; returns the number of
+            the call that ends then.
         on_event: receives beginnings, ends and warnings.
-        on_end: called with the number of the call that waited for the end, or 0.
     """
 
     __slots__ = (
         "_T_flange_tcp",
         "_T_tcp_flange",
         "_arm",
-        "_braking",
         "_catch_up",
         "_conveyor",
-        "_count",
         "_deceleration",
         "_encoder",
         "_is_paused",
-        "_is_stopping",
+        "_last_call",
         "_law",
         "_law_tick",
         "_limits",
         "_line",
         "_motion",
-        "_on_end",
         "_on_event",
-        "_q",
         "_reference",
         "_relaid",
+        "_setpoint",
         "_speed",
         "_step",
         "_step_of",
-        "_stop_nominal",
+        "_take_over",
         "_thread",
         "_tick",
-        "_waiting",
         "_way",
         "encoders",
     )
@@ -114,32 +108,29 @@ class Tracking:
         self,
         model: RobotModel,
         limits: MotionLimits,
-        stop_nominal: Callable[[int], None],
+        take_over: Callable[[SpeedProfile, int, str], int],
         on_event: Callable[[Event], None],
-        on_end: Callable[[int, bool], None],
     ) -> None:
         self.encoders = Encoders()
         self._arm: Arm = model.arm
         self._limits = limits
         self._deceleration = model.stop_joint_deceleration
         self._catch_up = (model.tracking_acceleration, model.tracking_speed)
-        self._stop_nominal = stop_nominal
+        self._take_over = take_over
         self._on_event = on_event
-        self._on_end = on_end
         self._conveyor: Conveyor | None = None
         self._encoder: Encoder = self.encoders[0]
         self._T_flange_tcp = self._T_tcp_flange = IDENTITY
         self._motion = ToolMotion(self._arm, limits, IDENTITY, self._deceleration)
         self._reference = 0.0
-        self._q: Six = ZERO_SIX
+        self._setpoint = Setpoint(ZERO_SIX, ZERO_SIX)
         self._way = self._speed = 0.0
         self._tick = self._law_tick = 0
         self._law: Following | Coast = Coast(0.0, 0.0, 0.0)
         self._relaid: Following | None = None
-        self._braking: SpeedProfile | None = None
-        self._is_paused = self._is_stopping = False
+        self._is_paused = False
         self._line, self._thread = 0, ""
-        self._count, self._waiting = FIRST_CALL, 0
+        self._last_call = 0
         self._step: Step | None = None
         self._step_of: tuple[Setpoint, JointState, Following | Coast] | None = None
 
@@ -147,20 +138,18 @@ class Tracking:
 
     @property
     def is_active(self) -> bool:
-        """Whether the arm goes along with a conveyor, or comes to rest after that."""
+        """Whether the arm goes along with a conveyor."""
         return self._conveyor is not None
 
-    def is_done(self, number: int) -> bool:
-        """Whether the call of that number is over."""
-        return number != self._waiting
-
-    def request(self, request: TrackRequest, tick: int, q: Six, T_flange_tcp: Transform, line: int, thread: str) -> int:
-        """Begin or end at a tick; return the number of the call: negative while it has to wait, else 0.
+    def request(
+        self, request: TrackRequest, tick: int, now: JointState, T_flange_tcp: Transform, line: int, thread: str
+    ) -> int:
+        """Begin or end at a tick; return the number of the call that ends with standstill, 0 of a beginning.
 
         Args:
             request: what is asked for.
             tick: the present one.
-            q: target joints at that tick, rad.
+            now: joints at that tick.
             T_flange_tcp: active TCP; it is the point that goes along with a turntable (*assumed*: also when another
                 one is set meanwhile).
             line: of the call.
@@ -170,25 +159,24 @@ class Tracking:
             MotionError: a conveyor is tracked already, or the arm is too near to a singularity.
         """
         if isinstance(request, StopTracking):
-            return self._end(tick)
+            return self._end(tick, self._halted(), thread)
         if self._conveyor is not None:
             raise MotionError(
                 f"the arm tracks a conveyor already, since line {self._line}; one at a time",
                 code="R114",
                 hint="end it with stop_conveyor_tracking first",
             )
-        blocked = singularity(self._arm, q).blocked
+        blocked = singularity(self._arm, now.q_target).blocked
         if blocked:
-            raise singular_obstacle(self._arm, q, blocked, WHAT).error()
+            raise singular_obstacle(self._arm, now.q_target, blocked, WHAT).error()
         self._conveyor = _conveyor_of(request)
         self._encoder = self.encoders[request.encoder]
         self._T_flange_tcp, self._T_tcp_flange = T_flange_tcp, inverse(T_flange_tcp)
         self._motion = self._motion._replace(T_flange_tcp=T_flange_tcp)
-        self._q = q
+        self._setpoint = Setpoint(now.q_target, now.qd_target)
         self._way = self._speed = 0.0
         self._tick = tick
-        self._is_paused = self._is_stopping = False
-        self._braking = None
+        self._is_paused = False
         self._line, self._thread = line, thread
         self._follow(tick, self._encoder.line(tick).at(tick))
         self._on_event(TrackingStarted(tick, request, line, thread))
@@ -196,34 +184,29 @@ class Tracking:
 
     def pause(self, tick: int) -> None:
         """Come to rest, to go on later."""
-        if self._conveyor is None:
-            return
-        if not self._is_stopping and not self._is_paused:
-            self._coast(tick)
-        self._is_paused = True
+        if self._conveyor is not None and not self._is_paused:
+            self._lay(tick, Coast(self._way, self._speed, self._ramp_s()))
+            self._is_paused = True
 
     def resume(self, tick: int) -> None:
         """Go on after a pause."""
-        if self._is_paused and not self._is_stopping:
+        if self._conveyor is not None and self._is_paused:
             self._follow(tick, self._reference)
-        self._is_paused = False
+            self._is_paused = False
 
     def stop(self, tick: int) -> None:
         """Come to rest and end."""
-        if self._conveyor is not None and not self._is_stopping:
-            if not self._is_paused:
-                self._coast(tick)
-            self._is_stopping = True
+        self._end(tick, self._halted(), self._thread)
 
-    def _end(self, tick: int) -> int:
-        if self._conveyor is None:
-            return 0
-        self.stop(tick)
-        self._stop_nominal(tick)
-        if not self._waiting:
-            self._count -= 1
-            self._waiting = self._count
-        return self._waiting
+    def _end(self, tick: int, braking: SpeedProfile, thread: str) -> int:
+        if self._conveyor is not None:
+            self._conveyor = None
+            self._on_event(TrackingEnded(tick))
+            self._last_call = self._take_over(braking, tick, thread)
+        return self._last_call
+
+    def _halted(self) -> SpeedProfile:
+        return halted(self._setpoint, None, self._deceleration, self._limits)
 
     # ---------------------------------------------------------------- from tick to tick
 
@@ -237,25 +220,12 @@ class Tracking:
         if self._relaid is not None:
             self._law, self._law_tick, self._relaid = self._relaid, tick - 1, None
         self._step = self._step_of = None
-        self._tick, self._q, self._way, self._speed = tick, step.setpoint.q, step.way, step.speed
-        if step.obstacle is not None:
-            self._braking, self._law_tick, self._is_stopping = step.braking, tick - 1, True
+        self._tick, self._setpoint, self._way, self._speed = tick, step.setpoint, step.way, step.speed
+        if step.obstacle is not None and step.braking is not None:
             self._on_event(Warned(tick, f"{step.obstacle.text}; the arm brakes", self._thread, self._line))
-            self._stop_nominal(tick)
-        if self._is_stopping and is_resting and self._stands(tick):
-            self._conveyor = None
-            self._on_event(TrackingEnded(tick))
-            number, self._waiting = self._waiting, 0
-            self._on_end(number, True)
-
-    def _stands(self, tick: int) -> bool:
-        law = self._law if self._braking is None else self._braking
-        duration_s = law.ramp_s if isinstance(law, Coast) else law.duration_s if isinstance(law, SpeedProfile) else 0.0
-        return (tick - self._law_tick) * PERIOD_S >= duration_s
+            self._end(tick - 1, step.braking, self._thread)
 
     def _next(self, tick: int, nominal: Setpoint, now: JointState) -> Step:
-        if self._braking is not None:
-            return Step(self._braking.at((tick - self._law_tick) * PERIOD_S), self._way, self._speed)
         law = self._present_law()
         known = self._step_of
         if self._step is None or known is None or known[0] is not nominal or known[1] is not now or known[2] is not law:
@@ -274,11 +244,8 @@ class Tracking:
                 return Step(target, way, speed)
         else:
             obstacle = target
-        if obstacle.joint >= 0:
-            braking = braked_apart(before, self._deceleration, self._limits)
-        else:
-            braking = braked(before, max(map(abs, before.qd)) / self._deceleration, self._limits)
-        return Step(braking.at(PERIOD_S), self._way, 0.0, obstacle, braking)
+        braking = halted(before, obstacle, self._deceleration, self._limits)
+        return Step(braking.at(PERIOD_S), way, speed, obstacle, braking)
 
     def _carried(self, nominal: Setpoint, q_near: Six, way: float, speed: float) -> Setpoint | Obstacle:
         """Return the target for a nominal setpoint on a conveyor with a way and a speed."""
@@ -356,7 +323,7 @@ class Tracking:
         conveyor = self._conveyor
         assert conveyor is not None
         a, v = self._catch_up
-        T_base_tcp = self._arm.forward_tcp(self._q, self._T_flange_tcp)
+        T_base_tcp = self._arm.forward_tcp(self._setpoint.q, self._T_flange_tcp)
         lever = conveyor.lever(T_base_tcp, self._limits.equivalent_radius_m)
         per_count = conveyor.way_per_count
         lag = (line.at(self._tick) - self._reference) * per_count - self._way
@@ -366,9 +333,6 @@ class Tracking:
         self._reference = reference
         self._lay(tick, self._following(self._encoder.line(tick)))
 
-    def _coast(self, tick: int) -> None:
-        self._lay(tick, Coast(self._way, self._speed, self._ramp_s()))
-
     def _lay(self, tick: int, law: Following | Coast) -> None:
         self._law, self._law_tick, self._relaid = law, tick, None
 
@@ -377,9 +341,9 @@ class Tracking:
         conveyor = self._conveyor
         if self._speed == 0.0 or conveyor is None:
             return 0.0
-        T_base_tcp = self._arm.forward_tcp(self._q, self._T_flange_tcp)
+        T_base_tcp = self._arm.forward_tcp(self._setpoint.q, self._T_flange_tcp)
         twist = conveyor.carried_twist(ZERO_SIX, T_base_tcp, self._way, self._speed)
-        qd = joint_speeds(self._arm, self._q, twist, self._T_flange_tcp)
+        qd = joint_speeds(self._arm, self._setpoint.q, twist, self._T_flange_tcp)
         fastest = max(map(abs, qd)) / self._deceleration if qd else 0.0
         lever = conveyor.lever(T_base_tcp, self._limits.equivalent_radius_m)
         return max(fastest, abs(self._speed) * lever / self._limits.tool_acceleration_max, PERIOD_S)

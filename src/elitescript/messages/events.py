@@ -119,7 +119,7 @@ class TrackingStarted:
 
 @dataclass(frozen=True, slots=True)
 class TrackingEnded:
-    """The arm does not go along with a conveyor any more, and stands."""
+    """The arm does not go along with a conveyor any more, and comes to rest."""
 
     tick: int
 
