@@ -187,8 +187,8 @@ def track_conveyor_circular(
 def stop_conveyor_tracking(robot: Robot) -> None:
     """End conveyor tracking and bring the tool to standstill; return when the arm stands.
 
-    The arm brakes as it does at the end of a program (*assumed*), and stays where it comes to rest. Does nothing when
-    no conveyor is tracked.
+    All joints brake together as at the end of a program, whatever else moves the arm (*assumed*); it stays where it
+    comes to rest. Does nothing when no conveyor is tracked.
     """
     robot.track(StopTracking())
 

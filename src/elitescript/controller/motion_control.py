@@ -221,7 +221,7 @@ class MotionControl:
             self._brake_joints(source.number, tick, max(map(abs, qd)) / self._stop_joint_deceleration)
 
     def take_over(self, profile: SpeedProfile, tick: int, thread: str) -> int:
-        """Come to rest by a profile that begins with the present state; return the number of the call that ends then."""
+        """Come to rest by a profile that begins in the present state; return the number of the call that ends then."""
         self._drop_next(tick)
         number = 0 if self._source is None else self._source.number
         if not number or self.is_done(number):
