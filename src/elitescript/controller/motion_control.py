@@ -12,7 +12,7 @@ ran before.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 from elitescript.controller.drives import Drive, JointDrive
 from elitescript.controller.sources import NEVER, Braking, Move
@@ -40,7 +40,7 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import braked, braked_apart
+from elitescript.motion.speed import Obstacle, braked, braked_apart
 from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
 from elitescript.motion.twist import ToolMotion
 
@@ -77,6 +77,7 @@ class MotionControl:
         "_speed_ramp_s",
         "_speed_scale",
         "_stop_joint_deceleration",
+        "on_obstacle",
         "waypoint",
     )
 
@@ -106,6 +107,11 @@ class MotionControl:
         self._sampled = Setpoint(home, ZERO_SIX)
         self._noted: set[tuple[int, str]] = set()
         self.waypoint: Six | None = None
+        self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
+
+    def set_limits(self, limits: MotionLimits) -> None:
+        """Take other limits for motions that are asked for from now on."""
+        self._limits = limits
 
     def begin_program(self) -> None:
         """Say again, once for each line, what has been said to the program before."""
@@ -176,7 +182,8 @@ class MotionControl:
         plan = self._plan(request, q_start, T_flange_tcp)
         self._count += 1
         scale = TimeScale.start(start_tick * PERIOD_S, 0.0 if self._is_paused else self._speed_scale)
-        waypoint = self._pose_of(request.q_target, T_flange_tcp) if isinstance(request, MoveJ) else request.p_target
+        end = plan.segment.T_base_tcp_end
+        waypoint = pose_from_transform(end) if isinstance(request, MoveJ) else request.p_target
         accepted = Move(self._count, plan.segment, start_tick, scale, thread, waypoint)
         if source is None:
             self._source = accepted
@@ -385,8 +392,14 @@ class MotionControl:
             profile = braked(start, max(map(abs, start.qd)) / deceleration, self._limits)
         self._source = Braking(source.number, source.thread, profile, tick)
         self._sampled_tick = -1
-        warning = Warned(tick, f"{obstacle.text}; the arm brakes", source.thread, source.line)
-        self._warn_once(source.line, "obstacle", warning)
+        if isinstance(source, ServoDrive):
+            # The target is inside the range: the stream can go on from where the arm has braked.
+            self._warn_of_obstacle(tick, obstacle, source.thread, source.line)
+        else:
+            self.on_obstacle(tick, obstacle, source.thread, source.line)
+
+    def _warn_of_obstacle(self, tick: int, obstacle: Obstacle, thread: str, line: int) -> None:
+        self._warn_once(line, "obstacle", Warned(tick, f"{obstacle.text}; the arm brakes", thread, line))
 
     def _brake(self, request: StopJ | StopL, tick: int, T_flange_tcp: Transform) -> int:
         source = self._source
@@ -435,11 +448,3 @@ class MotionControl:
         if isinstance(request, MoveL):
             return plan_movel(self._arm, self._limits, q_start, T_flange_tcp, request)
         return plan_movec(self._arm, self._limits, q_start, T_flange_tcp, request)
-
-    def _pose_of(self, q: Six, T_flange_tcp: Transform) -> Six:
-        return pose_from_transform(self._arm.forward_tcp(q, T_flange_tcp))
-
-
-def _six(values: Iterable[float]) -> Six:
-    a, b, c, d, e, f = values
-    return (a, b, c, d, e, f)
