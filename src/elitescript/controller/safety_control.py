@@ -131,7 +131,7 @@ class SafetyControl:
         self._speed = ReducedSpeed(self._monitor, motion, arm_state, setup, speed_scale)
         self._breach: Breach | None = None
         self._blamed: tuple[int, str] = (0, "main")
-        self._effects: list[tuple[SafetyMode, SafetyMode, Breach | None]] = []
+        self._effects: list[tuple[SafetyMode, Breach | None]] = []
         self._is_first = True
         self._is_disturbed = True
         self._is_holding_task = False
@@ -245,14 +245,13 @@ class SafetyControl:
         if action not in ASKED_FROM_OUTSIDE:
             raise UsageError(f"no safety action is called {action!r}; there are {', '.join(ASKED_FROM_OUTSIDE)}")
         self._note_place()
-        before = self.mode
         if action != "unlock_protective_stop" and not (action == "stop_protectively" and not self._safety.may_move):
             self._breach = requested_breach(request.reason)
         self._safety.apply(action, self._port.tick, is_standing=not self._arm_state.is_moving)
         self.disturb()
         if action == "restart_safety":
             # The power goes off whatever the state was and is.
-            self._effects.append((before, SafetyMode.FAULT, requested_breach("the safety system was restarted")))
+            self._effects.append((SafetyMode.FAULT, requested_breach("the safety system was restarted")))
 
     def prepared(self, request: MotionRequest) -> MotionRequest:
         """A request as it is planned; see `ReducedSpeed.prepared`."""
@@ -322,7 +321,9 @@ class SafetyControl:
     def _mode_changed(self, before: SafetyMode, after: SafetyMode) -> None:
         breach = self._breach if after in _EXPLAINED else None
         reason = breach.text if breach is not None else self._words(after)
-        self._effects.append((before, after, breach))
+        self._effects.append((after, breach))
+        if before not in SLOWED_MODES:
+            self._speeds_hold_from = self._port.tick + GRACE_TICKS
         self._port.emit(SafetyModeChanged(self._port.tick, after, reason))
 
     def _words(self, mode: SafetyMode) -> str:
@@ -334,7 +335,7 @@ class SafetyControl:
 
     def _act(self, tick: int) -> None:
         while self._effects:
-            before, after, breach = self._effects.pop(0)
+            after, breach = self._effects.pop(0)
             effect = EFFECTS[after]
             if effect.task == "is stopped":
                 self._is_holding_task = False
@@ -343,7 +344,7 @@ class SafetyControl:
             elif effect.task == "is paused":
                 self._hold(tick)
             else:
-                self._enter_motion(before, after, tick)
+                self._enter_motion(after, tick)
             if not effect.is_power_kept:
                 self._port.switch_off()
 
@@ -355,13 +356,11 @@ class SafetyControl:
         elif not self._task.is_running:
             self._arm_state.stop(tick)
 
-    def _enter_motion(self, before: SafetyMode, after: SafetyMode, tick: int) -> None:
+    def _enter_motion(self, after: SafetyMode, tick: int) -> None:
         """Take on the limits of a state in which the arm may move, and let a task go on that a safeguard has held."""
         self._motion.set_limits(self._monitor.limits.lowered(self._motion_limits, after))
         if after is SafetyMode.NORMAL:
             self._speed.release(tick)
-        elif before is SafetyMode.NORMAL or self._is_holding_task:
-            self._speeds_hold_from = tick + GRACE_TICKS
         self._is_disturbed = True
         if self._is_holding_task:
             self._is_holding_task = False

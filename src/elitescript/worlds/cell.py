@@ -113,7 +113,17 @@ def line_of(text: str, section: str, table: object, message: str) -> int:
         place, number = section, 1
         keys = list(table) if isinstance(table, Mapping) else []
         key = next((name for name in keys if name in message), "")
-    current, counts, start = "", dict[str, int](), 0
+    line = _line_in(text, place, number, key)
+    if not line and "." in place:
+        # A table within a line of its parent.
+        parent, _, child = place.rpartition(".")
+        line = _line_in(text, parent, 1, child)
+    return line or _line_in(text, "", 1, section)
+
+
+def _line_in(text: str, place: str, number: int, key: str) -> int:
+    """Line of a key in the table of that name, or in the so-manieth of them; of its header without that key."""
+    current, counts, start = "", {"": 1}, 0
     for line, content in enumerate(text.splitlines(), 1):
         stripped = content.strip()
         if stripped.startswith("["):
@@ -123,10 +133,8 @@ def line_of(text: str, section: str, table: object, message: str) -> int:
                 start = line
         elif key and current == place and counts[current] == number:
             name = stripped.partition("=")[0].strip().strip("\"'")
-            if name == key or name.startswith(f"{key}."):
+            if name in (key, key.partition("[")[0]) or name.startswith(f"{key}."):
                 return line
-        elif not current and stripped.partition("=")[0].partition(".")[0].strip() == section:
-            start = start or line
     return start
 
 
@@ -139,4 +147,4 @@ def _place_in(message: str) -> tuple[str, int, str]:
     number = 1
     if message.startswith("[[") and words and words[0].rstrip(":").isdecimal():
         number = int(words.pop(0).rstrip(":"))
-    return place, number, words[0].partition("[")[0].rstrip(":") if words else ""
+    return place, number, words[0].rstrip(":") if words else ""
