@@ -1,5 +1,7 @@
 """Cell files: what they set, and where a mistake in them is."""
 
+from pathlib import Path
+
 import pytest
 
 from elitescript import UsageError, VirtualRobot
@@ -39,6 +41,13 @@ def test_a_file_sets_limits_and_signals(cell):
     assert robot.signals["standard_digital_in[3]"] is True
     assert robot.state.safety_mode.name == "REDUCED"
     assert robot.run("def p():\n  textmsg(is_within_safety_limits([0.5, -0.1, -0.1, 0, 0, 0]))\nend\n").log == ["False"]
+
+
+def test_the_example_of_the_reference_is_read(cell):
+    page = Path(__file__).parents[2] / "docs" / "reference" / "safety.md"
+    example = page.read_text(encoding="utf-8").partition("```toml\n")[2].partition("```")[0]
+    limits = load_cell(cell(example)).configurations["safety"]
+    assert (len(limits.planes), limits.planes[0].pair, limits.tool_direction.axis) == (1, 0, (0.0, 0.0, -1.0))
 
 
 def test_an_empty_file_sets_nothing(cell):

@@ -261,10 +261,10 @@ class SafetyControl:
 
     def check(self, tick: int) -> None:
         """Do what the state asks for, then compare the arm with its limits."""
-        self._act(tick)
         if self._is_task_new:
             self._is_task_new = False
             self._admit_task(tick)
+        self._act(tick)
         is_moving = self._arm_state.is_moving
         is_disturbed, self._is_disturbed = self._is_disturbed, False
         is_first, self._is_first = self._is_first, False

@@ -122,7 +122,7 @@ def line_of(text: str, section: str, table: object, message: str) -> int:
 
 
 def _line_in(text: str, place: str, number: int, key: str) -> int:
-    """Line of a key in the table of that name, or in the so-manieth of them; of its header without that key."""
+    """Line of a key in the table of that name, or in that one of several; of its header if the key is not there."""
     current, counts, start = "", {"": 1}, 0
     for line, content in enumerate(text.splitlines(), 1):
         stripped = content.strip()
