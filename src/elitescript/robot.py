@@ -340,10 +340,13 @@ class VirtualRobot:
                 return
             due = controller.next_tick()
             if due is None and not stays:
-                if run is not None and run.state == "":
+                if any(controller.joints().qd_target):
+                    # A paused motion is not due again, but still brakes.
+                    due = controller.tick + 1
+                elif run is not None and run.state == "":
                     self._report_stuck()
                     continue
-                if limit is None:
+                elif limit is None:
                     return
             target = limit if due is None or (limit is not None and due > limit) else due
             assert target is not None

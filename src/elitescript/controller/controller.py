@@ -301,7 +301,7 @@ class Controller:
         """See `commands.context.Machine.request_motion`."""
         self._power.require_ready()
         self.safety.require("move")
-        request = self.safety.prepared(request)
+        request = self.safety.prepared(request, line, thread)
         return self._motion.request(request, self._tick, self._setup.T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:

@@ -102,6 +102,7 @@ class SafetyControl:
         "_safety",
         "_setup",
         "_signals",
+        "_slowed_lines",
         "_speed",
         "_speeds_hold_from",
         "_task",
@@ -137,6 +138,7 @@ class SafetyControl:
         self._is_holding_task = False
         self._is_task_new = False
         self._speeds_hold_from = 0
+        self._slowed_lines: set[int] = set()
         motion.on_obstacle = self.meet_obstacle
 
     # ---------------------------------------------------------------- reading
@@ -194,6 +196,7 @@ class SafetyControl:
         """An event of the motion: the last motion that began is the one to blame."""
         if isinstance(event, MotionStarted):
             self._blamed = (event.line, event.thread)
+        self.disturb()
 
     def disturb(self) -> None:
         """Something besides the joints has changed that limits depend on: look at the next tick."""
@@ -218,6 +221,7 @@ class SafetyControl:
         """A program begins; whether it may is decided in the safety phase."""
         self._is_task_new = True
         self._is_holding_task = False
+        self._slowed_lines.clear()
 
     def take_pause(self) -> bool:
         """Whether the task is paused already, by the safeguard: it does not go on then when that is closed."""
@@ -253,9 +257,17 @@ class SafetyControl:
             # The power goes off whatever the state was and is.
             self._effects.append((SafetyMode.FAULT, requested_breach("the safety system was restarted")))
 
-    def prepared(self, request: MotionRequest) -> MotionRequest:
+    def prepared(self, request: MotionRequest, line: int, thread: str) -> MotionRequest:
         """A request as it is planned; see `ReducedSpeed.prepared`."""
-        return self._speed.prepared(request, self._port.tick) if self.mode in SLOWED_MODES else request
+        if self.mode not in SLOWED_MODES:
+            return request
+        slower = self._speed.prepared(request, self._port.tick)
+        if slower != request and line not in self._slowed_lines:
+            self._slowed_lines.add(line)
+            limit = self._monitor.limits.bounds(self.mode).tcp_speed_max
+            text = f"the motion is slowed down: the TCP keeps {limit} m/s in {self.mode.name.lower()} mode"
+            self._port.emit(Warned(self._port.tick, text, thread, line))
+        return slower
 
     # ---------------------------------------------------------------- the safety phase of a tick
 
@@ -275,11 +287,14 @@ class SafetyControl:
             self._speed.release(tick)
 
     def _look(self, tick: int, *, is_first: bool, is_disturbed: bool) -> None:
-        q, qd = self._actual(tick)
+        joints = self._arm_state.joints(tick)
+        q, qd = joints.q_actual, joints.qd_actual
         T_flange_tcp = self._setup.T_flange_tcp
         self._set_reduced(self._wants_reduced(q))
         pairs = self._pairs()
         breach = self._monitor.position_breach(q, T_flange_tcp, self._inner_mode, pairs)
+        if breach is None and joints.q_target != q:
+            breach = self._monitor.position_breach(joints.q_target, T_flange_tcp, self._inner_mode, pairs)
         self._safety.inputs.is_outside = breach is not None
         if self.mode is SafetyMode.RECOVERY:
             if breach is None:
@@ -298,10 +313,6 @@ class SafetyControl:
                 self._stop(too_fast)
         elif is_disturbed:
             self._speed.slow_down(tick)
-
-    def _actual(self, tick: int) -> tuple[Six, Six]:
-        joints = self._arm_state.joints(tick)
-        return joints.q_actual, joints.qd_actual
 
     def _stop(self, breach: Breach) -> None:
         self._breach = breach
@@ -398,14 +409,14 @@ class SafetyControl:
 
     def _note_place(self) -> None:
         """Note whether the arm is outside its limits, before a state is chosen by that."""
-        q, _ = self._actual(self._port.tick)
+        q = self._arm_state.joints(self._port.tick).q_actual
         breach = self._monitor.position_breach(q, self._setup.T_flange_tcp, self._inner_mode, self._pairs())
         self._safety.inputs.is_outside = breach is not None
 
     def _wants_reduced(self, q: Six | None = None) -> bool:
         if self._signals.read("reduced_mode"):
             return True
-        place = self._actual(self._port.tick)[0] if q is None else q
+        place = self._arm_state.joints(self._port.tick).q_actual if q is None else q
         return self._monitor.asks_for_reduced(place, self._setup.T_flange_tcp, self._pairs())
 
     def _set_reduced(self, is_wanted: bool) -> None:
