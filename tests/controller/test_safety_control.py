@@ -87,6 +87,14 @@ class TestLimits:
         assert (run.state, run.time_s) == ("alarm", 0.7)
         assert run.alarms[0].details["plane"] == "door"
 
+    @pytest.mark.parametrize("height", [0.3, 0.3 - 1e-5])
+    def test_a_motion_that_ends_just_behind_a_plane_is_seen(self, height):
+        program = (
+            f"def p():\n  p = get_target_tcp_pose()\n  p[2] = {height}\n  movel(p, a=1, v=0.4)\n  sleep(0.1)\nend\n"
+        )
+        run = robot_with(TABLE).run(program)
+        assert run.state == ("finished" if height == 0.3 else "alarm")
+
     def test_an_alarm_is_not_caught_by_the_program(self):
         program = DOWN.replace("  movel", "  try:\n    movel").replace(
             "  sleep(0.1)", '  except Exception:\n    textmsg("caught")\n  finally:\n    textmsg("end")\n  end'
@@ -240,8 +248,8 @@ class TestSafeguard:
         assert run.time_s == pytest.approx(VirtualRobot("CS66").run(SWING).time_s + 1.0, abs=0.01)
 
     def test_a_door_that_nobody_closes_is_the_reason_why_a_run_is_stuck(self):
-        run = robot_with(safeguard_stop=[(0.4, True)]).run(SWING)
-        assert run.state == "stuck"
+        run = robot_with(safeguard_stop=[(0.4, True)]).run(SWING, trace=True)
+        assert (run.state, run.trace[-1].qd) == ("stuck", (0.0,) * 6)
         assert "the safeguard is open; close it" in run.alarms[0].text
 
     def test_an_emergency_stop_ends_the_task_that_it_holds(self):

@@ -123,6 +123,54 @@ def check_motion(trace, program):
             assert abs(q_next - q - 0.5 * (qd + qd_next) * PERIOD_S) <= change * PERIOD_S + 1e-9, where
 
 
+MOTIONS = {
+    "movej": "movej([0.9, -1.2, -1.9, -1.3, 1.2, 0.7], a=4, v=2)",
+    "movel": "p[0] -= 0.1\n  p[1] += 0.3\n  movel(p, a=2, v=0.6)",
+    "movec": "a = pose_trans(p, [0.1, 0.1, 0, 0, 0, 0])\n  movec(a, pose_trans(p, [0.2, 0, 0, 0, 0, 0]), a=1, v=0.3)",
+    "speedj": "speedj([0.9, -0.4, 0.3, 0.5, 0.2, -1.5], 5)\n  sleep(0.7)\n  stopj(4)",
+    "speedl": "speedl([-0.1, 0.2, 0.05, 0.2, 0, 0.3], 1.5)\n  sleep(0.7)\n  stopl(1.5)",
+    "servoj": "q = get_target_joint_positions()\n  for i in range(200):\n    q[0] += 0.003\n    q[4] -= 0.002\n"
+    "    servoj(q, t=0.004)\n  end",
+    "braking": "speedj([2, 0, 0, 0, 0, 1], 20)\n  stopj(2)",
+}
+STOPS = ("emergency_stop", "system_emergency_stop", "safeguard_stop", "stop_protectively", "restart_safety")
+
+
+@pytest.mark.invariants
+@pytest.mark.parametrize("stop", STOPS)
+@pytest.mark.parametrize("kind", MOTIONS)
+def test_each_stop_in_each_kind_of_motion_brakes_without_a_jump_and_the_way_back_works(kind, stop):
+    chance = Random(f"{kind} {stop}")
+    program = f"def p():\n  p = get_target_tcp_pose()\n  {MOTIONS[kind]}\n  sleep(0.2)\nend\n"
+    plain = VirtualRobot("CS66").run(program)
+    assert plain.state == "finished", plain.alarms
+    for _ in range(max(3, COUNT // 25)):
+        tick = chance.randrange(1, int(plain.time_s / PERIOD_S) - 45)
+        robot = VirtualRobot("CS66", speed=chance.choice((1.0, 1.0, 0.3)))
+        if stop in ("stop_protectively", "restart_safety"):
+            robot.controller.put(tick, AskSafety(stop, "by chance"))
+        else:
+            robot.at(tick * PERIOD_S, stop, True)
+            robot.at(tick * PERIOD_S + 1.0, stop, False)
+        run = robot.run(program, trace=True)
+        check_motion(run.trace, program)
+        if len(run.trace) <= tick:
+            # With a low speed percentage the arm is at its end sooner, or it has not moved.
+            continue
+        # All joints stand within the time that the fastest of them needs with 8 rad/s^2; a planned move takes up to twice
+        # as long, because its own ramp and that of the stop add up. A stopj that is paused brakes as it was asked to.
+        fastest = max(abs(speed) for row in run.trace[tick - 1 : tick + 100] for speed in row.qd)
+        deceleration = 2.0 if kind == "braking" else 4.0
+        later = run.trace[tick + int(fastest / deceleration / PERIOD_S) + 5 : tick + 249]
+        assert all(speed == 0.0 for row in later for speed in row.qd), tick
+        assert run.state == ("finished" if stop == "safeguard_stop" else "alarm")
+        robot.advance(5.1)
+        if stop == "stop_protectively":
+            robot.unlock_protective_stop()
+        assert robot.state.safety_mode is SafetyMode.NORMAL
+        assert robot.run("def b():\n  movej([0, -1.5708, -1.5708, -1.5708, 1.5708, 0])\nend\n").state == "finished"
+
+
 @pytest.mark.invariants
 @pytest.mark.parametrize("seed", range(max(COUNT, 10)))
 def test_reduced_mode_keeps_its_speeds_after_the_grace(seed):
