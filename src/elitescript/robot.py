@@ -23,6 +23,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event
 from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.motion import Six
+from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
@@ -63,6 +64,7 @@ class VirtualRobot:
         work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
             not known (*assumed*).
         safety: what the safety system watches.
+        plant: how the joints follow their targets; exactly if None.
         cell: a TOML file with these and other configurations, and with levels of signals at the start.
         on_event: receives every event at the moment it happens.
 
@@ -84,6 +86,7 @@ class VirtualRobot:
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
         safety: SafetyLimits | None = None,
+        plant: PlantConfig | None = None,
         cell: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
@@ -104,6 +107,7 @@ class VirtualRobot:
             home=home,
             speed_scale=speed,
             safety=surroundings.take("safety", safety),
+            plant=surroundings.take("plant", plant),
         )
         self.signals = Signals(self.controller)
         self._host = ScriptHost(

@@ -17,6 +17,9 @@ name = "table"
 point = [0, 0, 0]
 normal = [0, 0, 1]
 
+[plant]
+lag_s = 0.03
+
 [signals]
 "standard_digital_in[3]" = true
 reduced_mode = true
@@ -35,6 +38,7 @@ def cell(tmp_path):
 
 def test_a_file_sets_limits_and_signals(cell):
     read = load_cell(cell(GOOD))
+    assert read.configurations["plant"].lag_s == 0.03
     assert read.configurations["safety"].normal.tcp_speed_max == 0.5
     assert read.signals == {"standard_digital_in[3]": True, "reduced_mode": True}
     robot = VirtualRobot("CS66", cell=cell(GOOD))
@@ -86,6 +90,8 @@ PLANES = "[safety]\n[[safety.planes]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
         ("[signals]\nreduced_mode = true\nstandard_digital_in = true\n", 3, "standard_digital_in needs an index"),
         ('[signals]\n"standard_digital_in[1]" = 7\n', 2, "takes True or False, not 7"),
         ("[signals]\nno_such = 1\n", 2, "no signal is called 'no_such'"),
+        ("[plant]\nlag_s = 0.02\nlag = 1\n", 3, "plant.lag: unknown key"),
+        ("[plant]\nseed = 1\nlag_s = 'a'\n", 3, "lag_s of the plant needs a number, has 'a'"),
     ],
 )
 def test_a_mistake_has_file_line_and_words(cell, text, line, words):

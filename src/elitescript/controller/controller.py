@@ -9,19 +9,22 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-from elitescript.controller.arm_dynamics import ArmDynamics
 from elitescript.controller.arm_state import ArmState
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
+from elitescript.controller.joint_encoders import JointEncoders
+from elitescript.controller.joint_loads import JointLoads
 from elitescript.controller.model_limits import motion_limits
 from elitescript.controller.modes import Power
 from elitescript.controller.motion_control import MotionControl
+from elitescript.controller.plant import LaggingJoints
 from elitescript.controller.safety_control import SafetyControl
 from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.setup import SETUP_HANDLERS, Setup
 from elitescript.controller.snapshot import build_state
+from elitescript.controller.task_requests import TASK_HANDLERS
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
-from elitescript.errors import ArgumentRangeError, ScriptError, ScriptStateError
+from elitescript.errors import ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.enums import RobotMode, TaskState
@@ -29,16 +32,13 @@ from elitescript.messages.events import Event, LineMarked, RobotModeChanged, Sig
 from elitescript.messages.machine import (
     AskSafety,
     MachineRequest,
-    PauseTask,
-    PowerDown,
-    ResumeTask,
     SetInputAction,
     SetLineMark,
     SetSpeedScale,
-    StopTask,
     WriteSignal,
 )
 from elitescript.messages.motion import MotionRequest, Six
+from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.timing import seconds
@@ -55,13 +55,14 @@ class Controller:
         home: joint positions at the start, rad; the model's home if None.
         speed_scale: speed percentage at the start, as a fraction.
         safety: what the safety system watches.
+        plant: how the joints follow their targets; exactly if None.
     """
 
     __slots__ = (
         "_arm_state",
-        "_dynamics",
         "_epoch_s",
         "_inbox",
+        "_joint_encoders",
         "_model",
         "_motion",
         "_node",
@@ -69,12 +70,13 @@ class Controller:
         "_power",
         "_setup",
         "_signals",
-        "_task",
         "_tick",
         "arm",
         "joint_ranges",
+        "loads",
         "program",
         "safety",
+        "task",
     )
 
     def __init__(
@@ -86,7 +88,9 @@ class Controller:
         home: Six | None = None,
         speed_scale: float = 1.0,
         safety: SafetyLimits | None = None,
+        plant: PlantConfig | None = None,
     ) -> None:
+        plant = PlantConfig() if plant is None else plant
         self._model = model
         self.arm: Arm = model.arm
         self.joint_ranges: tuple[tuple[float, float], ...] = model.joint_ranges
@@ -97,7 +101,7 @@ class Controller:
         self._inbox = Inbox()
         self._signals = SignalImage(self._signal_changed)
         self._power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)))
-        self._task = Task(self._task_changed)
+        self.task = Task(self._task_changed)
         limits = motion_limits(model)
         self._motion = MotionControl(
             model.arm,
@@ -109,13 +113,15 @@ class Controller:
             self._motion_ended,
         )
         self._motion.set_speed_scale(speed_scale, 0)
-        self._arm_state = ArmState(self._motion)
+        qd_max = [joint.qd_max for joint in model.joints]
+        self._arm_state = ArmState(self._motion, (), LaggingJoints(plant, qd_max) if plant.lag_s > 0.0 else None)
+        self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._setup = Setup(model)
         self._node: tuple[int, str] = (0, "")
-        self._dynamics = ArmDynamics(model)
+        self.loads = JointLoads(model, plant, self._arm_state, self._setup)
         watched = safety or SafetyLimits()
         self.safety = SafetyControl(
-            self, watched, limits, self._motion, self._arm_state, self._setup, self._signals, self._task, speed_scale
+            self, watched, limits, self._motion, self._arm_state, self._setup, self._signals, self.task, speed_scale
         )
 
     def attach(self, program: ProgramPort) -> None:
@@ -139,18 +145,14 @@ class Controller:
 
     def next_tick(self) -> int | None:
         """The next tick at which anything is due; None when nothing will ever happen by itself."""
-        tick = self._tick
-        due = (
-            self.program.next_tick(tick),
-            self._arm_state.next_tick,
-            self._inbox.next_tick,
-            self.safety.next_tick(tick),
-        )
+        tick, arm, program = self._tick, self._arm_state, self.program
+        due = (program.next_tick(tick), arm.next_tick, self._inbox.next_tick, self.safety.next_tick(tick))
         ticks = [at for at in due if at is not None]
         return max(min(ticks), tick + 1) if ticks else None
 
     def leap(self, tick: int) -> None:
         """Go to a tick that is not later than the next one at which anything is due."""
+        self.loads.leap(tick)
         self._tick = tick
 
     def put(self, tick: int, request: MachineRequest) -> None:
@@ -199,13 +201,13 @@ class Controller:
 
     @property
     def joint_temperatures(self) -> Six:
-        """degC; constant (*assumed*)."""
-        return self._model.joint_temperatures
+        """degC; see `controller.warmth`."""
+        return self.loads.temperatures(self._tick)[0]
 
     @property
     def controller_temperature(self) -> float:
-        """degC; constant (*assumed*)."""
-        return self._model.controller_temperature
+        """degC; see `controller.warmth`."""
+        return self.loads.temperatures(self._tick)[1]
 
     def is_within_safety_limits(self, q: Six, pairs: Sequence[bool] | None = None) -> bool:
         """See `commands.context.Machine.is_within_safety_limits`."""
@@ -219,7 +221,7 @@ class Controller:
     @property
     def task_state(self) -> TaskState:
         """What the program is doing."""
-        return self._task.state
+        return self.task.state
 
     @property
     def line(self) -> int:
@@ -237,20 +239,26 @@ class Controller:
         return self.safety.speed_scale
 
     def joints(self) -> JointState:
-        """Target and actual joints of the present tick."""
-        return self._arm_state.joints(self._tick)
+        """Target and measured joints of the present tick."""
+        return self.joints_at(self._tick)
 
     def joint_torques(self) -> Six:
         """Torques of this tick without those that the arm needs to carry and to move itself, N m."""
-        joints = self.joints()
-        qdd = self._arm_state.target_acceleration()
-        return self._dynamics.remaining_torques(
-            joints.q_actual, joints.qd_actual, qdd, self._setup.gravity, self._setup.payload
-        )
+        return self.loads.remaining_torques(self._tick)
+
+    @property
+    def is_plant_ideal(self) -> bool:
+        """Whether actual always equals target."""
+        return self._joint_encoders.is_exact and not self._arm_state.has_plant
+
+    @property
+    def is_resting(self) -> bool:
+        """Whether every tick looks the same until something is due."""
+        return self._arm_state.is_resting and self._joint_encoders.is_exact
 
     def joints_at(self, tick: int) -> JointState:
-        """Joints at a tick from the present one up to the next at which something is due."""
-        return self._arm_state.joints(tick)
+        """Target and measured joints at a tick from the present one up to the next at which something is due."""
+        return self._joint_encoders.read(tick, self._arm_state.joints(tick))
 
     def tcp_pose(self, q: Six) -> Six:
         """Pose of the active TCP at joint positions, base frame."""
@@ -260,13 +268,13 @@ class Controller:
         """The machine at such a tick."""
         return build_state(
             tick=tick,
-            joints=self._arm_state.joints(tick),
+            joints=self.joints_at(tick),
             arm=self.arm,
             T_flange_tcp=self._setup.T_flange_tcp,
             tcp_offset=self._setup.tcp_offset,
             robot_mode=self._power.mode,
             safety_mode=self.safety.mode,
-            task_state=self._task.state,
+            task_state=self.task.state,
             payload=self._setup.payload,
             gravity=self._setup.gravity,
             speed_scale=self.safety.speed_scale,
@@ -333,19 +341,19 @@ class Controller:
 
     def task_started(self, name: str) -> None:
         """A program begins in this tick."""
-        self._task.name = name
+        self.task.name = name
         self._node = (0, "")
         self._motion.begin_program()
-        self._task.apply("start")
+        self.task.apply("start")
         self.safety.task_started()
 
     def task_ended(self) -> None:
         """The program is over; the arm brakes if it still moves."""
-        if self._task.is_running:
-            self._task.apply("stop")
+        if self.task.is_running:
+            self.task.apply("stop")
 
     def _task_changed(self, before: TaskState, after: TaskState) -> None:
-        self.emit(TaskStateChanged(self._tick, after, self._task.name))
+        self.emit(TaskStateChanged(self._tick, after, self.task.name))
         if after is TaskState.PAUSED:
             self._arm_state.pause(self._tick)
         elif before is TaskState.PAUSED:
@@ -354,7 +362,7 @@ class Controller:
         if after is TaskState.STOPPED:
             self._arm_state.stop(self._tick)
         if TaskState.STOPPED in (before, after):
-            self._signals.set_running(self._task.is_running)
+            self._signals.set_running(self.task.is_running)
 
     def _motion_ended(self, move: int, is_complete: bool) -> None:
         self.program.motion_ended(move, is_complete)
@@ -380,12 +388,6 @@ class Controller:
             self.emit(Warned(self._tick, f"{point} asks for hand guiding, which is not simulated yet"))
 
     def _set_speed_scale(self, request: SetSpeedScale) -> None:
-        if not 0.0 <= request.fraction <= 1.0:
-            raise ArgumentRangeError(
-                f"the speed percentage must be in [0, 1], got {request.fraction:g}",
-                value=request.fraction,
-                limit="[0, 1]",
-            )
         self.safety.set_speed_scale(request.fraction)
 
     def _declare(self, request: Any) -> None:
@@ -399,32 +401,11 @@ class Controller:
         self._node = (request.number, request.label)
         self.emit(LineMarked(self._tick, request.number, request.label))
 
-    def _power_down(self, _request: PowerDown) -> None:
-        if self._task.is_running:
-            self.program.stop("powerdown")
-        self.switch_off()
-
     def switch_off(self) -> None:
         """Stop the arm and switch its power off at standstill."""
         self._arm_state.stop(self._tick)
         self._power.go_off()
         self._power.settle(self._arm_state.is_moving)
-
-    def _pause_task(self, _request: PauseTask) -> None:
-        if self.safety.take_pause():
-            return
-        self._task.apply("pause")
-        self.program.pause()
-
-    def _resume_task(self, _request: ResumeTask) -> None:
-        self.safety.require("resume_task")
-        self._task.apply("resume")
-        self.program.resume()
-
-    def _stop_task(self, _request: StopTask) -> None:
-        if not self._task.is_running:
-            raise ScriptStateError("cannot stop: no task is running")
-        self.program.stop("stopped")
 
     def _signal_setting(self, request: Any) -> None:
         SIGNAL_SETTINGS[type(request)](self._signals, request)
@@ -436,11 +417,8 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     WriteSignal: Controller._write_signal,
     SetSpeedScale: Controller._set_speed_scale,
     SetLineMark: Controller._set_line_mark,
-    PowerDown: Controller._power_down,
-    PauseTask: Controller._pause_task,
-    ResumeTask: Controller._resume_task,
-    StopTask: Controller._stop_task,
     AskSafety: Controller._ask_safety,
+    **TASK_HANDLERS,
     **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
     **dict.fromkeys(SETUP_HANDLERS, Controller._declare),
 }

@@ -19,7 +19,7 @@ from elitescript.controller.safety_limits import PAIRS, SafetyLimits
 from elitescript.controller.safety_monitor import Breach, SafetyMonitor, obstacle_breach, requested_breach
 from elitescript.controller.setup import Setup
 from elitescript.controller.tasks import ProgramPort, Task
-from elitescript.errors import UsageError
+from elitescript.errors import ArgumentRangeError, UsageError
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.enums import SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Event, MotionStarted, SafetyModeChanged, Warned
@@ -229,7 +229,14 @@ class SafetyControl:
         return was_holding
 
     def set_speed_scale(self, fraction: float) -> None:
-        """New speed percentage."""
+        """New speed percentage.
+
+        Raises:
+            ArgumentRangeError: outside [0, 1].
+        """
+        if not 0.0 <= fraction <= 1.0:
+            text = f"the speed percentage must be in [0, 1], got {fraction:g}"
+            raise ArgumentRangeError(text, value=fraction, limit="[0, 1]")
         self._speed.set_scale(fraction, self._port.tick)
         self.disturb()
 

@@ -17,6 +17,7 @@ from elitescript.messages.signals import Value
 
 SECTIONS: Final[dict[str, str]] = {
     "safety": "elitescript.controller.safety_limits:SafetyLimits",
+    "plant": "elitescript.messages.plant:PlantConfig",
 }
 """Section, which is also the keyword of `VirtualRobot`, and `module:class` of what reads it."""
 
@@ -106,13 +107,13 @@ def line_of(text: str, section: str, table: object, message: str) -> int:
     """The line, from 1, that a message is about; 0 if it does not tell.
 
     The message names a table as `[section]`, `[section.part]` or `[[section.part]] 2:` and then a key; if it does not,
-    the first key of the section that it names counts, and without one the section itself.
+    the key of the section that it names first counts, and without one the section itself.
     """
     place, number, key = _place_in(message)
     if not place.startswith(section):
         place, number = section, 1
-        keys = list(table) if isinstance(table, Mapping) else []
-        key = next((name for name in keys if name in message), "")
+        named = [name for name in table if name in message] if isinstance(table, Mapping) else []
+        key = min(named, key=lambda name: (message.find(name), -len(name)), default="")
     line = _line_in(text, place, number, key)
     if not line and "." in place:
         # A table within a line of its parent.
