@@ -52,9 +52,13 @@ def test_an_empty_table_watches_nothing_but_reduced_mode():
     assert limits.bounds(SafetyMode.REDUCED).tcp_speed_max == 0.75
 
 
-def test_reduced_limits_are_never_above_the_normal_ones_unless_they_are_given():
-    limits = SafetyLimits.from_table({"tcp_speed": 0.3})
+def test_speeds_of_reduced_mode_are_never_above_the_normal_ones():
+    limits = SafetyLimits.from_table(
+        {"tcp_speed": 0.3, "joint_speed": [1, 2, 3, 4, 5, 6], "reduced": {"joint_speed": 3}}
+    )
     assert limits.bounds(SafetyMode.REDUCED).tcp_speed_max == 0.3
+    assert limits.bounds(SafetyMode.REDUCED).qd_max == (1.0, 2.0, 3.0, 3.0, 3.0, 3.0)
+    assert limits.bounds(SafetyMode.NORMAL).qd_max == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
 
 
 @pytest.mark.parametrize(

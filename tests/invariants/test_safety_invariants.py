@@ -15,6 +15,7 @@ from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, Saf
 from elitescript.messages.enums import RobotMode, SafetyMode
 from elitescript.messages.events import Alarm, SafetyModeChanged
 from elitescript.messages.machine import AskSafety
+from elitescript.messages.plant import PlantConfig
 from elitescript.models.model import load_model
 from elitescript.runtime.world import NoWorld
 from tests.invariants.random_programs import random_program
@@ -57,7 +58,8 @@ def outcome(seed, pace):
     program = random_program(chance)
     limits = random_limits(chance) if chance.random() < 0.5 else None
     everything = []
-    robot = VirtualRobot("CS66", seed=seed, world=NoWorld(), safety=limits, on_event=everything.append)
+    plant = PlantConfig(lag_s=0.03, noise_rad=1e-5, coulomb_friction=0.002) if chance.random() < 0.2 else None
+    robot = VirtualRobot("CS66", seed=seed, world=NoWorld(), safety=limits, plant=plant, on_event=everything.append)
     for name in ("safeguard_stop", "reduced_mode", "configurable_digital_in[0]", "configurable_digital_in[1]"):
         if chance.random() < 0.5:
             time_s = chance.uniform(0.0, 3.0)

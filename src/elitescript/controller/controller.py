@@ -140,7 +140,8 @@ class Controller:
         self._arm_state.settle(self._tick)
         self._deliver_inbox()
         self.safety.check(self._tick)
-        self._power.settle(self._arm_state.is_moving)
+        if self._power.is_going_off:
+            self._power.settle(self._arm_state.is_moving)
         self.program.run_tick(self._tick)
 
     def next_tick(self) -> int | None:

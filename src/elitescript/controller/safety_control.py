@@ -95,6 +95,7 @@ class SafetyControl:
         "_is_first",
         "_is_holding_task",
         "_is_task_new",
+        "_is_watching",
         "_monitor",
         "_motion",
         "_motion_limits",
@@ -137,6 +138,7 @@ class SafetyControl:
         self._is_disturbed = True
         self._is_holding_task = False
         self._is_task_new = False
+        self._is_watching = self._monitor.is_watching(self.mode)
         self._speeds_hold_from = 0
         self._slowed_lines: set[int] = set()
         motion.on_obstacle = self.meet_obstacle
@@ -174,7 +176,7 @@ class SafetyControl:
         """Next tick that has to be looked at; None while nothing moves that is watched."""
         if self._effects or self._is_task_new:
             return tick + 1
-        if not self._safety.may_move or not self._monitor.is_watching(self.mode):
+        if not self._is_watching:
             return None
         return tick + 1 if self._is_disturbed or self._arm_state.is_moving else None
 
@@ -280,6 +282,8 @@ class SafetyControl:
 
     def check(self, tick: int) -> None:
         """Do what the state asks for, then compare the arm with its limits."""
+        if not (self._is_watching or self._is_disturbed or self._effects or self._is_task_new):
+            return
         if self._is_task_new:
             self._is_task_new = False
             self._admit_task(tick)
@@ -287,7 +291,7 @@ class SafetyControl:
         is_moving = self._arm_state.is_moving
         is_disturbed, self._is_disturbed = self._is_disturbed, False
         is_first, self._is_first = self._is_first, False
-        if (is_disturbed or is_moving) and self._safety.may_move and self._monitor.is_watching(self.mode):
+        if self._is_watching and (is_disturbed or is_moving):
             self._look(tick, is_first=is_first, is_disturbed=is_disturbed)
             self._act(tick)
         if not is_moving:
@@ -340,6 +344,7 @@ class SafetyControl:
         breach = self._breach if after in _EXPLAINED else None
         reason = breach.text if breach is not None else self._words(after)
         self._effects.append((after, breach))
+        self._is_watching = self._safety.may_move and self._monitor.is_watching(after)
         if before not in SLOWED_MODES:
             self._speeds_hold_from = self._port.tick + GRACE_TICKS
         self._port.emit(SafetyModeChanged(self._port.tick, after, reason))

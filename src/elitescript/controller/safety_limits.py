@@ -67,13 +67,15 @@ class SafetyBounds:
         """Whether nothing is limited."""
         return self == _NO_BOUNDS
 
-    def over(self, other: SafetyBounds) -> SafetyBounds:
-        """These limits, and those of `other` where there are none."""
+    def within(self, other: SafetyBounds) -> SafetyBounds:
+        """These limits, with the ranges of `other` where there are none, and with no speed above its speeds."""
+        qd_max = self.qd_max or other.qd_max
+        if self.qd_max is not None and other.qd_max is not None:
+            a, b, c, d, e, f = map(min, self.qd_max, other.qd_max)
+            qd_max = (a, b, c, d, e, f)
+        speeds = [speed for speed in (self.tcp_speed_max, other.tcp_speed_max) if speed is not None]
         return SafetyBounds(
-            self.q_min or other.q_min,
-            self.q_max or other.q_max,
-            self.qd_max or other.qd_max,
-            other.tcp_speed_max if self.tcp_speed_max is None else self.tcp_speed_max,
+            self.q_min or other.q_min, self.q_max or other.q_max, qd_max, min(speeds) if speeds else None
         )
 
 
@@ -149,7 +151,8 @@ class SafetyLimits:
 
     Args:
         normal: limits of normal mode.
-        reduced: limits of reduced mode and of recovery; where there are none, those of normal mode hold.
+        reduced: limits of reduced mode and of recovery; where it has none, or where speeds of normal mode are lower,
+            those of normal mode hold.
         planes: planes that the TCP may not pass.
         tool_direction: a cone that the tool stays in.
     """
@@ -166,7 +169,7 @@ class SafetyLimits:
 
     def bounds(self, mode: SafetyMode) -> SafetyBounds:
         """Limits of speed and range in a mode."""
-        return self.normal if mode is SafetyMode.NORMAL else self.reduced.over(self.normal)
+        return self.normal if mode is SafetyMode.NORMAL else self.reduced.within(self.normal)
 
     def lowered(self, limits: MotionLimits, mode: SafetyMode) -> MotionLimits:
         """The limits with which motions are planned: in reduced mode and recovery they keep the speeds (*assumed*)."""

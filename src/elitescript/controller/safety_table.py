@@ -27,11 +27,10 @@ def read_safety_limits(table: Mapping[str, Any]) -> SafetyLimits:
     reduced = SafetyBounds(tcp_speed_max=REDUCED_TCP_SPEED)
     if reader.has("reduced"):
         inner = ConfigTable("[safety.reduced]", reader.value("reduced"))
-        reduced = _bounds(inner).over(reduced)
+        given = _bounds(inner)
+        reduced = given if given.tcp_speed_max is not None else replace(given, tcp_speed_max=REDUCED_TCP_SPEED)
         inner.finish()
     reader.value("reduced")
-    if normal.tcp_speed_max is not None and reduced.tcp_speed_max is not None:
-        reduced = replace(reduced, tcp_speed_max=min(normal.tcp_speed_max, reduced.tcp_speed_max))
     limits = SafetyLimits(normal, reduced, _planes(reader), _tool_direction(reader))
     reader.finish()
     return limits
