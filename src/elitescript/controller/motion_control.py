@@ -14,10 +14,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from elitescript.controller.drives import Drive, JointDrive
+from elitescript.controller.drives import Drive, JointDrive, busy_error
 from elitescript.controller.sources import NEVER, Braking, Move
 from elitescript.controller.stepped_drives import ServoDrive, ToolDrive
-from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, pose_from_transform
@@ -25,8 +24,10 @@ from elitescript.messages.events import Event, MotionEnded, MotionStarted, Warne
 from elitescript.messages.motion import (
     DriveRequest,
     MotionRequest,
+    MoveC,
     MoveJ,
     MoveL,
+    MoveML,
     MoveRequest,
     ServoJ,
     Six,
@@ -176,14 +177,15 @@ class MotionControl:
             return self._drive(request, tick, T_flange_tcp, line, thread)
         source = self._source
         if source is not None and (self._next is not None or not source.is_stopping or source.end_tick >= NEVER):
-            raise self._busy(source)
+            raise busy_error(source, (self._next or source).thread)
         start_tick = tick if source is None else source.end_tick
         q_start = self._q_rest if source is None else source.q_rest
         plan = self._plan(request, q_start, T_flange_tcp)
         self._count += 1
         scale = TimeScale.start(start_tick * PERIOD_S, 0.0 if self._is_paused else self._speed_scale)
-        end = plan.segment.T_base_tcp_end
-        waypoint = pose_from_transform(end) if isinstance(request, MoveJ) else request.p_target
+        waypoint = pose_from_transform(plan.segment.T_base_tcp_end)
+        if isinstance(request, MoveL | MoveC):
+            waypoint = request.p_target
         accepted = Move(self._count, plan.segment, start_tick, scale, thread, waypoint)
         if source is None:
             self._source = accepted
@@ -278,21 +280,6 @@ class MotionControl:
         if move is not None:
             self._on_event(MotionEnded(tick, False))
             self._on_end(move.number, False)
-
-    def _busy(self, source: AnySource) -> MotionError:
-        if isinstance(source, Drive):
-            what = type(source.request).__name__.lower()
-            return MotionError(
-                f"the arm is moving already: {what} of line {source.line}, thread {source.thread!r}, goes on after its "
-                "call, and a planned move begins at standstill",
-                code="R114",
-                hint="brake with stopj or stopl first",
-            )
-        return MotionError(
-            f"the arm is moving already, for the thread {(self._next or source).thread!r}; one motion at a time",
-            code="R114",
-            hint="let one thread do all moves, or wait for the other with join_thread",
-        )
 
     def _set_rates(self, rate: float, tick: int) -> None:
         self._advance(tick)
@@ -447,4 +434,8 @@ class MotionControl:
             return plan_movej(self._arm, self._limits, q_start, request, T_flange_tcp)
         if isinstance(request, MoveL):
             return plan_movel(self._arm, self._limits, q_start, T_flange_tcp, request)
+        if isinstance(request, MoveML):
+            from elitescript.motion.microline import plan_moveml
+
+            return plan_moveml(self._arm, self._limits, q_start, T_flange_tcp, request)
         return plan_movec(self._arm, self._limits, q_start, T_flange_tcp, request)
