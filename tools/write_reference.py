@@ -193,38 +193,7 @@ def safety_page() -> str:
     return "\n".join([*lines, "", *_CELL_FILE]) + "\n"
 
 
-_CELL_FILE: Final = """\
-## Limits: the cell file
-
-Without limits, normal mode watches nothing but the joint ranges of the model, and reduced mode slows the TCP down to
-0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or `VirtualRobot(safety=SafetyLimits(...))`.
-A limit that is exceeded while the arm moves is a protective stop. Every key may be left out.
-
-```toml
-[safety]
-tcp_speed = 1.0                 # m/s
-joint_speed_deg = 120           # deg/s, one number or six; joint_speed in rad/s
-joint_range_deg = [[-180, 180], [-200, 20], [-160, 160], [-270, 90], [-180, 180], [-360, 360]]
-                                # joint_range in rad
-
-[safety.reduced]                # in reduced mode; what is left out is as in normal mode
-tcp_speed = 0.25
-
-[[safety.planes]]               # the TCP stays on the side to which the normal points
-name = "table"
-point = [0, 0, 0.01]            # m, base frame
-normal = [0, 0, 1]
-offset = 0.02                   # m, along the normal
-use = "always"                  # or "normal", "reduced"; "trigger_reduced" asks for reduced mode behind it
-inputs = [0, 1]                 # counts only while both of these configurable inputs are high (assumed)
-
-[safety.tool_direction]         # the tool's z axis stays in this cone
-axis = [0, 0, -1]
-angle_deg = 45
-
-[signals]                       # levels at the start, as for --set
-"standard_digital_in[3]" = true
-```""".split("\n")
+_CELL_FILE: Final = ["## Limits: the cell file", "", "Without limits, normal mode watches nothing but the joint ranges of the model, and reduced mode slows the TCP down to", "0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or `VirtualRobot(safety=SafetyLimits(...))`.", "A limit that is exceeded while the arm moves is a protective stop. Every key may be left out.", "", "```toml", "[safety]", "tcp_speed = 1.0                 # m/s", "joint_speed_deg = 120           # deg/s, one number or six; joint_speed in rad/s", "joint_range_deg = [[-180, 180], [-200, 20], [-160, 160], [-270, 90], [-180, 180], [-360, 360]]", "                                # joint_range in rad", "", "[safety.reduced]                # in reduced mode; what is left out is as in normal mode", "tcp_speed = 0.25", "", "[[safety.planes]]               # the TCP stays on the side to which the normal points", 'name = "table"', "point = [0, 0, 0.01]            # m, base frame", "normal = [0, 0, 1]", "offset = 0.02                   # m, along the normal", 'use = "always"                  # or "normal", "reduced"; "trigger_reduced" asks for reduced mode behind it', "inputs = [0, 1]                 # counts only while both of these configurable inputs are high (assumed)", "", "[safety.tool_direction]         # the tool's z axis stays in this cone", "axis = [0, 0, -1]", "angle_deg = 45", "", "[signals]                       # levels at the start, as for --set", '"standard_digital_in[3]" = true', "```"]
 
 
 def _range(signal: Signal) -> str:
