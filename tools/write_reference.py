@@ -148,9 +148,9 @@ def safety_page() -> str:
         "# Safety",
         "",
         _NOTICE,
-        "Names and numbers of the states are documented by the vendor; what they do is assumed where the vendor does not",
-        "say it. A stop ends the program with an alarm that names line, reason, value, limit and unit and three things to",
-        "try; `safeguard_stop` pauses it, and it goes on when the safeguard is closed.",
+        "Names and numbers of the states are documented by the vendor; what they do is assumed where the vendor does",
+        "not say it. A stop ends the program with an alarm that names line, reason, value, limit and unit and three",
+        "things to try; `safeguard_stop` pauses it, and it goes on when the safeguard is closed.",
         "",
         "Inputs are signals: `emergency_stop`, `system_emergency_stop`, `safeguard_stop`, `reduced_mode` (`--set`,",
         "`robot.signals`, `robot.at`). From Python: `robot.protective_stop(reason)`, `robot.unlock_protective_stop()`,",
@@ -171,8 +171,9 @@ def safety_page() -> str:
         "",
         "## Transitions",
         "",
-        "*inputs*: the strongest state that the inputs ask for at that moment: a stop that is pressed, an open safeguard,",
-        "recovery of an arm outside its limits, reduced mode, normal. *refused*: see below. An empty cell: nothing changes.",
+        "*inputs*: the strongest state that the inputs ask for at that moment: a stop that is pressed, an open",
+        "safeguard, recovery of an arm outside its limits, reduced mode, normal. *refused*: see below. An empty cell:",
+        "nothing changes.",
         "",
         "| action | " + " | ".join(mode.name for mode in safety.MODES) + " |",
         "|---|" + "---|" * len(safety.MODES),
@@ -190,10 +191,42 @@ def safety_page() -> str:
     for mode in safety.MODES:
         unlock = safety.REFUSALS.get((mode, "unlock_protective_stop"), "")
         lines.append(f"| {mode.name} | {_cell(safety.WHAT_TO_DO.get(mode, ''))} | {_cell(unlock)} |")
-    return "\n".join([*lines, "", *_CELL_FILE]) + "\n"
+    return "\n".join([*lines, "", _CELL_FILE])
 
 
-_CELL_FILE: Final = ["## Limits: the cell file", "", "Without limits, normal mode watches nothing but the joint ranges of the model, and reduced mode slows the TCP down to", "0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or `VirtualRobot(safety=SafetyLimits(...))`.", "A limit that is exceeded while the arm moves is a protective stop. Every key may be left out.", "", "```toml", "[safety]", "tcp_speed = 1.0                 # m/s", "joint_speed_deg = 120           # deg/s, one number or six; joint_speed in rad/s", "joint_range_deg = [[-180, 180], [-200, 20], [-160, 160], [-270, 90], [-180, 180], [-360, 360]]", "                                # joint_range in rad", "", "[safety.reduced]                # in reduced mode; what is left out is as in normal mode", "tcp_speed = 0.25", "", "[[safety.planes]]               # the TCP stays on the side to which the normal points", 'name = "table"', "point = [0, 0, 0.01]            # m, base frame", "normal = [0, 0, 1]", "offset = 0.02                   # m, along the normal", 'use = "always"                  # or "normal", "reduced"; "trigger_reduced" asks for reduced mode behind it', "inputs = [0, 1]                 # counts only while both of these configurable inputs are high (assumed)", "", "[safety.tool_direction]         # the tool's z axis stays in this cone", "axis = [0, 0, -1]", "angle_deg = 45", "", "[signals]                       # levels at the start, as for --set", '"standard_digital_in[3]" = true', "```"]
+_CELL_FILE: Final = """\
+## Limits: the cell file
+
+Without limits, normal mode watches nothing but the joint ranges of the model, and reduced mode slows the TCP down to
+0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or `VirtualRobot(safety=SafetyLimits(...))`.
+A limit that is exceeded while the arm moves is a protective stop. Every key may be left out.
+
+```toml
+[safety]
+tcp_speed = 1.0                 # m/s
+joint_speed_deg = 120           # deg/s, one number or six; joint_speed in rad/s
+joint_range_deg = [[-180, 180], [-200, 20], [-160, 160], [-270, 90], [-180, 180], [-360, 360]]
+                                # joint_range in rad
+
+[safety.reduced]                # in reduced mode; what is left out is as in normal mode
+tcp_speed = 0.25
+
+[[safety.planes]]               # the TCP stays on the side to which the normal points
+name = "table"
+point = [0, 0, 0.01]            # m, base frame
+normal = [0, 0, 1]
+offset = 0.02                   # m, along the normal
+use = "always"                  # or "normal", "reduced"; "trigger_reduced" asks for reduced mode behind it
+inputs = [0, 1]                 # counts only while both of these configurable inputs are high (assumed)
+
+[safety.tool_direction]         # the tool's z axis stays in this cone
+axis = [0, 0, -1]
+angle_deg = 45
+
+[signals]                       # levels at the start, as for --set
+"standard_digital_in[3]" = true
+```
+"""
 
 
 def _range(signal: Signal) -> str:
