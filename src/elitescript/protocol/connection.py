@@ -52,6 +52,10 @@ class Connection(ABC):
     def publish(self, output: Output) -> None:
         """Take note of a tick: queue what this client is to hear of it."""
 
+    def take_inputs(self) -> list[Input]:
+        """Return what the client asks for since `publish`: commands that had to wait for an answer of the robot."""
+        return []
+
     def closed(self) -> list[Input]:
         """The client has gone; return what that means for the robot."""
         return []
