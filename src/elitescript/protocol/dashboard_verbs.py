@@ -77,7 +77,7 @@ _ROWS: Final = (
         "robotControl",
         "-on",
         "",
-        "Power the arm on; `robotMode` tells how far it is.",
+        "Power the arm on; robotMode tells how far it is.",
         "Powering on",
         _CLIENT,
         to.power_on,
