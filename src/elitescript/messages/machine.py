@@ -125,6 +125,21 @@ class SetLineMark:
 
 
 @dataclass(frozen=True, slots=True)
+class PowerOn:
+    """Give the arm its power; it ends up idle, with its brakes closed."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReleaseBrakes:
+    """Open the brakes of an idle arm; of one without power, give it power first."""
+
+
+@dataclass(frozen=True, slots=True)
+class PowerOff:
+    """Stop the arm and take its power away; the cabinet stays on."""
+
+
+@dataclass(frozen=True, slots=True)
 class PowerDown:
     """Stop the arm, then switch off arm and cabinet."""
 
@@ -144,6 +159,15 @@ class StopTask:
     """End the task; the arm brakes."""
 
 
+@dataclass(frozen=True, slots=True)
+class AskSafety:
+    """An action of the safety system that people and clients ask for."""
+
+    action: str
+    """`stop_protectively`, `unlock_protective_stop`, `restart_safety`, `violate` or `fail`."""
+    reason: str = ""
+
+
 MachineRequest = (
     WriteSignal
     | SetAnalogDomain
@@ -159,10 +183,14 @@ MachineRequest = (
     | SetSpeedScale
     | SetOption
     | SetLineMark
+    | PowerOn
+    | ReleaseBrakes
+    | PowerOff
     | PowerDown
     | PauseTask
     | ResumeTask
     | StopTask
+    | AskSafety
 )
 
 Request = MotionRequest | MachineRequest
