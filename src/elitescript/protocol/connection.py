@@ -52,6 +52,10 @@ class Connection(ABC):
     def publish(self, output: Output) -> None:
         """Take note of a tick: queue what this client is to hear of it."""
 
+    def due(self) -> list[Input]:
+        """Return what time alone has made of bytes that came before; to be asked after every `publish`."""
+        return []
+
     def closed(self) -> list[Input]:
         """The client has gone; return what that means for the robot."""
         return []
