@@ -51,8 +51,6 @@ COMMANDS: Final[tuple[PlainCommand, ...]] = (
     PlainCommand("set speed", SetSpeedScale, True, "target speed fraction in percent, 3 s"),
 )
 
-_BY_WORDS: Final = {command.words: command for command in COMMANDS}
-
 
 def request_of(line: str) -> MachineRequest | None:
     """The request that a line makes; None if it is no plain command but script.
@@ -61,14 +59,15 @@ def request_of(line: str) -> MachineRequest | None:
         ValueError: the command is known, its argument makes no sense.
     """
     words = line.split()
-    command = _BY_WORDS.get(" ".join(words))
-    if command is not None and not command.takes_fraction:
-        return command.request(0.0)
-    command = command or _BY_WORDS.get(" ".join(words[:-1]))
-    if command is None or not command.takes_fraction:
-        return None
-    given = " ".join(words[len(command.words.split()) :])
-    return command.request(_fraction(command.words, given))
+    for command in COMMANDS:
+        own = command.words.split()
+        if words[: len(own)] == own:
+            given = words[len(own) :]
+            if command.takes_fraction:
+                return command.request(_fraction(command.words, " ".join(given)))
+            if not given:
+                return command.request(0.0)
+    return None
 
 
 def _fraction(words: str, text: str) -> float:

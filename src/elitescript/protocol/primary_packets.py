@@ -16,7 +16,6 @@ from typing import Final
 from elitescript.messages.enums import SafetyMode, TaskState
 from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.protocol import status
 from elitescript.protocol.binary import (
     BOOL,
     DOUBLE,
@@ -34,6 +33,7 @@ from elitescript.protocol.binary import (
     WireType,
     packed_bits,
 )
+from elitescript.protocol.device_modes import is_powered, joint_mode, tool_mode
 
 Reading = Callable[[Snapshot, RobotDescription], Number | Sequence[Number]]
 """Where a value comes from. In a sub-message that repeats its fields, it returns one value for each repetition."""
@@ -49,6 +49,7 @@ STATE_SIZE: Final = 1157
 
 PAIRS: Final = WireType("6 x (DOUBLE, DOUBLE)", "d", 12)
 MICROSECONDS_PER_TICK: Final = 1_000_000 // TICKS_PER_S
+EMERGENCY_STOPS: Final = frozenset({SafetyMode.SYSTEM_EMERGENCY_STOP, SafetyMode.ROBOT_EMERGENCY_STOP})
 
 _HEAD: Final = (Field("length", UINT32, "byte", DOCUMENTED), Field("type", UINT8, "", DOCUMENTED))
 
@@ -104,14 +105,14 @@ class SubMessage:
         Raises:
             ValueError: a value does not fit its type; names the field.
         """
-        values: list[Number | Sequence[Number]] = [self.size, self.number]
-        if self.repeats == 1:
-            values += [row.read(snapshot, description) for row in self.rows]
-        else:
-            columns = [row.read(snapshot, description) for row in self.rows]
-            for index in range(self.repeats):
-                values += [column if isinstance(column, int | float) else column[index] for column in columns]
-        return self._fields.pack(values)
+        columns = [row.read(snapshot, description) for row in self.rows]
+        if self.repeats > 1:
+            columns = [
+                column if isinstance(column, (int, float)) else column[index]
+                for index in range(self.repeats)
+                for column in columns
+            ]
+        return self._fields.pack((self.size, self.number, *columns))
 
 
 def pack_state(parts: Sequence[SubMessage], snapshot: Snapshot, description: RobotDescription) -> bytes:
@@ -134,7 +135,12 @@ def _signal(family: str, index: int = 0) -> Reading:
 
 
 def _bits(direction: str) -> Reading:
-    return lambda snapshot, _description: packed_bits(status.digital_levels(snapshot, direction))
+    families = [f"{place}_digital_{direction}" for place in ("standard", "configurable", "tool")]
+
+    def read(snapshot: Snapshot, _description: RobotDescription) -> int:
+        return packed_bits([level for family in families for level in snapshot.signals[family]])
+
+    return read
 
 
 def _in_pairs(first: Sequence[float], second: Sequence[float]) -> tuple[float, ...]:
@@ -149,10 +155,12 @@ ROBOT_MODE: Final = SubMessage(
     Row("timestamp", UINT64, "us", DOCUMENTED, lambda s, _: timestamp(s.robot.tick), "time since the start"),
     Row("reserved 1", BOOL, "", DOCUMENTED, 0),
     Row("reserved 2", BOOL, "", DOCUMENTED, 0),
-    Row("robot power on", BOOL, "", DOCUMENTED, lambda s, _: status.is_powered(s)),
-    Row("emergency stopped", BOOL, "", DOCUMENTED, lambda s, _: status.is_emergency_stopped(s)),
-    Row("protective stopped", BOOL, "", DOCUMENTED, lambda s, _: status.is_protectively_stopped(s)),
-    Row("task running", BOOL, "", DOCUMENTED, lambda s, _: status.is_program_running(s), "false while paused"),
+    Row("robot power on", BOOL, "", DOCUMENTED, lambda s, _: is_powered(s.robot.robot_mode)),
+    Row("emergency stopped", BOOL, "", DOCUMENTED, lambda s, _: s.robot.safety_mode in EMERGENCY_STOPS),
+    Row("protective stopped", BOOL, "", DOCUMENTED, lambda s, _: s.robot.safety_mode is SafetyMode.PROTECTIVE_STOP),
+    Row(
+        "task running", BOOL, "", DOCUMENTED, lambda s, _: s.robot.task_state is TaskState.PLAYING, "false while paused"
+    ),
     Row("task paused", BOOL, "", DOCUMENTED, lambda s, _: s.robot.task_state is TaskState.PAUSED),
     Row("robot mode", UINT8, "", DOCUMENTED, lambda s, _: s.robot.robot_mode & 0xFF, "`RobotMode`; -1 is 255"),
     Row("control mode", UINT8, "", ASSUMED, lambda s, _: s.is_freedrive, "0 position, 1 guided by hand"),
@@ -180,7 +188,7 @@ JOINTS: Final = SubMessage(
     Row("voltage", FLOAT, "V", DOCUMENTED, lambda s, _: s.joint_voltages),
     Row("temperature", FLOAT, "degC", DOCUMENTED, lambda s, _: s.joint_temperatures),
     Row("torque", FLOAT, "N m", DOCUMENTED, lambda s, _: s.joint_torques),
-    Row("joint mode", UINT8, "", DOCUMENTED, lambda s, _: status.joint_mode(s), "253 running, 255 idle, 239 power off"),
+    Row("joint mode", UINT8, "", DOCUMENTED, lambda s, _: joint_mode(s.robot), "253 running, 255 idle, 239 power off"),
     Row("reserved", UINT32, "", DOCUMENTED, 0),
     repeats=6,
 )
@@ -280,7 +288,7 @@ TOOL: Final = SubMessage(
     Row("output voltage", UINT8, "V", DOCUMENTED, _signal("tool_voltage"), "set: 0, 12 or 24"),
     Row("tool current", FLOAT, "A", DOCUMENTED, lambda s, _: s.tool_current),
     Row("tool temperature", FLOAT, "degC", DOCUMENTED, lambda s, _: s.tool_temperature),
-    Row("tool mode", UINT8, "", DOCUMENTED, lambda s, _: status.tool_mode(s), "253 running, 255 idle, 239 power off"),
+    Row("tool mode", UINT8, "", DOCUMENTED, lambda s, _: tool_mode(s.robot), "253 running, 255 idle, 239 power off"),
 )
 
 SAFETY: Final = SubMessage(
