@@ -116,3 +116,9 @@ def test_too_few_bytes_are_refused(offset: int) -> None:
 def test_bits_are_packed_from_the_lowest() -> None:
     assert packed_bits([True, False, 1, 0.0, True]) == 0b10101
     assert packed_bits([]) == 0
+
+
+def test_a_word_has_no_more_than_64_bits() -> None:
+    assert packed_bits([True] * 64) == 2**64 - 1
+    with pytest.raises(ValueError, match="64 bits, not 65"):
+        packed_bits([False] * 65)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Sequence
+from itertools import compress
 from typing import Final, NamedTuple
 
 Number = bool | int | float
@@ -151,10 +152,11 @@ def _flattened(values: Iterable[Number | Sequence[Number]]) -> list[Number]:
     return flat
 
 
+_POWERS: Final = tuple(1 << bit for bit in range(64))
+
+
 def packed_bits(levels: Sequence[Number]) -> int:
-    """The word whose bit i is `levels[i]`."""
-    word = 0
-    for index, level in enumerate(levels):
-        if level:
-            word |= 1 << index
-    return word
+    """The word whose bit i is `levels[i]`; 64 bits at most."""
+    if len(levels) > len(_POWERS):
+        raise ValueError(f"a word has {len(_POWERS)} bits, not {len(levels)}")
+    return sum(compress(_POWERS, levels))
