@@ -42,10 +42,10 @@ OWN = "peer#1/1"
 
 AT_ONCE: list[tuple[str, str, list[Input]]] = [
     ("echo", "Hello ELITE ROBOTS.", []),
-    ("version", "2.14.1.7", []),
+    ("version", "2.14.2.7", []),
     ("robot -t", "CS66", []),
     ("robot -s", "CS66-0001", []),
-    ("robot -id", "42", []),
+    ("robot -id", "robot-1", []),
     ("robotControl -on", "Powering on", []),
     ("robotControl -off", "Powering off", [Do(OWN, PowerOff())]),
     ("brakeRelease", "Brake is released...", []),
@@ -63,7 +63,7 @@ AT_ONCE: list[tuple[str, str, list[Input]]] = [
     ("popup -sHello Robot", "Showing popup with text:Hello Robot", [ShowPopup(OWN, "Hello Robot")]),
     ("popup -s Hello Robot", "Showing popup with text:Hello Robot", [ShowPopup(OWN, "Hello Robot")]),
     ("popup -c", "Closing popup", [ClosePopup(OWN)]),
-    ("speed", "Target Speed Fraction: 100", []),
+    ("speed", "Target Speed Fraction: 75", []),
     ("speed -v 37", "Speed is set to: 37", [Do(OWN, SetSpeedScale(0.37))]),
     ("speed -v 0", "Speed is set to: 0", [Do(OWN, SetSpeedScale(0.0))]),
     ("task", "Relative path:test.task", []),
@@ -83,7 +83,7 @@ AT_ONCE: list[tuple[str, str, list[Input]]] = [
     ("shutdown", "Shutting down", [Do(OWN, PowerDown())]),
     (
         "status",
-        "RobotMode: RUNNING\r\nSafetyStatus: NORMAL\r\nRunningStatus: STOPPED\r\nTarget Speed Fraction: 100\r\n"
+        "RobotMode: RUNNING\r\nSafetyStatus: NORMAL\r\nRunningStatus: STOPPED\r\nTarget Speed Fraction: 75\r\n"
         "RemoteControl: on\r\nTask: test.task\r\nConfiguration: default.configuration",
         [],
     ),
@@ -135,7 +135,7 @@ def wire(*texts: str) -> list[bytes]:
 def test_the_greeting_is_three_lines_in_one_send() -> None:
     [greeting] = shell().greeting
     lines = greeting.split(b"\r\n")
-    assert lines[0] == b"EliRobot dashboard shell, version 2.14.1.7."
+    assert lines[0] == b"EliRobot dashboard shell, version 2.14.2.7."
     assert (len(lines), lines[3]) == (4, b"")
     assert len(greeting) <= 512
 

@@ -126,17 +126,17 @@ class SetLineMark:
 
 @dataclass(frozen=True, slots=True)
 class PowerOn:
-    """Switch the arm on; it boots and then stands with its brakes engaged."""
-
-
-@dataclass(frozen=True, slots=True)
-class PowerOff:
-    """Stop the arm and switch it off."""
+    """Give the arm its power; it ends up idle, with its brakes closed."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReleaseBrakes:
-    """Release the brakes: the arm is ready to move."""
+    """Open the brakes of an idle arm; of one without power, give it power first."""
+
+
+@dataclass(frozen=True, slots=True)
+class PowerOff:
+    """Stop the arm and take its power away; the cabinet stays on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,8 +184,8 @@ MachineRequest = (
     | SetOption
     | SetLineMark
     | PowerOn
-    | PowerOff
     | ReleaseBrakes
+    | PowerOff
     | PowerDown
     | PauseTask
     | ResumeTask

@@ -52,8 +52,8 @@ class Connection(ABC):
     def publish(self, output: Output) -> None:
         """Take note of a tick: queue what this client is to hear of it."""
 
-    def take_inputs(self) -> list[Input]:
-        """Return what the client asks for since `publish`: commands that had to wait for an answer of the robot."""
+    def due(self) -> list[Input]:
+        """Return what time alone has made of bytes that came before; to be asked after every `publish`."""
         return []
 
     def closed(self) -> list[Input]:

@@ -63,7 +63,7 @@ class DashboardConnection(Connection):
             self._work(output)
             if len(self._waiting) > WAITING_LIMIT:
                 raise ProtocolError(f"more than {WAITING_LIMIT} commands wait for an answer")
-        return self.take_inputs()
+        return self.due()
 
     def publish(self, output: Output) -> None:
         """See `Connection.publish`."""
@@ -78,8 +78,8 @@ class DashboardConnection(Connection):
             self._finish(f"{awaited.failure}: the controller has not answered for {ANSWER_TICKS // TICKS_PER_S} s")
         self._work(output)
 
-    def take_inputs(self) -> list[Input]:
-        """See `Connection.take_inputs`."""
+    def due(self) -> list[Input]:
+        """See `Connection.due`."""
         inputs, self._inputs = self._inputs, []
         return inputs
 
