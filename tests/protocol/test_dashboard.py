@@ -167,6 +167,10 @@ def test_blanks_around_a_command_do_not_matter(line: str) -> None:
     assert shell().send(line.encode() + b"\n") == wire("Hello ELITE ROBOTS.")
 
 
+def test_a_tab_is_a_blank() -> None:
+    assert shell().send(b"task\t-s\n") == wire("Task is stopped")
+
+
 def test_a_text_keeps_its_blanks() -> None:
     peer = shell()
     assert peer.send(b"popup -s  two  words \n") == wire("Showing popup with text: two  words ")
@@ -229,9 +233,10 @@ def test_other_states_of_files_show() -> None:
     )
 
 
-def test_status_fits_into_one_read_of_a_client() -> None:
+@pytest.mark.parametrize("size", [60, 75, 150, 900])
+def test_status_fits_into_one_read_of_a_client(size: int) -> None:
     longest = max((mode.name for mode in SafetyMode), key=len)
-    peer = shell(loaded="ü" * 900, configuration="c" * 900, safety_mode=SafetyMode[longest])
+    peer = shell(loaded="ü" * size, configuration="c" * 2 * size, safety_mode=SafetyMode[longest])
     [status] = peer.send(b"status\n")
     assert len(status) <= 512
     assert status.endswith(b"\r\n")
@@ -242,6 +247,11 @@ def test_help_fits_into_one_read_of_a_client(line: str) -> None:
     [text] = shell().send(line.encode() + b"\n")
     assert len(text) <= 512
     assert text.endswith(b"\r\n")
+
+
+def test_help_lists_every_command() -> None:
+    [text] = shell().send(b"help\n")
+    assert text.decode().split("\r\n")[0].split() == ["Commands:", *VERBS]
 
 
 def test_commands_behind_one_that_waits_keep_their_order_and_see_what_it_did() -> None:
@@ -270,6 +280,13 @@ def test_commands_that_wait_are_bounded() -> None:
         peer.send(b"echo\n")
 
 
+def test_nothing_behind_the_last_command_is_done_though_it_waited() -> None:
+    peer = shell()
+    peer.send(b"play\nquit\nstop\n")
+    assert peer.tick(Reply("peer#1/1", done())) == wire("Starting task", "Bye.")
+    assert peer.inputs == [PlayTask("peer#1/1")]
+
+
 @pytest.mark.parametrize("word", ["quit", "reboot", "shutdown"])
 def test_the_connection_ends_after_its_last_reply(word: str) -> None:
     peer = shell()
@@ -296,6 +313,9 @@ def test_the_connection_ends_after_its_last_reply(word: str) -> None:
         ("speed -v 101", "Failed to set speed: 101 is not a whole number from 0 to 100 (percent)"),
         ("speed -v -1", "Failed to set speed: -1 is not a whole number from 0 to 100 (percent)"),
         ("speed -v 5.5", "Failed to set speed: 5.5 is not a whole number from 0 to 100 (percent)"),
+        ("speed -v 0050", "Failed to set speed: 0050 is not a whole number from 0 to 100 (percent)"),
+        ("speed -v \u0663", "Failed to set speed: \u0663 is not a whole number from 0 to 100 (percent)"),
+        ("task -p a\x00b", "Failed to load task a?b: the path must lead into its folder"),
         ("task -p ../x.task", "Failed to load task ../x.task: the path must lead into its folder"),
         ("task -p a\\..\\..\\x", "Failed to load task a\\..\\..\\x: the path must lead into its folder"),
         (

@@ -37,6 +37,7 @@ def test_lines_end_in_a_line_feed(data: bytes, texts: list[str]) -> None:
 @pytest.mark.parametrize("end", [b"\n", b"\r\n"])
 def test_a_line_may_be_as_long_as_the_limit(end: bytes) -> None:
     assert fed([b"0123456789" + end]) == [Line("0123456789")]
+    assert fed([b"0123456789\rab" + end]) == [Line("0123456789", "the line is longer than 10 bytes")]
     assert fed([b"0123456789a" + end]) == [Line("0123456789", "the line is longer than 10 bytes")]
 
 

@@ -95,7 +95,7 @@ class DashboardConnection(Connection):
         self._say(text)
 
     def _work(self, output: Output) -> None:
-        while self._waiting and self._awaited is None and not self.is_over:
+        while self._waiting and self._awaited is None:
             line = self._waiting.popleft()
             if line.problem:
                 self._say(f"Command is not understood: {line.problem}")

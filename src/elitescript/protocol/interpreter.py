@@ -103,7 +103,7 @@ def discarded(reason: str, statement: str) -> str:
 
 def not_compiled(trace: str, statement: str) -> str:
     """Reply to a statement that does not compile; no blank before the trace, one behind it."""
-    return f"discard: {COMPILE_ERROR}:{one_line(trace)} : {statement}"
+    return f"discard: {COMPILE_ERROR}:{trace} : {statement}"
 
 
 def state_of(number: int, word: str) -> str:
