@@ -1,6 +1,6 @@
 """Write the reference pages in docs/reference from the tables and functions that they describe.
 
-Run it after a change to a command, an error code, a signal or a safety state: `python tools/write_reference.py`.
+Run it after a change to a command, an error code, a signal, a safety state or a port: `python tools/write_reference.py`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "src"))
 
 from elitescript import errors
@@ -18,11 +19,10 @@ from elitescript.commands.page import CHAPTERS, chapters, kind_of, source_of
 from elitescript.commands.registry import Command, Param
 from elitescript.controller import safety
 from elitescript.messages.signals import SIGNALS, Signal
+from tools.line_port_pages import dashboard_page, interpreter_page
+from tools.markdown import NOTICE, cell
 
 FOLDER: Final = Path(__file__).resolve().parent.parent / "docs" / "reference"
-COMMAND: Final = "python tools/write_reference.py"
-
-_NOTICE: Final = f"<!-- Written by `{COMMAND}`; do not edit. -->\n"
 _GITHUB_PUNCTUATION: Final = str.maketrans("", "", ",.:()'\"`/")
 
 
@@ -33,7 +33,7 @@ def commands_page() -> str:
     lines = [
         "# Commands",
         "",
-        _NOTICE,
+        NOTICE,
         f"{len(CATALOGUE)} commands, {simulated} of them simulated. The others are known to the checker, check their",
         "arguments when they are called, and then raise `NotSimulatedError` with the reason.",
         "",
@@ -54,7 +54,7 @@ def commands_page() -> str:
         lines += ["", f"## {CHAPTERS[family]}", "", "| command | since | evidence | simulated |", "|---|---|---|---|"]
         for command in commands:
             mark = "yes" if command.is_simulated else "no"
-            name = f"[`{_cell(command.signature)}`](#{_anchor(command.name)})"
+            name = f"[`{cell(command.signature)}`](#{_anchor(command.name)})"
             lines.append(f"| {name} | {command.since} | {command.evidence} | {mark} |")
         for command in commands:
             lines += _command_section(command)
@@ -93,7 +93,7 @@ def errors_page() -> str:
     lines = [
         "# Errors",
         "",
-        _NOTICE,
+        NOTICE,
         "## Codes",
         "",
         "E0xx and E1xx keep a program from starting, W2xx are warnings, E3xx contradict the command catalogue (`check`",
@@ -102,7 +102,7 @@ def errors_page() -> str:
         "| code | severity | title |",
         "|---|---|---|",
     ]
-    lines += [f"| {row.code} | {row.severity} | {_cell(row.title)} |" for row in errors.CODES.values()]
+    lines += [f"| {row.code} | {row.severity} | {cell(row.title)} |" for row in errors.CODES.values()]
     lines += [
         "",
         "## Exceptions that commands raise",
@@ -117,7 +117,7 @@ def errors_page() -> str:
             continue
         builtin = ", ".join(f"`{base.__name__}`" for base in kind.__bases__ if base.__module__ == "builtins")
         when = (kind.__doc__ or "").split("\n")[0]
-        lines.append(f"| `{kind.__name__}` | {builtin} | {kind.default_code} | {_cell(when)} |")
+        lines.append(f"| `{kind.__name__}` | {builtin} | {kind.default_code} | {cell(when)} |")
     return "\n".join(lines) + "\n"
 
 
@@ -126,7 +126,7 @@ def signals_page() -> str:
     lines = [
         "# Signals",
         "",
-        _NOTICE,
+        NOTICE,
         "The names that `--set`, `robot.signals` and the `end` event use. A family of one is written without an index,",
         "`tool_analog_in`; the others with one, `standard_digital_in[3]`.",
         "",
@@ -147,7 +147,7 @@ def safety_page() -> str:
     lines = [
         "# Safety",
         "",
-        _NOTICE,
+        NOTICE,
         "Names and numbers of the states are documented by the vendor; what they do is assumed where the vendor does",
         "not say it. A stop ends the program with an alarm that names line, reason, value, limit and unit and three",
         "things to try; `safeguard_stop` pauses it, and it goes on when the safeguard is closed.",
@@ -235,17 +235,15 @@ def _range(signal: Signal) -> str:
     return f"{signal.low:.10g} to {signal.high:.10g} {signal.unit}".rstrip()
 
 
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|")
-
-
 def _anchor(title: str) -> str:
     return title.lower().translate(_GITHUB_PUNCTUATION).replace(" ", "-")
 
 
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "commands.md": commands_page,
+    "dashboard.md": dashboard_page,
     "errors.md": errors_page,
+    "interpreter.md": interpreter_page,
     "safety.md": safety_page,
     "signals.md": signals_page,
 }

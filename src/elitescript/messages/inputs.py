@@ -64,6 +64,14 @@ class SetVariable:
 
 
 @dataclass(frozen=True, slots=True)
+class GetVariable:
+    """Ask for the value of a program variable."""
+
+    origin: str
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class ShowPopup:
     """Open a message window."""
 
@@ -95,11 +103,26 @@ class SetRemote:
 
 
 @dataclass(frozen=True, slots=True)
+class Reboot:
+    """Stop the arm and start the controller anew: the arm is off, nothing runs."""
+
+    origin: str
+
+
+@dataclass(frozen=True, slots=True)
 class Interpret:
     """A line for interpreter mode."""
 
     origin: str
     text: str
+
+
+@dataclass(frozen=True, slots=True)
+class InterpreterWord:
+    """A word for interpreter mode that does not wait its turn, such as `skipbuffer`."""
+
+    origin: str
+    word: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,11 +174,14 @@ Input = (
     | LoadConfiguration
     | PlayTask
     | SetVariable
+    | GetVariable
     | ShowPopup
     | ClosePopup
     | AddLog
     | SetRemote
+    | Reboot
     | Interpret
+    | InterpreterWord
     | Query
     | VariablesArrived
     | ChannelOpened

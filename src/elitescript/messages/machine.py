@@ -152,6 +152,21 @@ class SetEncoderCount:
 
 
 @dataclass(frozen=True, slots=True)
+class PowerOn:
+    """Give the arm its power; it ends up idle, with its brakes closed."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReleaseBrakes:
+    """Open the brakes of an idle arm; of one without power, give it power first."""
+
+
+@dataclass(frozen=True, slots=True)
+class PowerOff:
+    """Stop the arm and take its power away; the cabinet stays on."""
+
+
+@dataclass(frozen=True, slots=True)
 class PowerDown:
     """Stop the arm, then switch off arm and cabinet."""
 
@@ -198,6 +213,9 @@ MachineRequest = (
     | PrepareEncoder
     | DecodePulses
     | SetEncoderCount
+    | PowerOn
+    | ReleaseBrakes
+    | PowerOff
     | PowerDown
     | PauseTask
     | ResumeTask

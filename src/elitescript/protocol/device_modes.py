@@ -1,0 +1,69 @@
+"""The numbers under which ports report what joints and tool are doing.
+
+Evidence: the numbers are *documented* by the vendor's SDK. Which of them goes with which mode of the robot is
+*assumed*.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Final
+
+from elitescript.messages.enums import RobotMode, SafetyMode
+from elitescript.messages.state import RobotState
+
+
+class DeviceMode(IntEnum):
+    """What the electronics of a joint, or of the tool, are doing."""
+
+    RESET = 235
+    SHUTTING_DOWN = 236
+    BACK_DRIVE = 238
+    POWER_OFF = 239
+    READY_FOR_POWER_OFF = 240
+    NOT_RESPONDING = 245
+    MOTOR_INITIALISATION = 246
+    BOOTING = 247
+    BOOTLOADER = 249
+    VIOLATION = 251
+    FAULT = 252
+    RUNNING = 253
+    IDLE = 255
+
+
+_JOINT: Final = {
+    RobotMode.NO_CONTROLLER: DeviceMode.NOT_RESPONDING,
+    RobotMode.DISCONNECTED: DeviceMode.NOT_RESPONDING,
+    RobotMode.CONFIRM_SAFETY: DeviceMode.POWER_OFF,
+    RobotMode.POWER_OFF: DeviceMode.POWER_OFF,
+    RobotMode.POWER_ON: DeviceMode.BOOTING,
+    RobotMode.BOOTING: DeviceMode.MOTOR_INITIALISATION,
+    RobotMode.IDLE: DeviceMode.IDLE,
+    RobotMode.BACK_DRIVE: DeviceMode.BACK_DRIVE,
+    RobotMode.RUNNING: DeviceMode.RUNNING,
+    RobotMode.UPDATING: DeviceMode.BOOTLOADER,
+}
+_BROKEN: Final = {SafetyMode.VIOLATION: DeviceMode.VIOLATION, SafetyMode.FAULT: DeviceMode.FAULT}
+_POWERED: Final = frozenset(
+    {RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE, RobotMode.BACK_DRIVE, RobotMode.RUNNING}
+)
+
+
+def is_powered(mode: RobotMode) -> bool:
+    """Whether the arm has power in this mode."""
+    return mode in _POWERED
+
+
+def joint_mode(robot: RobotState) -> DeviceMode:
+    """Mode of every joint; the six of them always agree."""
+    if robot.robot_mode in _POWERED and robot.safety_mode in _BROKEN:
+        return _BROKEN[robot.safety_mode]
+    return _JOINT[robot.robot_mode]
+
+
+def tool_mode(robot: RobotState) -> DeviceMode:
+    """Mode of the tool, which knows no brakes: with power it runs."""
+    mode = _JOINT[robot.robot_mode]
+    if mode in (DeviceMode.IDLE, DeviceMode.BACK_DRIVE):
+        return DeviceMode.RUNNING
+    return DeviceMode.BOOTING if mode is DeviceMode.MOTOR_INITIALISATION else mode

@@ -1,0 +1,148 @@
+"""Interpreter mode, port 30020: a client sends statements line by line, each is acknowledged or discarded.
+
+The texts of all replies are here; the robot, which numbers and queues the statements, makes them with these functions
+and sends them as `Reply` to the origin of the statement or the word.
+
+Evidence: words, reply forms and reasons are *documented* (manual 2.14, interpreter mode; the vendor's article on the
+port). Line ends, `state: 0` for an unknown number, the limit of a line, and that every client gets the replies to its
+own statements and no others, are *assumed*.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from elitescript.messages.inputs import Input, Interpret, InterpreterWord
+from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.protocol.connection import Connection
+from elitescript.protocol.lines import LineSplitter, one_line, shown
+
+LINE_LIMIT: Final = 65536
+"""Bytes of a line; a function is written on one."""
+QUEUE_LIMIT: Final = 8500
+"""Statements that wait to be executed."""
+
+
+class Word(NamedTuple):
+    """A line that does not wait its turn."""
+
+    name: str
+    reply: str
+    """Form of the reply; empty if there is none."""
+    summary: str
+    evidence: str
+
+
+class Reason(NamedTuple):
+    """Why a statement is discarded."""
+
+    text: str
+    summary: str
+    evidence: str
+
+
+_WORDS: Final = (
+    Word("skipbuffer", "", "Throw away every statement that has not begun.", "documented"),
+    Word("abort", "", "End the `movej` or `movel` that is going on.", "documented"),
+    Word(
+        "statelastexecuted",
+        "state: ID: statelastexecuted",
+        "Number of the statement that is being executed or was last.",
+        "documented",
+    ),
+    Word(
+        "statelastinterpreted",
+        "state: ID: statelastinterpreted",
+        "Number of the last statement that was accepted.",
+        "documented",
+    ),
+    Word(
+        "statelastcleared",
+        "state: ID: statelastcleared",
+        "Number of the last statement that was cleared.",
+        "documented; the word in the reply assumed",
+    ),
+    Word(
+        "stateunexecuted",
+        "state: COUNT: stateunexecuted",
+        "How many accepted statements have not been executed.",
+        "documented",
+    ),
+    Word("state", "state: 0: running: state", "Whether a session is `running` or `stopped`.", "documented"),
+)
+WORDS: Final[dict[str, Word]] = {word.name: word for word in _WORDS}
+"""Every word that does not wait its turn."""
+
+COMPILE_ERROR: Final = "Compile error"
+INVALID_STATE: Final = "Task is in an invalid state"
+TOO_MANY: Final = "Too many interpreted messages"
+CLEARED_BEFORE: Final = "Cleaned up before interpretation"
+CLEARED_AT_END: Final = "Cleaned up after end"
+CLEARED: Final = "Cleaned up"
+
+REASONS: Final = (
+    Reason(COMPILE_ERROR, "It does not compile; the reason follows.", "documented"),
+    Reason(INVALID_STATE, "No program runs.", "documented"),
+    Reason(TOO_MANY, f"{QUEUE_LIMIT} statements wait already.", "documented"),
+    Reason(CLEARED_BEFORE, "It waited when a session began that clears the queue.", "documented"),
+    Reason(CLEARED_AT_END, "It waited when the session ended.", "documented"),
+    Reason(CLEARED, "It waited when `clear_interpreter()` was executed.", "documented"),
+)
+
+
+def acknowledged(number: int, statement: str) -> str:
+    """Reply to a statement that was accepted."""
+    return f"ack: {number}: {statement}"
+
+
+def discarded(reason: str, statement: str) -> str:
+    """Reply to a statement that will not be executed, for one of `REASONS`."""
+    return f"discard: {reason}: {statement}"
+
+
+def not_compiled(trace: str, statement: str) -> str:
+    """Reply to a statement that does not compile; no blank before the trace, one behind it."""
+    return f"discard: {COMPILE_ERROR}:{trace} : {statement}"
+
+
+def state_of(number: int, word: str) -> str:
+    """Reply to a word that asks for a number."""
+    return f"state: {number}: {word}"
+
+
+def session_state(is_running: bool) -> str:
+    """Reply to `state`."""
+    return f"state: 0: {'running' if is_running else 'stopped'}: state"
+
+
+class InterpreterConnection(Connection):
+    """One client of interpreter mode."""
+
+    __slots__ = ("_splitter",)
+
+    def __init__(self, origin: str, description: RobotDescription) -> None:
+        super().__init__(origin, description)
+        self._splitter = LineSplitter(LINE_LIMIT)
+
+    def receive(self, data: bytes, output: Output) -> list[Input]:
+        """See `Connection.receive`."""
+        inputs: list[Input] = []
+        for line in self._splitter.feed(data):
+            text = line.text.strip()
+            if line.problem:
+                self._say(not_compiled(line.problem, shown(text)))
+            elif text in WORDS:
+                inputs.append(InterpreterWord(self.origin, text))
+            elif text:
+                inputs.append(Interpret(self.origin, text))
+        return inputs
+
+    def publish(self, output: Output) -> None:
+        """See `Connection.publish`."""
+        for reply in output.replies:
+            if reply.origin == self.origin:
+                self._say(reply.text)
+
+    def _say(self, text: str) -> None:
+        self.send(one_line(text).encode() + b"\n")

@@ -1,0 +1,86 @@
+"""Cuts a byte stream into lines, for the ports that speak text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+SHOWN: Final = 60
+"""Characters of a peer's text that an answer repeats."""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One line without its end."""
+
+    text: str
+    """UTF-8; what is not comes as the replacement character. Of a line that is too long, its beginning."""
+    problem: str = ""
+    """Why the line cannot be taken as it is; empty if it can."""
+
+
+class LineSplitter:
+    """Collects bytes until a line feed; a carriage return before it is tolerated.
+
+    A line over the limit is reported once, as soon as it is over; the rest of it is thrown away unkept. What the peer
+    has sent since the last line feed is not a line.
+
+    Args:
+        limit: of a line, in bytes, without its end.
+    """
+
+    __slots__ = ("_buffer", "_is_skipping", "limit")
+
+    def __init__(self, limit: int) -> None:
+        self.limit = limit
+        self._buffer = bytearray()
+        self._is_skipping = False
+
+    @property
+    def held(self) -> int:
+        """Bytes of the line that has begun, at most the limit and a carriage return."""
+        return len(self._buffer)
+
+    def feed(self, data: bytes) -> list[Line]:
+        """Take the next bytes; return the lines that end in them."""
+        lines: list[Line] = []
+        start = 0
+        while (end := data.find(b"\n", start)) >= 0:
+            self._add(data[start:end], lines, is_whole=True)
+            start = end + 1
+        self._add(data[start:], lines, is_whole=False)
+        return lines
+
+    def _add(self, part: bytes, lines: list[Line], *, is_whole: bool) -> None:
+        if not self._is_skipping:
+            # One byte more than the limit may be the carriage return, and one more than that shows that it is not.
+            self._buffer += part[: self.limit + 2 - len(self._buffer)]
+            content = self._buffer.removesuffix(b"\r")
+            if len(content) > self.limit:
+                beginning = bytes(content[: self.limit]).decode("utf-8", "replace")
+                lines.append(Line(beginning, f"the line is longer than {self.limit} bytes"))
+                self._buffer.clear()
+                self._is_skipping = True
+            elif is_whole:
+                lines.append(_decoded(bytes(content)))
+                self._buffer.clear()
+        if is_whole:
+            self._is_skipping = False
+
+
+def shown(text: str) -> str:
+    """A peer's text as an answer may repeat it: short, and printable."""
+    clean = "".join(char if char.isprintable() else "?" for char in text[:SHOWN])
+    return clean if len(text) <= SHOWN else clean + "..."
+
+
+def one_line(text: str) -> str:
+    """Text without line breaks, for replies that are one line."""
+    return " ".join(text.splitlines()) if "\n" in text or "\r" in text else text
+
+
+def _decoded(content: bytes) -> Line:
+    try:
+        return Line(content.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        return Line(content.decode("utf-8", "replace"), f"the line is not UTF-8 at byte {error.start}")

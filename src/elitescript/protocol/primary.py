@@ -1,0 +1,247 @@
+"""Connections of the primary port and its relatives: robot state and messages out, programs and plain commands in.
+
+State goes out from accept on, at the rate of the port, on ticks that all clients share, so that a tick's bytes are
+packed once. Robot messages follow the events of a tick. The vendor's client takes one message in 10 ms, so they leave
+at least `SPACING_TICKS` apart, and what waits is bounded.
+
+In come programs, secondary programs, bare lines and plain commands, without lengths and without an answer. In local
+control all of them are refused with a script exception, *assumed*: what a controller does then is not known.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final, NamedTuple
+
+from elitescript.language.units import SILENCE_S, Refusal, Unit, UnitSplitter
+from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
+from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.timing import TICKS_PER_S, ticks_for
+from elitescript.protocol.connection import Connection
+from elitescript.protocol.primary_commands import request_of
+from elitescript.protocol.primary_messages import (
+    TERMINATOR,
+    WARNING,
+    Note,
+    error_note,
+    exception_note,
+    note_of,
+    version_note,
+)
+from elitescript.protocol.primary_packets import ASSUMED, DOCUMENTED, SUB_MESSAGES, pack_state
+
+SPACING_TICKS: Final = 7
+"""Between two robot messages: with ten states they stay below 50 messages a second."""
+MAX_WAITING: Final = 32
+"""Robot messages that may wait for a client; they have left after 0.9 s. Vital ones displace others."""
+MAX_UNITS_PER_TICK: Final = 100
+"""Units that one client may send in one tick; the rest is refused. *Assumed.*"""
+SILENCE_TICKS: Final = ticks_for(SILENCE_S)
+
+_LOCAL: Final = "Refused: the robot is in local control; switch it to remote control to run programs and commands"
+_DAMAGED: Final = "some bytes of a program are not UTF-8; each was replaced by U+FFFD"
+
+
+class PrimaryPort(NamedTuple):
+    """What one of the ports does."""
+
+    name: str
+    number: int
+    rate: int
+    """Robot states in a second."""
+    sends_messages: bool
+    takes_programs: bool
+    evidence: str
+    summary: str
+
+    @property
+    def period_ticks(self) -> int:
+        """Between two states."""
+        return TICKS_PER_S // self.rate
+
+
+PRIMARY: Final = PrimaryPort("primary", 30001, 10, True, True, DOCUMENTED, "state, messages, programs")
+SECONDARY: Final = PrimaryPort("secondary", 30002, 10, False, True, ASSUMED, "state and programs, no messages")
+REALTIME: Final = PrimaryPort("realtime", 30003, 125, False, True, ASSUMED, "state at a high rate, programs")
+READ_ONLY: Final = PrimaryPort(
+    "readonly", 30011, 10, True, False, ASSUMED, "as the primary port; what comes in is ignored"
+)
+
+PORTS: Final[tuple[PrimaryPort, ...]] = (PRIMARY, SECONDARY, REALTIME, READ_ONLY)
+
+
+class PrimaryFeed:
+    """What all clients of one port get: each state and each event is packed once, whoever takes it.
+
+    Args:
+        description: the robot.
+        port: which port.
+        terminator: what ends the texts of messages.
+        sends_version: greet with a version message.
+    """
+
+    __slots__ = ("_notes", "_notes_of", "_state", "_state_of", "description", "port", "sends_version", "terminator")
+
+    def __init__(
+        self,
+        description: RobotDescription,
+        port: PrimaryPort = PRIMARY,
+        *,
+        terminator: bytes = TERMINATOR,
+        sends_version: bool = False,
+    ) -> None:
+        self.description = description
+        self.port = port
+        self.terminator = terminator
+        self.sends_version = sends_version
+        self._state_of: Output | None = None
+        self._state = b""
+        self._notes_of: Output | None = None
+        self._notes: tuple[Note, ...] = ()
+
+    def state(self, output: Output) -> bytes:
+        """The robot-state message of a tick."""
+        if self._state_of is not output:
+            self._state = pack_state(SUB_MESSAGES, output.snapshot, self.description)
+            self._state_of = output
+        return self._state
+
+    def notes(self, output: Output) -> tuple[Note, ...]:
+        """The robot messages of a tick."""
+        if self._notes_of is not output:
+            found = [note_of(event, self.terminator) for event in output.events]
+            self._notes = tuple(note for note in found if note is not None)
+            self._notes_of = output
+        return self._notes
+
+
+class PrimaryConnection(Connection):
+    """One client.
+
+    Args:
+        origin: names the client.
+        description: the robot.
+        feed: shared with the other clients of the port; decides which port this is. Without one, a primary port.
+    """
+
+    __slots__ = (
+        "_due",
+        "_feed",
+        "_heard_at",
+        "_is_greeted",
+        "_is_remote",
+        "_next_note_at",
+        "_next_state_at",
+        "_splitter",
+        "_tick",
+        "_units_in_tick",
+        "_waiting",
+        "dropped",
+    )
+
+    def __init__(self, origin: str, description: RobotDescription, feed: PrimaryFeed | None = None) -> None:
+        super().__init__(origin, description)
+        self._feed = feed or PrimaryFeed(description)
+        self._splitter = UnitSplitter()
+        self._tick = 0
+        self._is_remote = False
+        self._is_greeted = False
+        self._heard_at: int | None = None
+        self._units_in_tick = 0
+        self._next_state_at = 0
+        self._next_note_at = 0
+        self._waiting: deque[Note] = deque()
+        self._due: list[Input] = []
+        self.dropped = 0
+        """Robot messages that this client has missed because too many waited."""
+
+    def receive(self, data: bytes, output: Output) -> list[Input]:
+        if not self._feed.port.takes_programs or not data:
+            return []
+        self._note_tick(output)
+        self._heard_at = output.tick
+        return self._inputs(self._splitter.receive(data))
+
+    def publish(self, output: Output) -> None:
+        self._note_tick(output)
+        if self._feed.port.sends_messages:
+            if self._feed.sends_version and not self._is_greeted:
+                self._wait(version_note(output.tick, self.description, self._feed.terminator))
+            for note in self._feed.notes(output):
+                self._wait(note)
+        self._is_greeted = True
+        if self._waiting and output.tick >= self._next_note_at:
+            self.send(self._waiting.popleft().data)
+            self._next_note_at = output.tick + SPACING_TICKS
+        if output.tick >= self._next_state_at:
+            self.send(self._feed.state(output))
+            period = self._feed.port.period_ticks
+            self._next_state_at = output.tick - output.tick % period + period
+        if self._heard_at is not None and output.tick - self._heard_at >= SILENCE_TICKS:
+            self._heard_at = None
+            if self._splitter.pending:
+                self._due += self._inputs(self._splitter.silence())
+
+    def due(self) -> list[Input]:
+        due, self._due = self._due, []
+        return due
+
+    def closed(self) -> list[Input]:
+        return self.due() + self._inputs(self._splitter.close())
+
+    # Units
+
+    def _inputs(self, found: list[Unit | Refusal]) -> list[Input]:
+        inputs: list[Input] = []
+        for item in found:
+            self._units_in_tick += 1
+            if self._units_in_tick <= MAX_UNITS_PER_TICK:
+                inputs.append(self._refusal(item) if isinstance(item, Refusal) else self._input(item))
+            elif self._units_in_tick == MAX_UNITS_PER_TICK + 1:
+                text = f"Refused: more than {MAX_UNITS_PER_TICK} programs and commands in one tick; the rest is lost"
+                inputs.append(self._refuse(0, 0, text))
+        return inputs
+
+    def _input(self, unit: Unit) -> Input:
+        if not self._is_remote:
+            return self._refuse(0, 0, _LOCAL)
+        if unit.kind == "line":
+            try:
+                request = request_of(unit.text)
+            except ValueError as error:
+                return self._refuse(1, 1, f"ValueError: {error}")
+            if request is not None:
+                return Do(self.origin, request)
+        if unit.damaged and self._feed.port.sends_messages:
+            self._wait(error_note(self._tick, WARNING, _DAMAGED, terminator=self._feed.terminator))
+        # Lines of alarms count from the unit's own first line, whatever came before it in the stream.
+        return RunUnit(self.origin, unit.kind, unit.text)
+
+    def _refusal(self, refusal: Refusal) -> Input:
+        problem = refusal.problems[0]
+        return self._refuse(problem.line, problem.column, f"SyntaxError: {problem.text}")
+
+    def _refuse(self, line: int, column: int, text: str) -> Input:
+        """Tell the client, and the log: the client may have gone."""
+        if self._feed.port.sends_messages:
+            self._wait(exception_note(self._tick, line, column, text, self._feed.terminator))
+        return AddLog(self.origin, text)
+
+    # Ticks and messages
+
+    def _note_tick(self, output: Output) -> None:
+        self._is_remote = output.snapshot.is_remote
+        if output.tick != self._tick:
+            self._tick = output.tick
+            self._units_in_tick = 0
+
+    def _wait(self, note: Note) -> None:
+        """Queue a robot message; of too many, one that is not vital is lost, or else the oldest."""
+        if len(self._waiting) >= MAX_WAITING:
+            self.dropped += 1
+            if not note.is_vital:
+                return
+            lost = next((old for old in self._waiting if not old.is_vital), self._waiting[0])
+            self._waiting.remove(lost)
+        self._waiting.append(note)

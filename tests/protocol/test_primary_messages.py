@@ -1,0 +1,187 @@
+"""Robot messages of the primary port, and which events become which."""
+
+from __future__ import annotations
+
+from typing import get_args
+
+import pytest
+
+from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.events import (
+    Alarm,
+    Event,
+    LineMarked,
+    MotionEnded,
+    Popup,
+    Printed,
+    RobotModeChanged,
+    SafetyModeChanged,
+    SignalChanged,
+    TaskStateChanged,
+    TextMessage,
+    Warned,
+)
+from elitescript.protocol import primary_messages
+from elitescript.protocol.primary_messages import (
+    ERROR,
+    FATAL,
+    KINDS,
+    MAX_TEXT_BYTES,
+    SOURCE_CONTROLLER,
+    SOURCE_SAFETY,
+    WARNING,
+    error_note,
+    exception_note,
+    note_of,
+    version_note,
+)
+from tests.protocol import primary_client as client
+from tests.protocol.snapshots import description
+
+ALARM = Alarm(250, "R100", "NameError", "name 'abcd' is not defined", 2, 5, "main")
+
+
+def shown(event) -> dict:
+    note = note_of(event)
+    assert note is not None
+    return client.robot_message(note.data)
+
+
+class TestScriptException:
+    def test_alarm_has_line_column_and_the_name_of_its_class(self):
+        assert shown(ALARM) == {
+            "timestamp": 1_000_000,
+            "source": SOURCE_CONTROLLER,
+            "kind": 10,
+            "line": 2,
+            "column": 5,
+            "text": "NameError: name 'abcd' is not defined",
+        }
+
+    def test_bytes_are_the_known_ones(self):
+        head = bytes.fromhex("0000001a 14 000000000000fa00 68 0a 00000007 ffffffff")
+        assert exception_note(16, 7, -1, "ab").data == head + b"ab\0"
+
+    def test_the_terminator_can_be_left_out(self):
+        note = note_of(ALARM, terminator=b"")
+        assert note is not None
+        assert note.data.endswith(b"is not defined")
+
+
+class TestRobotError:
+    def test_bytes_are_the_known_ones(self):
+        head = bytes.fromhex("00000022 14 0000000000000fa0 63 06 00000000 00000000 00000002 00000005")
+        assert error_note(1, ERROR, "ab", SOURCE_SAFETY).data == head + b"ab\0"
+
+    def test_exception_of_a_secondary_program_is_a_warning(self):
+        message = shown(Warned(1, "[SEC] Exception: ValueError: no", "sec a", 3))
+        assert (message["kind"], message["level"], message["data_type"]) == (6, WARNING, 5)
+        assert message["text"] == "[SEC] Exception: ValueError: no"
+
+    @pytest.mark.parametrize(
+        ("mode", "level", "text"),
+        [
+            (SafetyMode.PROTECTIVE_STOP, ERROR, "Protective stop: collision"),
+            (SafetyMode.ROBOT_EMERGENCY_STOP, ERROR, "Robot emergency stop: collision"),
+            (SafetyMode.SAFEGUARD_STOP, WARNING, "Safeguard stop: collision"),
+            (SafetyMode.FAULT, FATAL, "Fault: collision"),
+        ],
+    )
+    def test_stop_of_the_safety_system_comes_from_it(self, mode, level, text):
+        message = shown(SafetyModeChanged(1, mode, "collision"))
+        assert (message["source"], message["kind"], message["level"]) == (SOURCE_SAFETY, 6, level)
+        assert message["text"] == text
+
+    def test_stop_without_a_reason_is_its_name(self):
+        assert shown(SafetyModeChanged(1, SafetyMode.VIOLATION))["text"] == "Violation"
+
+    @pytest.mark.parametrize("mode", [SafetyMode.NORMAL, SafetyMode.REDUCED, SafetyMode.RECOVERY])
+    def test_modes_in_which_the_arm_may_move_are_no_errors(self, mode):
+        assert note_of(SafetyModeChanged(1, mode)) is None
+
+
+class TestOtherKinds:
+    def test_text_message(self):
+        message = shown(TextMessage(1, "Grüße 你好", "main", 4))
+        assert (message["kind"], message["text"]) == (0, "Grüße 你好")
+
+    def test_other_warning_is_text(self):
+        message = shown(Warned(1, "the blend is too large"))
+        assert (message["kind"], message["text"]) == (0, "warning: the blend is too large")
+
+    @pytest.mark.parametrize(
+        ("level", "blocking", "flags"),
+        [
+            ("info", False, (0, 0, False, False, False)),
+            ("warning", True, (0, 0, True, False, True)),
+            ("error", False, (0, 0, False, True, False)),
+        ],
+    )
+    def test_popup(self, level, blocking, flags):
+        message = shown(Popup(1, "Part missing", "Feeder", level, blocking, False, "main", 3))
+        assert (message["kind"], message["flags"]) == (2, flags)
+        assert (message["title"], message["text"]) == ("Feeder", "Part missing")
+
+    @pytest.mark.parametrize(
+        ("state", "title"),
+        [
+            (TaskState.PLAYING, "PROGRAM_XXX_STARTED"),
+            (TaskState.PAUSED, "PROGRAM_XXX_PAUSED"),
+            (TaskState.STOPPED, "PROGRAM_XXX_STOPPED"),
+        ],
+    )
+    def test_key_message_tells_of_the_program(self, state, title):
+        message = shown(TaskStateChanged(1, state, "pick"))
+        assert (message["kind"], message["title"], message["text"]) == (7, title, "pick")
+
+    def test_version(self):
+        message = client.robot_message(version_note(0, description()).data)
+        assert (message["kind"], message["version"]) == (3, description().firmware)
+
+    @pytest.mark.parametrize(
+        "event",
+        [
+            Printed(1, "x", "main", 1),
+            SignalChanged(1, "flag[0]", True),
+            MotionEnded(1, True),
+            RobotModeChanged(1, RobotMode.IDLE),
+            LineMarked(1, 2, "a"),
+            TaskStateChanged(1, TaskState.UNKNOWN, ""),
+        ],
+    )
+    def test_clients_do_not_hear_of_the_rest(self, event):
+        assert note_of(event) is None
+
+
+class TestTexts:
+    def test_a_long_text_is_cut_between_characters_and_says_so(self):
+        message = shown(TextMessage(1, "é" * MAX_TEXT_BYTES, "main", 1))
+        assert message["text"] == "é" * ((MAX_TEXT_BYTES - 3) // 2) + "..."
+
+    def test_a_text_of_the_greatest_length_is_whole(self):
+        assert shown(TextMessage(1, "x" * MAX_TEXT_BYTES, "main", 1))["text"] == "x" * MAX_TEXT_BYTES
+
+    def test_a_long_title_fits_its_length_byte(self):
+        message = shown(Popup(1, "text", "t" * 300, "info", False, False, "main", 1))
+        assert (message["title"], message["text"]) == ("t" * 252 + "...", "text")
+
+    @pytest.mark.parametrize("text", ["", "\udc80", "a\0b", "line\nline"])
+    def test_any_text_can_be_sent(self, text):
+        assert shown(TextMessage(1, text, "main", 1))["text"] == text.replace("\udc80", "?")
+
+
+class TestTable:
+    def test_numbers_differ(self):
+        assert len({kind.number for kind in KINDS}) == len(KINDS)
+
+    def test_only_what_clients_parse_is_documented(self):
+        assert {kind.number for kind in KINDS if kind.evidence == "documented"} == {6, 10}
+
+    def test_every_translated_event_exists(self):
+        assert set(primary_messages._TRANSLATIONS) <= set(get_args(Event))
+
+    def test_errors_are_vital_and_texts_are_not(self):
+        vital = [ALARM, Warned(1, "[SEC] Exception: x"), SafetyModeChanged(1, SafetyMode.FAULT)]
+        others = [TextMessage(1, "x", "main", 1), Warned(1, "x"), TaskStateChanged(1, TaskState.PLAYING, "x")]
+        notes = [note_of(event) for event in vital + others]
+        assert [note is not None and note.is_vital for note in notes] == [True] * 3 + [False] * 3

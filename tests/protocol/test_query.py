@@ -1,0 +1,97 @@
+"""The query port, 40011."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from elitescript.messages.inputs import Query
+from elitescript.messages.outputs import Reply
+from elitescript.protocol import query
+from elitescript.protocol.query import WAITING_LIMIT, QueryConnection
+from tests.protocol.line_peer import Peer
+
+
+@pytest.mark.parametrize(
+    ("line", "ident", "text"),
+    [
+        (b"req 4 20 + 22\n", "4", "20 + 22"),
+        (b"  req   007   f( 1, 2 )  \r\n", "007", "f( 1, 2 )"),
+        (b"req 1pose_trans(a, b)\n", "1", "pose_trans(a, b)"),
+        (b"req 1_x\n", "1", "_x"),
+    ],
+)
+def test_a_request_becomes_an_input(line: bytes, ident: str, text: str) -> None:
+    whole, trickle = Peer(QueryConnection), Peer(QueryConnection)
+    assert whole.greeting == []
+    assert whole.send(line) == []
+    assert whole.inputs == [Query("peer#1", ident, text)]
+    for byte in line:
+        trickle.send(bytes([byte]))
+    assert trickle.inputs == whole.inputs
+
+
+@pytest.mark.parametrize(
+    ("line", "reply"),
+    [
+        (b"what?\n", b"-1 failure : parse failed\n"),
+        (b"req\n", b"-1 failure : parse failed\n"),
+        (b"req x f()\n", b"-1 failure : parse failed\n"),
+        (b"req -3 f()\n", b"-1 failure : parse failed\n"),
+        (b"req 3; f()\n", b"-1 failure : parse failed\n"),
+        ("req ٣ f()\n".encode(), b"-1 failure : parse failed\n"),
+        (b"req 1234567890123456789 f()\n", b"-1 failure : parse failed\n"),
+        (b"reqs 3 f()\n", b"-1 failure : parse failed\n"),
+        (b"req 5\n", b"5 failure : parse failed\n"),
+        (b"req 5 \xff\n", b"5 failure : parse failed\n"),
+        (b"req 5 " + b"x" * 20_000 + b"\n", b"5 failure : parse failed\n"),
+        (b"\xff\xfe\n", b"-1 failure : parse failed\n"),
+    ],
+)
+def test_a_request_that_cannot_be_read_fails(line: bytes, reply: bytes) -> None:
+    peer = Peer(QueryConnection)
+    assert peer.send(line) == [reply]
+    assert peer.inputs == []
+
+
+def test_empty_lines_and_unfinished_ones_are_not_answered() -> None:
+    peer = Peer(QueryConnection)
+    assert peer.send(b"\n \r\nreq 1 f()") == []
+    assert peer.inputs == []
+
+
+def test_replies_go_to_their_client_one_send_each() -> None:
+    peer = Peer(QueryConnection)
+    peer.send(b"req 1 a\nreq 2 b\nreq 3 c\n")
+    assert peer.tick(
+        Reply("peer#1", query.succeeded("1", "[0.0, 1.5]")),
+        Reply("peer#10", query.succeeded("1", "0")),
+        Reply("peer#1", query.not_parsed("2")),
+        Reply("peer#1", query.not_executed("3")),
+    ) == [b"1 success : [0.0, 1.5]\n", b"2 failure : parse failed\n", b"3 failure : execute failed\n"]
+
+
+def test_a_value_with_a_line_break_stays_one_line() -> None:
+    peer = Peer(QueryConnection)
+    peer.send(b"req 1 a\n")
+    assert peer.tick(Reply("peer#1", query.succeeded("1", "a\nb"))) == [b"1 success : a b\n"]
+
+
+def test_requests_that_wait_are_bounded() -> None:
+    peer = Peer(QueryConnection)
+    assert peer.send(b"req 1 f()\n" * (WAITING_LIMIT + 1)) == [b"1 failure : execute failed\n"]
+    assert len(peer.inputs) == WAITING_LIMIT
+    peer.tick(Reply("peer#1", "1 success : 0"))
+    assert peer.send(b"req 2 f()\n") == []
+
+
+def test_any_bytes_are_borne() -> None:
+    for seed in range(200):
+        chance = random.Random(seed)
+        peer = Peer(QueryConnection)
+        for _ in range(5):
+            data = bytes(chance.choice(b"req 19x\n\r\xff\x00(") for _ in range(chance.randrange(80)))
+            for message in peer.send(data):
+                assert message.endswith(b" failure : parse failed\n"), seed
+        assert all(isinstance(item, Query) and item.text for item in peer.inputs)

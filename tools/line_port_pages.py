@@ -1,0 +1,124 @@
+"""Reference pages of the ports that speak lines: dashboard shell, interpreter mode, query port."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.timing import TICKS_PER_S
+from elitescript.protocol import dashboard, dashboard_answers, interpreter, query
+from elitescript.protocol.dashboard_verbs import VERBS
+from tools.markdown import NOTICE, cell, code
+
+
+def dashboard_page() -> str:
+    """Commands of the dashboard shell, and the states that refuse them."""
+    rows = [row for verb in VERBS.values() for row in verb]
+    lines = [
+        "# Dashboard shell, port 29999",
+        "",
+        NOTICE,
+        "One command a line, ended by a line feed (a carriage return before it is tolerated); one reply each, in",
+        "order, ended by CR LF and sent as one piece. On connecting, a greeting of three lines comes as one piece.",
+        "",
+        f"- A command has at most {dashboard.LINE_LIMIT} bytes of UTF-8. An empty line is not answered.",
+        "- Commands that load, start, read or set a variable, or unlock are answered when the robot has done it or",
+        f"  refused to, after {dashboard.ANSWER_TICKS // TICKS_PER_S} s at the latest; the commands behind them wait,",
+        f"  at most {dashboard.WAITING_LIMIT}.",
+        "- All other replies come at once; what takes long goes on and is watched with `robotMode`, `safety -s` and",
+        "  `task -s`.",
+        f"- `status`, and `help` and `usage` of one command, have at most {dashboard_answers.REPLY_LIMIT} bytes:",
+        "  clients take one read.",
+        "- `robotControl -on` with the power on, `brakeRelease` with the brakes released, `unlockProtectiveStop`",
+        "  without a protective stop and `closeSafetyDialog` without a dialog have their usual reply, and nothing",
+        "  happens.",
+        "- `stop` stops a program that came from a port too, and `play` goes on with a paused one.",
+        "",
+        "Evidence: *client*, the vendor's client compares the reply with this text; *documented*, the vendor describes",
+        "the command; *observed*, other clients use it; *assumed*, decided here. Refusals, help texts and the order of",
+        "the lines of `status` are assumed.",
+        "",
+        "| command | what it does | reply | evidence |",
+        "|---|---|---|---|",
+        *(f"| `{cell(row.usage)}` | {cell(row.summary)} | `{cell(row.reply)}` | {row.evidence} |" for row in rows),
+        "",
+        "## When a command is refused",
+        "",
+        "The reply is the text below, a colon and the reason. Commands that are not listed are never refused. Under",
+        f'local control the reason is "{dashboard_answers.LOCAL}".',
+        "",
+        "| command | text | robot modes that take it | safety modes that take it | task states that take it |",
+        "|---|---|---|---|---|",
+    ]
+    for row in rows:
+        if row.guard is not None:
+            guard = row.guard
+            states = (
+                _states(guard.modes, dashboard_answers.ALL_MODES, RobotMode),
+                _states(guard.safety, dashboard_answers.ALL_SAFETY, SafetyMode),
+                _states(guard.tasks, dashboard_answers.ALL_TASKS, TaskState),
+            )
+            lines.append(f"| `{cell(row.usage)}` | {guard.failure} | {' | '.join(states)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _states(taken: frozenset[Any], every: frozenset[Any], kind: Iterable[Any]) -> str:
+    if taken == every:
+        return "all"
+    if len(taken) > len(every) / 2:
+        return f"all but {', '.join(state.name for state in kind if state not in taken)}"
+    return ", ".join(state.name for state in kind if state in taken)
+
+
+def interpreter_page() -> str:
+    """Interpreter mode and the query port."""
+    lines = [
+        "# Interpreter mode, port 30020, and the query port 40011",
+        "",
+        NOTICE,
+        "Lines and replies end with a line feed; a carriage return before it is tolerated in what a client sends.",
+        "Every reply is sent as one piece, to the client that asked and to no other.",
+        "",
+        "## Interpreter mode",
+        "",
+        "A program that calls `interpreter_mode()` stands still while statements from this port run in its place. A",
+        f"line is a statement, or several parted by `;`, of at most {interpreter.LINE_LIMIT} bytes; at most",
+        f"{interpreter.QUEUE_LIMIT} wait.",
+        "",
+        "| reply | when | evidence |",
+        "|---|---|---|",
+        f"| `{interpreter.acknowledged(1, 'STATEMENT')}` | The statement is accepted; numbers count from 1. |"
+        " documented; the first number assumed |",
+    ]
+    for reason in interpreter.REASONS:
+        form = interpreter.discarded(reason.text, "STATEMENT")
+        if reason.text == interpreter.COMPILE_ERROR:
+            form = interpreter.not_compiled("TRACE", "STATEMENT")
+        lines.append(f"| `{form}` | {reason.summary} | {reason.evidence} |")
+    lines += [
+        "",
+        "Words that do not wait their turn:",
+        "",
+        "| word | what it does | reply | evidence |",
+        "|---|---|---|---|",
+    ]
+    for word in interpreter.WORDS.values():
+        lines.append(f"| `{word.name}` | {word.summary} | {code(word.reply)} | {word.evidence} |")
+    lines += [
+        "",
+        "## Query port",
+        "",
+        "`req ID STATEMENT` evaluates a quick function call by the rules of a secondary program, without disturbing",
+        f"the program that runs. The id has at most {query.ID_DIGITS} digits, the blank behind it may be missing, a",
+        f"line has at most {query.LINE_LIMIT} bytes; at most {query.WAITING_LIMIT} requests of a client wait.",
+        "",
+        "| reply | when | evidence |",
+        "|---|---|---|",
+        f"| `{query.succeeded('ID', 'VALUE')}` | The value, as `repr` writes it. | documented |",
+        f"| `{query.not_parsed('ID')}` | The statement does not compile, or is missing. | documented |",
+        f"| `{query.not_executed('ID')}` | It raised an exception, is not allowed or took too long, or too many wait. |"
+        " documented; when too many wait, assumed |",
+        f"| `{query.not_parsed(query.UNREADABLE_ID)}` | The line is not a request. | documented |",
+    ]
+    return "\n".join(lines) + "\n"
