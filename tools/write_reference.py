@@ -20,10 +20,11 @@ from elitescript.commands.registry import Command, Param
 from elitescript.controller import safety
 from elitescript.messages.signals import SIGNALS, Signal
 from tools.line_port_pages import dashboard_page, interpreter_page
-from tools.markdown import NOTICE, cell
+from tools.markdown import NOTICE, anchor, cell
+from tools.primary_page import primary_page
+from tools.rtsi_page import rtsi_page
 
 FOLDER: Final = Path(__file__).resolve().parent.parent / "docs" / "reference"
-_GITHUB_PUNCTUATION: Final = str.maketrans("", "", ",.:()'\"`/")
 
 
 def commands_page() -> str:
@@ -49,12 +50,12 @@ def commands_page() -> str:
     ]
     for family, commands in by_chapter.items():
         count = sum(command.is_simulated for command in commands)
-        lines.append(f"| [{CHAPTERS[family]}](#{_anchor(CHAPTERS[family])}) | {len(commands)} | {count} |")
+        lines.append(f"| [{CHAPTERS[family]}](#{anchor(CHAPTERS[family])}) | {len(commands)} | {count} |")
     for family, commands in by_chapter.items():
         lines += ["", f"## {CHAPTERS[family]}", "", "| command | since | evidence | simulated |", "|---|---|---|---|"]
         for command in commands:
             mark = "yes" if command.is_simulated else "no"
-            name = f"[`{cell(command.signature)}`](#{_anchor(command.name)})"
+            name = f"[`{cell(command.signature)}`](#{anchor(command.name)})"
             lines.append(f"| {name} | {command.since} | {command.evidence} | {mark} |")
         for command in commands:
             lines += _command_section(command)
@@ -235,15 +236,13 @@ def _range(signal: Signal) -> str:
     return f"{signal.low:.10g} to {signal.high:.10g} {signal.unit}".rstrip()
 
 
-def _anchor(title: str) -> str:
-    return title.lower().translate(_GITHUB_PUNCTUATION).replace(" ", "-")
-
-
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "commands.md": commands_page,
     "dashboard.md": dashboard_page,
     "errors.md": errors_page,
     "interpreter.md": interpreter_page,
+    "primary.md": primary_page,
+    "rtsi.md": rtsi_page,
     "safety.md": safety_page,
     "signals.md": signals_page,
 }

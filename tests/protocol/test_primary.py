@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from types import SimpleNamespace
 
 import pytest
 
@@ -11,9 +12,14 @@ from elitescript.messages.events import Alarm, TextMessage, Warned
 from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
 from elitescript.messages.machine import SetSpeedScale, StopTask
 from elitescript.protocol import primary
+from elitescript.protocol.connection import ProtocolError
 from elitescript.protocol.primary import (
+    MAX_BYTES_PER_TICK,
+    MAX_LINES_PER_TICK,
+    MAX_SILENT_LINE_BYTES,
     MAX_UNITS_PER_TICK,
     MAX_WAITING,
+    MAX_WAITING_BYTES,
     PORTS,
     PRIMARY,
     READ_ONLY,
@@ -266,20 +272,73 @@ class TestUploads:
     def test_a_text_without_end_is_thrown_away_at_the_limit(self):
         connection = connect()
         connection.receive(b"def a():\n", output(0))
-        line = b" #" + b"x" * 100_000 + b"\n"
+        line = b" #" + b"x" * (MAX_BYTES_PER_TICK - 3) + b"\n"
         inputs = []
-        for _ in range(MAX_UNIT_BYTES // len(line) + 1):
-            inputs += connection.receive(line, output(0))
+        for tick in range(1, MAX_UNIT_BYTES // len(line) + 2):
+            inputs += connection.receive(line, output(tick))
         assert [type(found) for found in inputs] == [AddLog]
-        assert connection.receive(b"end\nstop task\n", output(1)) == [Do(ME, StopTask())]
+        assert connection.receive(b"end\nstop task\n", output(tick + 1)) == [Do(ME, StopTask())]
 
-    def test_a_flood_of_lines_is_cut_off_and_told_of_once(self):
+    def test_a_flood_of_programs_is_run_in_portions(self):
         connection = connect()
-        inputs = connection.receive(b"halt()\n" * (3 * MAX_UNITS_PER_TICK), output(1))
-        assert inputs[:-1] == [RunUnit(ME, "line", "halt()")] * MAX_UNITS_PER_TICK
-        assert isinstance(inputs[-1], AddLog)
-        assert connection.receive(b"halt()\n", output(1)) == []
-        assert connection.receive(b"halt()\n", output(2)) == [RunUnit(ME, "line", "halt()")]
+        portions = [connection.receive(b"halt()\n" * 1000, output(1))]
+        for tick in range(2, 60):
+            connection.publish(output(tick))
+            portions.append(connection.due())
+        assert [unit for portion in portions for unit in portion] == [RunUnit(ME, "line", "halt()")] * 1000
+        assert max(map(len, portions)) <= MAX_UNITS_PER_TICK
+
+    def test_a_flood_of_programs_is_cut_off_when_its_sender_goes(self):
+        connection = connect()
+        sent = connection.receive(b"halt()\n" * 1000, output(1))
+        *last, log = connection.closed()
+        assert sent + last == [RunUnit(ME, "line", "halt()")] * MAX_UNITS_PER_TICK
+        assert isinstance(log, AddLog)
+        assert "the rest is lost" in log.text
+
+    def test_a_long_program_is_read_over_several_ticks(self):
+        program = "def a():\n" + " x = 1\n" * (3 * MAX_LINES_PER_TICK) + "end"
+        connection = connect()
+        assert connection.receive(f"{program}\nstop task\n".encode(), output(0)) == []
+        found = []
+        for tick in range(1, 20):
+            connection.publish(output(tick))
+            if due := connection.due():
+                found.append((tick, due))
+        ((tick, due),) = found
+        assert due == [RunUnit(ME, "program", program), Do(ME, StopTask())]
+        assert 3 <= tick <= 6
+
+    @pytest.mark.parametrize("line_end", [b"\n", b"\r", b"\r\n"])
+    def test_a_flood_of_line_ends_is_read_in_portions(self, line_end):
+        connection = connect()
+        read = []
+        monitor = connection._splitter.receive
+        connection._splitter = SimpleNamespace(receive=lambda data: read.append(data) or monitor(data), pending=False)
+        connection.receive(line_end * 20_000, output(0))
+        connection.receive(line_end, output(0))
+        assert 0 < sum(map(len, read)) <= MAX_LINES_PER_TICK * len(line_end)
+        before = len(read)
+        connection.publish(output(1))
+        assert len(read) > before
+
+    def test_what_was_not_yet_read_counts_when_the_client_goes(self):
+        connection = connect()
+        connection.receive(b"\n" * (3 * MAX_LINES_PER_TICK) + b"stop task\n" + PROGRAM.encode(), output(0))
+        assert connection.closed() == [Do(ME, StopTask()), RunUnit(ME, "program", PROGRAM)]
+
+    def test_says_when_it_has_enough(self):
+        connection = connect()
+        connection.receive(b"x" * (2 * MAX_BYTES_PER_TICK), output(0))
+        assert connection.is_busy
+        connection.publish(output(1))
+        assert not connection.is_busy
+
+    def test_a_client_that_sends_on_all_the_same_is_cut_off(self):
+        connection = connect()
+        connection.receive(b"x" * MAX_WAITING_BYTES, output(0))
+        with pytest.raises(ProtocolError, match="bytes wait"):
+            connection.receive(b"x" * (MAX_BYTES_PER_TICK + 1), output(0))
 
     def test_a_speed_that_makes_no_sense_is_told(self):
         connection = connect()
@@ -318,6 +377,14 @@ class TestSilence:
         run(connection, range(1, 500))
         assert connection.due() == []
         assert connection.receive(b"end\n", output(500)) == [RunUnit(ME, "program", "def a():\n halt()\nend")]
+
+    def test_a_very_long_line_waits_for_its_line_feed(self):
+        line = "x = '" + "y" * MAX_SILENT_LINE_BYTES + "'"
+        connection = connect()
+        assert connection.receive(line.encode(), output(0)) == []
+        run(connection, range(1, 500))
+        assert connection.due() == []
+        assert connection.receive(b"\n", output(500)) == [RunUnit(ME, "line", line)]
 
     def test_what_it_made_is_not_lost_when_the_client_goes(self):
         connection = connect()

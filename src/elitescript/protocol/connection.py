@@ -1,4 +1,4 @@
-"""What every connection that the controller serves can do: bytes in, inputs out; events and snapshots in, bytes out.
+"""The interface of every connection that the controller serves: bytes in, inputs out; what a tick gives in, bytes out.
 
 A connection is sans-I/O: it knows no socket and no clock, only ticks. The pump (`services.tcp`) calls `receive` with
 whatever has arrived, hands the inputs to the robot, calls `publish` after every tick, and writes what `take` returns
@@ -51,6 +51,11 @@ class Connection(ABC):
     @abstractmethod
     def publish(self, output: Output) -> None:
         """Take note of a tick: queue what this client is to hear of it."""
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it has enough to work on: leave what the peer sends in the socket until this is over."""
+        return False
 
     def due(self) -> list[Input]:
         """Return what time alone has made of bytes that came before; to be asked after every `publish`."""

@@ -13,12 +13,12 @@ from __future__ import annotations
 from collections import deque
 from typing import Final, NamedTuple
 
-from elitescript.language.units import SILENCE_S, Refusal, Unit, UnitSplitter
+from elitescript.language.units import MAX_UNIT_BYTES, SILENCE_S, Refusal, Unit, UnitSplitter
 from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import TICKS_PER_S, ticks_for
-from elitescript.protocol.connection import Connection
+from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.primary_commands import request_of
 from elitescript.protocol.primary_messages import (
     TERMINATOR,
@@ -36,8 +36,16 @@ SPACING_TICKS: Final = 7
 MAX_WAITING: Final = 32
 """Robot messages that may wait for a client; they have left after 0.9 s. Vital ones displace others."""
 MAX_UNITS_PER_TICK: Final = 100
-"""Units that one client may send in one tick; the rest is refused. *Assumed.*"""
+"""Units of one client that run in one tick; more have to wait, or are refused if the client goes. *Assumed.*"""
+LINES_AT_ONCE: Final = 50
+BYTES_AT_ONCE: Final = 2048
+MAX_LINES_PER_TICK: Final = 500
+MAX_BYTES_PER_TICK: Final = 16 * 1024
+"""What of one client's text is read in one tick, about 1 ms of work; the rest has to wait for the next."""
+MAX_WAITING_BYTES: Final = MAX_UNIT_BYTES + 1024 * 1024
 SILENCE_TICKS: Final = ticks_for(SILENCE_S)
+MAX_SILENT_LINE_BYTES: Final = 16 * 1024
+"""A longer line is not complete before its line feed, however long the silence."""
 
 _LOCAL: Final = "Refused: the robot is in local control; switch it to remote control to run programs and commands"
 _DAMAGED: Final = "some bytes of a program are not UTF-8; each was replaced by U+FFFD"
@@ -126,13 +134,17 @@ class PrimaryConnection(Connection):
     """
 
     __slots__ = (
+        "_bytes_left",
         "_due",
         "_feed",
         "_heard_at",
         "_is_greeted",
         "_is_remote",
+        "_line_bytes",
+        "_lines_left",
         "_next_note_at",
         "_next_state_at",
+        "_raw",
         "_splitter",
         "_tick",
         "_units_in_tick",
@@ -143,6 +155,10 @@ class PrimaryConnection(Connection):
     def __init__(self, origin: str, description: RobotDescription, feed: PrimaryFeed | None = None) -> None:
         super().__init__(origin, description)
         self._feed = feed or PrimaryFeed(description)
+        self._raw = bytearray()
+        self._line_bytes = 0
+        self._lines_left = MAX_LINES_PER_TICK
+        self._bytes_left = MAX_BYTES_PER_TICK
         self._splitter = UnitSplitter()
         self._tick = 0
         self._is_remote = False
@@ -160,8 +176,14 @@ class PrimaryConnection(Connection):
         if not self._feed.port.takes_programs or not data:
             return []
         self._note_tick(output)
-        self._heard_at = output.tick
-        return self._inputs(self._splitter.receive(data))
+        self._raw += data
+        if len(self._raw) > MAX_WAITING_BYTES:
+            raise ProtocolError(f"more than {MAX_WAITING_BYTES} bytes wait; programs come faster than they can be read")
+        return self._read()
+
+    @property
+    def is_busy(self) -> bool:
+        return len(self._raw) >= MAX_BYTES_PER_TICK
 
     def publish(self, output: Output) -> None:
         self._note_tick(output)
@@ -178,9 +200,11 @@ class PrimaryConnection(Connection):
             self.send(self._feed.state(output))
             period = self._feed.port.period_ticks
             self._next_state_at = output.tick - output.tick % period + period
-        if self._heard_at is not None and output.tick - self._heard_at >= SILENCE_TICKS:
+        if self._raw:
+            self._due += self._read()
+        elif self._heard_at is not None and output.tick - self._heard_at >= SILENCE_TICKS:
             self._heard_at = None
-            if self._splitter.pending:
+            if self._splitter.pending and self._line_bytes <= MAX_SILENT_LINE_BYTES:
                 self._due += self._inputs(self._splitter.silence())
 
     def due(self) -> list[Input]:
@@ -188,9 +212,33 @@ class PrimaryConnection(Connection):
         return due
 
     def closed(self) -> list[Input]:
-        return self.due() + self._inputs(self._splitter.close())
+        due = self.due() + self._inputs(self._splitter.receive(bytes(self._raw)))
+        self._raw.clear()
+        return due + self._inputs(self._splitter.close())
 
     # Units
+
+    def _read(self) -> list[Input]:
+        """Read as much of the text as this tick allows."""
+        inputs: list[Input] = []
+        while self._units_in_tick <= MAX_UNITS_PER_TICK - LINES_AT_ONCE and (piece := self._piece()):
+            inputs += self._inputs(self._splitter.receive(piece))
+        return inputs
+
+    def _piece(self) -> bytes:
+        """Take a piece of at most so many lines that their units cannot be too many."""
+        lines_left = min(self._lines_left, LINES_AT_ONCE)
+        piece = bytes(self._raw[: min(self._bytes_left, BYTES_AT_ONCE)])
+        while (lines := piece.count(b"\n") + piece.count(b"\r")) > lines_left:
+            piece = piece[: len(piece) // 2]
+        if piece:
+            del self._raw[: len(piece)]
+            self._bytes_left -= len(piece)
+            self._lines_left -= lines
+            self._heard_at = self._tick
+            begin = piece.rfind(b"\n") + 1
+            self._line_bytes = len(piece) - begin + (0 if begin else self._line_bytes)
+        return piece
 
     def _inputs(self, found: list[Unit | Refusal]) -> list[Input]:
         inputs: list[Input] = []
@@ -235,6 +283,8 @@ class PrimaryConnection(Connection):
         if output.tick != self._tick:
             self._tick = output.tick
             self._units_in_tick = 0
+            self._lines_left = MAX_LINES_PER_TICK
+            self._bytes_left = MAX_BYTES_PER_TICK
 
     def _wait(self, note: Note) -> None:
         """Queue a robot message; of too many, one that is not vital is lost, or else the oldest."""

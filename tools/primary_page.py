@@ -1,0 +1,116 @@
+"""The reference page of the primary port, from its tables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from elitescript.protocol import primary
+from elitescript.protocol.binary import Field
+from elitescript.protocol.primary_commands import COMMANDS
+from elitescript.protocol.primary_messages import HEAD, KINDS, MAX_TEXT_BYTES, MessageKind
+from elitescript.protocol.primary_packets import STATE_SIZE, SUB_MESSAGES, SubMessage
+from tools.markdown import NOTICE, anchor, cell
+
+
+def primary_page() -> str:
+    """Ports, messages and commands of the primary port and its relatives."""
+    lines = [
+        "# Primary port",
+        "",
+        NOTICE,
+        "Robot state and messages go out, programs and plain commands come in. Numbers are big-endian. `@` is the",
+        "offset in bytes from the first byte of the message or sub-message, its head included.",
+        "",
+        "*documented*: in the vendor's client code or pages; *observed*: in other public clients; *assumed*: decided",
+        "here.",
+        "",
+        "## Ports",
+        "",
+        "| port | name | states in a second | messages | programs | evidence | what it does |",
+        "|---:|---|---:|---|---|---|---|",
+    ]
+    for port in primary.PORTS:
+        does = " | ".join("yes" if what else "no" for what in (port.sends_messages, port.takes_programs))
+        lines.append(f"| {port.number} | {port.name} | {port.rate} | {does} | {port.evidence} | {port.summary} |")
+    lines += [
+        "",
+        "The first state comes at once, the others on ticks that all clients share. Robot messages leave at least",
+        f"{primary.SPACING_TICKS} ticks apart; {primary.MAX_WAITING} may wait for a client, then texts are lost before",
+        "errors.",
+        "",
+        "## Robot state",
+        "",
+        f"A head of 5 bytes (length, type 16), then {len(SUB_MESSAGES)} sub-messages in this order; {STATE_SIZE} bytes",
+        "together.",
+        "",
+        "| sub-message | type | bytes | evidence for the type |",
+        "|---|---:|---:|---|",
+    ]
+    lines += [
+        f"| [{part.name}](#{anchor(part.name)}) | {part.number} | {part.size} | {part.evidence} |"
+        for part in SUB_MESSAGES
+    ]
+    for part in SUB_MESSAGES:
+        lines += _sub_message_section(part)
+    lines += [
+        "",
+        "## Robot messages",
+        "",
+        "Type 20. All begin with the same head. The last text of a message goes to its end, is cut at",
+        f"{MAX_TEXT_BYTES} bytes, and has a zero byte behind it (*assumed*); a text before it has its length in front,",
+        "one byte.",
+        "",
+        *_field_table(HEAD, 0),
+    ]
+    for kind in KINDS:
+        lines += _message_section(kind)
+    lines += [
+        "",
+        "## What comes in",
+        "",
+        "A text stream. `def name():` to `end` at the start of a line is a program and replaces the one that runs;",
+        "`sec name():` to `end` runs beside it; any other line is a program of its own or one of the plain commands",
+        "below. Nothing is answered but what goes wrong. An `end` or a line without a line feed counts after",
+        f"{primary.SILENCE_TICKS} ticks without a byte, or when the client closes; a program that is still open then",
+        f"is refused. At most {primary.MAX_UNITS_PER_TICK} units of a client run in one tick. In local control",
+        "everything is refused (*assumed*). A refusal is a script exception for the client and a line of the log.",
+        "",
+        "| plain command | what the vendor's client watches afterwards |",
+        "|---|---|",
+    ]
+    for command in COMMANDS:
+        argument = " F" if command.takes_fraction else ""
+        lines.append(f"| `{command.words}{argument}` | {command.confirmation} |")
+    return "\n".join([*lines, "", "F is a fraction from 0 to 1, such as 0.50."]) + "\n"
+
+
+def _sub_message_section(part: SubMessage) -> list[str]:
+    lines = ["", f"### {part.name.capitalize()}", "", f"Type {part.number}, {part.size} bytes."]
+    if part.repeats > 1:
+        record = (part.size - 5) // part.repeats
+        lines += ["", f"{part.repeats} records of {record} bytes, one for each joint; offsets are those of the first."]
+    return [*lines, "", *_field_table([row.field for row in part.rows], part.offsets()[0])]
+
+
+def _message_section(kind: MessageKind) -> list[str]:
+    own = kind.fields.fields[len(HEAD) :]
+    lines = [
+        "",
+        f"### {kind.name.capitalize()}",
+        "",
+        f"Kind {kind.number}, {kind.evidence}. Sent for: {kind.summary}.",
+        "",
+    ]
+    if own:
+        lines += [*_field_table(own, kind.fields.offsets()[len(HEAD)]), ""]
+    return [*lines, f"Then: {', '.join(kind.texts)}."]
+
+
+def _field_table(fields: Sequence[Field], first: int) -> list[str]:
+    lines = ["| @ | type | field | unit | evidence | |", "|---:|---|---|---|---|---|"]
+    at = first
+    for field in fields:
+        cells = (at, field.type.name, field.name, field.unit, field.evidence, cell(field.summary))
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+        at += field.type.size
+    return lines
