@@ -296,6 +296,22 @@ def test_inputs_count_while_paused_and_while_data_flows() -> None:
     assert client.receive(slider(1, 0.5), output()) == expected
 
 
+def test_the_first_package_after_an_input_is_of_a_tick_that_knows_it() -> None:
+    # A client of the vendor's writes the slider while paused, starts, and takes the first package for the answer.
+    client = connect()
+    ask(client, output_recipe(250, ["target_speed_fraction"]) + input_recipe(SLIDER))
+    assert len(client.receive(slider(1, 0.5) + START, output(1000))) == 2
+    assert told(client) == [("S", b"\x01")]
+    client.publish(output(1001, speed_scale=0.5))
+    ((_, payload),) = told(client)
+    assert values(payload, ["DOUBLE"]) == [0.5]
+    # Sent a tick before the start, it is known already.
+    client.receive(PAUSE + slider(1, 0.25), output(1001))
+    told(client)
+    start, (letter, _) = ask(client, START, tick=1002)
+    assert (start, letter) == (("S", b"\x01"), "U")
+
+
 def test_mask_and_levels_may_come_in_recipes_of_their_own() -> None:
     client = connect()
     ask(client, input_recipe(SLIDER[:1]) + input_recipe(SLIDER[1:]))
