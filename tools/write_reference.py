@@ -191,7 +191,7 @@ def safety_page() -> str:
     lines += ["", "## Refusals", "", "| in state | to a motion, a task or power | to an unlock |", "|---|---|---|"]
     for mode in safety.MODES:
         unlock = safety.REFUSALS.get((mode, "unlock_protective_stop"), "")
-        lines.append(f"| {mode.name} | {_cell(safety.WHAT_TO_DO.get(mode, ''))} | {_cell(unlock)} |")
+        lines.append(f"| {mode.name} | {cell(safety.WHAT_TO_DO.get(mode, ''))} | {cell(unlock)} |")
     return "\n".join([*lines, "", _CELL_FILE])
 
 

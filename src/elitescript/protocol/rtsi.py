@@ -100,6 +100,7 @@ class RtsiConnection(Connection):
         "_outputs",
         "_port",
         "_values",
+        "_written_tick",
     )
 
     def __init__(self, origin: str, description: RobotDescription, port: RtsiPort) -> None:
@@ -111,6 +112,7 @@ class RtsiConnection(Connection):
         self._inputs: list[InputRecipe] = []
         self._values: dict[str, WireValue] = {}
         self._is_started = False
+        self._written_tick: int | None = None
         self._complaints: dict[str, int] = {}
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
@@ -145,8 +147,11 @@ class RtsiConnection(Connection):
         return inputs
 
     def publish(self, output: Output) -> None:
-        """Queue the packages that are due at this tick."""
-        if not self._is_started:
+        """Queue the packages that are due at this tick.
+
+        A client that has just written an input hears of no tick before that: it takes the next package for an answer.
+        """
+        if not self._is_started or output.tick == self._written_tick:
             return
         for recipe in self._outputs:
             if recipe.schedule.is_due(output.tick):
@@ -293,6 +298,7 @@ class RtsiConnection(Connection):
         arrival = Arrival(values, self._values, output.snapshot, {})
         inputs: list[Input] = [Do(self.origin, request) for request in requests_of(recipe.effects, arrival)]
         self._values = values
+        self._written_tick = output.tick
         for name, text in arrival.problems.items():
             self._complain(name, text, output)
         inputs.append(VariablesArrived(self.origin, recipe.names))

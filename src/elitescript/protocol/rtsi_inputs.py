@@ -35,6 +35,7 @@ from elitescript.protocol.binary import (
     VECTOR6D,
     WireType,
     WireValue,
+    packed_bits,
 )
 from elitescript.protocol.rtsi_variables import ASSUMED, BIT_REGISTERS, CLIENT, THIRD, WORDS
 
@@ -42,6 +43,7 @@ Values: TypeAlias = Mapping[str, WireValue]
 
 _ANALOG_OUT: Final = "standard_analog_out"
 _WRENCH: Final = "external_force_torque"
+_ALL_BITS: Final = 2**32 - 1
 
 
 class InputVariable(NamedTuple):
@@ -199,13 +201,14 @@ def _register_word(first: int) -> Effect:
     name, family = f"input_bit_registers{first}_to_{first + 31}", "input_bool_register"
 
     def requests(arrival: Arrival) -> Requests:
-        word, before = arrival.integer(name), arrival.previous.get(name)
-        levels = arrival.snapshot.signals[family]
-        for bit in range(32):
-            level = bool(word >> bit & 1)
-            is_news = before is None or (word ^ int(before)) >> bit & 1  # type: ignore[arg-type]
-            if is_news or levels[first + bit] != level:
-                yield WriteSignal(family, first + bit, level)
+        word = arrival.integer(name)
+        news = word ^ packed_bits(arrival.snapshot.signals[family][first : first + 32])
+        before = arrival.previous.get(name)
+        news |= word ^ before if isinstance(before, int) else _ALL_BITS
+        while news:
+            bit = (news & -news).bit_length() - 1
+            news &= news - 1
+            yield WriteSignal(family, first + bit, bool(word >> bit & 1))
 
     return Effect((name,), requests)
 

@@ -7,9 +7,10 @@ list is not public: a name that is missing here is answered with `NOT_FOUND`. Th
 from __future__ import annotations
 
 from collections.abc import Callable
+from enum import IntEnum
 from typing import Final, NamedTuple, TypeAlias
 
-from elitescript.messages.enums import SafetyMode, TaskState
+from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import Snapshot
 from elitescript.protocol.binary import (
@@ -25,7 +26,7 @@ from elitescript.protocol.binary import (
     WireValue,
     packed_bits,
 )
-from elitescript.protocol.device_modes import is_powered, joint_mode, tool_mode
+from elitescript.protocol.device_modes import DeviceMode, is_powered, joint_mode, tool_mode
 
 Reader: TypeAlias = Callable[[Snapshot], WireValue]
 
@@ -55,6 +56,11 @@ class OutputVariable(NamedTuple):
 
 def _one(name: str, wire: WireType, unit: str, summary: str, read: Reader, *, evidence: str = CLIENT) -> OutputVariable:
     return OutputVariable(name, wire, unit, summary, lambda _: read, evidence=evidence)
+
+
+def _numbers(modes: type[IntEnum]) -> str:
+    """Each number of an enumeration with its name."""
+    return ", ".join(f"{mode.value} {mode.name.lower().replace('_', ' ')}" for mode in modes)
 
 
 def _point(family: str) -> Callable[[int], Reader]:
@@ -187,17 +193,17 @@ OUTPUT_ROWS: Final[tuple[OutputVariable, ...]] = (
     ),
     _one("actual_digital_output_bits", UINT32, "", "digital outputs: bits as of the inputs", _digital_word("out")),
     _one("joint_temperatures", VECTOR6D, "degC", "joint temperatures", lambda s: s.joint_temperatures),
-    _one("robot_mode", INT32, "", "robot mode", lambda s: int(s.robot.robot_mode)),
+    _one("robot_mode", INT32, "", f"robot mode: {_numbers(RobotMode)}", lambda s: int(s.robot.robot_mode)),
     _one(
         "joint_mode",
         VECTOR6INT32,
         "",
-        "mode of each joint",
+        f"mode of each joint: {_numbers(DeviceMode)}",
         lambda s: (int(joint_mode(s.robot)),) * 6,
         evidence=f"{CLIENT}; relation to the robot mode {ASSUMED}",
     ),
-    _one("safety_status", INT32, "", "safety mode", lambda s: int(s.robot.safety_mode)),
-    _one("safety_mode", INT32, "", "safety mode", lambda s: int(s.robot.safety_mode), evidence=THIRD),
+    _one("safety_status", INT32, "", f"safety mode: {_numbers(SafetyMode)}", lambda s: int(s.robot.safety_mode)),
+    _one("safety_mode", INT32, "", "the same", lambda s: int(s.robot.safety_mode), evidence=THIRD),
     _one("speed_scaling", DOUBLE, "", "how fast planned time passes, 0 to 1", lambda s: s.speed_scaling),
     _one("target_speed_fraction", DOUBLE, "", "speed slider, 0 to 1", lambda s: s.robot.speed_scale),
     _one("actual_robot_voltage", DOUBLE, "V", "supply of the arm", lambda s: s.robot_voltage),
@@ -206,7 +212,7 @@ OUTPUT_ROWS: Final[tuple[OutputVariable, ...]] = (
         "runtime_state",
         UINT32,
         "",
-        "task: 0 unknown, 1 playing, 2 paused, 3 stopped",
+        f"task: {_numbers(TaskState)}",
         lambda s: int(s.robot.task_state),
     ),
     _one("elbow_position", VECTOR3D, "m", "elbow, base frame", lambda s: s.elbow_position),
@@ -243,7 +249,7 @@ OUTPUT_ROWS: Final[tuple[OutputVariable, ...]] = (
         "tool_mode",
         UINT32,
         "",
-        "mode of the tool",
+        "mode of the tool, numbered like those of joints",
         lambda s: int(tool_mode(s.robot)),
         evidence=f"{CLIENT}; relation to the robot mode {ASSUMED}",
     ),
