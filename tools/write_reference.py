@@ -1,6 +1,7 @@
 """Write the reference pages in docs/reference from the tables and functions that they describe.
 
-Run it after a change to a command, an error code, a signal, a safety state or a port: `python tools/write_reference.py`.
+Run it after a change to a command, an error code, a signal, a safety state or a port:
+`python tools/write_reference.py`.
 """
 
 from __future__ import annotations
