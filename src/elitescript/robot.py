@@ -14,6 +14,7 @@ from pathlib import Path
 from threading import current_thread, main_thread
 from typing import Any, Final, Literal
 
+from elitescript.controller.contact import ContactConfig
 from elitescript.controller.controller import Controller
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
@@ -81,6 +82,7 @@ class VirtualRobot:
         strict: bool = False,
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
+        contact: ContactConfig | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
@@ -92,7 +94,9 @@ class VirtualRobot:
         home = None if joints is None else self._start_joints(joints)
         if not 0.0 <= speed <= 1.0:
             raise UsageError(f"speed must be in [0, 1], got {speed!r}")
-        self.controller = Controller(self.model, epoch_s=epoch_s, on_event=self._event, home=home, speed_scale=speed)
+        self.controller = Controller(
+            self.model, epoch_s=epoch_s, on_event=self._event, home=home, speed_scale=speed, contact=contact
+        )
         self.signals = Signals(self.controller)
         self._host = ScriptHost(
             self.controller, profile=self.profile, seed=seed, on_end=self._program_ended, work_per_tick=work_per_tick

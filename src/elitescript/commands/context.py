@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.events import Event
 from elitescript.messages.machine import MachineRequest
-from elitescript.messages.motion import DriveRequest, MotionRequest, MoveRequest, Six
+from elitescript.messages.motion import DriveRequest, MotionRequest, MoveRequest, Six, YieldRequest
 from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import JointState, Payload, RobotState
@@ -63,6 +63,13 @@ class Machine(Protocol):
     def joint_torques(self) -> Six:
         """Torques of this tick without those that the arm needs to carry and to move itself, N m."""
 
+    def tcp_wrench(self, is_compensated: bool) -> Six:
+        """What the surroundings exert on the TCP in this tick, in its frame: N, N m.
+
+        Args:
+            is_compensated: without the payload and less the zero of the sensor.
+        """
+
     def state(self) -> RobotState:
         """The whole machine at this tick."""
 
@@ -75,7 +82,7 @@ class Machine(Protocol):
     def timestamp_s(self) -> float:
         """The controller's clock, seconds since 1970."""
 
-    def request_motion(self, request: MotionRequest, line: int, thread: str) -> int:
+    def request_motion(self, request: MotionRequest | YieldRequest, line: int, thread: str) -> int:
         """Begin to move (or to brake) at this tick; return the number of the move.
 
         Raises:
@@ -115,10 +122,10 @@ class Robot(Protocol):
     def task_path(self) -> str:
         """Virtual path of the task folder, ending in `/`."""
 
-    def move(self, request: MoveRequest | DriveRequest) -> None:
-        """Ask for a move and wait for its end, or for a drive and wait until its call is over."""
+    def move(self, request: MoveRequest | DriveRequest | YieldRequest) -> None:
+        """Ask for a move and wait for its end, or for anything else and wait until its call is over."""
 
-    def stop_motion(self, request: MotionRequest) -> None:
+    def stop_motion(self, request: MotionRequest | YieldRequest) -> None:
         """Ask for a stop and wait for standstill."""
 
     def request(self, request: MachineRequest) -> None:

@@ -23,7 +23,10 @@ difference, the bending of a path some 1e-5."""
 
 
 class Correction(Protocol):
-    """Changes the nominal setpoint from tick to tick."""
+    """Changes the nominal setpoint from tick to tick.
+
+    It hears of pauses and stops whether it is active or not.
+    """
 
     @property
     def is_active(self) -> bool:
@@ -150,22 +153,19 @@ class ArmState:
         """Come to rest, to go on later."""
         self._motion.pause(tick)
         for correction in self._corrections:
-            if correction.is_active:
-                correction.pause(tick)
+            correction.pause(tick)
 
     def resume(self, tick: int) -> None:
         """Go on after a pause."""
         self._motion.resume(tick)
         for correction in self._corrections:
-            if correction.is_active:
-                correction.resume(tick)
+            correction.resume(tick)
 
     def stop(self, tick: int) -> None:
         """Come to rest: the program is over."""
         self._motion.stop(tick)
         for correction in self._corrections:
-            if correction.is_active:
-                correction.stop(tick)
+            correction.stop(tick)
 
     @property
     def _is_stepped(self) -> bool:

@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from elitescript.controller.arm_dynamics import ArmDynamics
 from elitescript.controller.arm_state import ArmState
+from elitescript.controller.contact import ContactConfig
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
 from elitescript.controller.model_limits import motion_limits
@@ -19,6 +20,8 @@ from elitescript.controller.motion_control import MotionControl
 from elitescript.controller.setup import SETUP_HANDLERS, Setup
 from elitescript.controller.snapshot import build_state
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
+from elitescript.controller.yield_control import YIELD_SETTINGS, YieldControl
+from elitescript.controller.yielding import Caller
 from elitescript.errors import ArgumentRangeError, ScriptError, ScriptStateError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
@@ -29,13 +32,12 @@ from elitescript.messages.machine import (
     PauseTask,
     PowerDown,
     ResumeTask,
-    SetInputAction,
     SetLineMark,
     SetSpeedScale,
     StopTask,
     WriteSignal,
 )
-from elitescript.messages.motion import MotionRequest, Six
+from elitescript.messages.motion import MotionRequest, Six, YieldRequest
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.timing import seconds
@@ -51,6 +53,7 @@ class Controller:
         on_event: receives every event in order.
         home: joint positions at the start, rad; the model's home if None.
         speed_scale: speed percentage at the start, as a fraction.
+        contact: what the TCP can touch; None for nothing.
     """
 
     __slots__ = (
@@ -69,6 +72,7 @@ class Controller:
         "_signals",
         "_task",
         "_tick",
+        "_yield",
         "arm",
         "joint_ranges",
     )
@@ -81,6 +85,7 @@ class Controller:
         on_event: Callable[[Event], None],
         home: Six | None = None,
         speed_scale: float = 1.0,
+        contact: ContactConfig | None = None,
     ) -> None:
         self._model = model
         self.arm: Arm = model.arm
@@ -103,8 +108,9 @@ class Controller:
             self._motion_ended,
         )
         self._motion.set_speed_scale(speed_scale, 0)
-        self._arm_state = ArmState(self._motion)
         self._setup = Setup(model)
+        self._yield = YieldControl(model, self._setup, self._signals, contact, on_event, self._yield_ended)
+        self._arm_state = ArmState(self._motion, self._yield.corrections)
         self._node: tuple[int, str] = (0, "")
         self._is_powering_down = False
         self._dynamics = ArmDynamics(model)
@@ -227,6 +233,13 @@ class Controller:
             joints.q_actual, joints.qd_actual, qdd, self._setup.gravity, self._setup.payload
         )
 
+    def tcp_wrench(self, is_compensated: bool) -> Six:
+        """What the surroundings exert on the TCP in this tick, TCP frame; see `wrench_sensor`."""
+        joints, sensor = self.joints(), self._yield.sensor
+        if is_compensated:
+            return sensor.compensated(joints.q_actual, joints.qd_actual)
+        return sensor.raw(joints.q_actual, joints.qd_actual, self._arm_state.target_acceleration())
+
     def joints_at(self, tick: int) -> JointState:
         """Joints at a tick from the present one up to the next at which something is due."""
         return self._arm_state.joints(tick)
@@ -276,21 +289,27 @@ class Controller:
 
     # ---------------------------------------------------------------- requests
 
-    def request_motion(self, request: MotionRequest, line: int, thread: str) -> int:
+    def request_motion(self, request: MotionRequest | YieldRequest, line: int, thread: str) -> int:
         """See `commands.context.Machine.request_motion`."""
         mode = RobotMode.POWER_OFF if self._is_powering_down else self._power.mode
         why = WHY_NOT_READY.get(mode)
         if why is not None:
             raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
+        if isinstance(request, YieldRequest):
+            return self._yield.request(request, self._tick, self._motion, self.joints(), Caller(line, thread))
+        call = self._yield.admit(request, self._tick)
+        if call is not None:
+            return call
         return self._motion.request(request, self._tick, self._setup.T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:
         """Whether that move is over."""
-        return self._motion.is_done(move)
+        return self._yield.is_done(move) if move < 0 else self._motion.is_done(move)
 
     def cancel_move(self, move: int) -> None:
         """Brake that move, if it is under way."""
-        self._motion.cancel(move, self._tick)
+        if move >= 0:
+            self._motion.cancel(move, self._tick)
 
     def request(self, request: MachineRequest) -> None:
         """Hand a request to the one handler that knows it."""
@@ -315,6 +334,7 @@ class Controller:
         self._task.name = name
         self._node = (0, "")
         self._motion.begin_program()
+        self._yield.begin_program()
         self._task.apply("start")
 
     def task_ended(self) -> None:
@@ -337,6 +357,10 @@ class Controller:
         self._program.motion_ended(move, is_complete)
         self._switch_off_at_standstill()
 
+    def _yield_ended(self, call: int) -> None:
+        self._program.motion_ended(call, True)
+        self._switch_off_at_standstill()
+
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value))
 
@@ -344,12 +368,12 @@ class Controller:
 
     def _write_signal(self, request: WriteSignal) -> None:
         self._signals.write(request)
-        self._warn_of_hand_guiding(request.name, request.index)
+        self._guide_by_inputs()
 
-    def _warn_of_hand_guiding(self, name: str, index: int) -> None:
-        if self._signals.is_freedrive_input(name, index) and self._signals.read(name, index):
-            point = signal_name(SIGNALS[name], index)
-            self.emit(Warned(self._tick, f"{point} asks for hand guiding, which is not simulated yet"))
+    def _guide_by_inputs(self) -> None:
+        """Hand guiding begins and ends with the inputs that are bound to it."""
+        point, why_not = self._signals.freedrive_point, WHY_NOT_READY.get(self._power.mode)
+        self._yield.guide_by_input(point, why_not, self._tick, self._motion, self.joints())
 
     def _set_speed_scale(self, request: SetSpeedScale) -> None:
         if not 0.0 <= request.fraction <= 1.0:
@@ -359,6 +383,9 @@ class Controller:
                 limit="[0, 1]",
             )
         self._motion.set_speed_scale(request.fraction, self._tick)
+
+    def _set_yielding(self, request: Any) -> None:
+        YIELD_SETTINGS[type(request)](self._yield, request, self.joints())
 
     def _declare(self, request: Any) -> None:
         SETUP_HANDLERS[type(request)](self._setup, request)
@@ -395,8 +422,7 @@ class Controller:
 
     def _signal_setting(self, request: Any) -> None:
         SIGNAL_SETTINGS[type(request)](self._signals, request)
-        if isinstance(request, SetInputAction):
-            self._warn_of_hand_guiding(request.name, request.index)
+        self._guide_by_inputs()
 
 
 HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
@@ -409,5 +435,6 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     StopTask: Controller._stop_task,
     **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
     **dict.fromkeys(SETUP_HANDLERS, Controller._declare),
+    **dict.fromkeys(YIELD_SETTINGS, Controller._set_yielding),
 }
 """Every kind of machine request and who handles it."""

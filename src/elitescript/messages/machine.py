@@ -144,6 +144,25 @@ class StopTask:
     """End the task; the arm brakes."""
 
 
+@dataclass(frozen=True, slots=True)
+class SetForceGain:
+    """How quickly force control answers, 0 to 2."""
+
+    scaling: float
+
+
+@dataclass(frozen=True, slots=True)
+class SetForceDamping:
+    """Damping of force control, 0 to 1."""
+
+    damping: float
+
+
+@dataclass(frozen=True, slots=True)
+class ZeroForceSensor:
+    """Take the present compensated wrench as zero."""
+
+
 MachineRequest = (
     WriteSignal
     | SetAnalogDomain
@@ -163,6 +182,9 @@ MachineRequest = (
     | PauseTask
     | ResumeTask
     | StopTask
+    | SetForceGain
+    | SetForceDamping
+    | ZeroForceSensor
 )
 
 Request = MotionRequest | MachineRequest

@@ -9,7 +9,7 @@ from elitescript.commands.context import Machine
 from elitescript.errors import ScriptStateError
 from elitescript.messages.events import Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import MachineRequest, PauseTask, SetLineMark
-from elitescript.messages.motion import DriveRequest, MotionRequest, MoveRequest, ServoJ, SpeedJ, SpeedL
+from elitescript.messages.motion import DriveRequest, MotionRequest, MoveRequest, ServoJ, SpeedJ, SpeedL, YieldRequest
 from elitescript.messages.profile import Profile
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.scheduler import Scheduler
@@ -129,8 +129,8 @@ class Context:
 
     # ---------------------------------------------------------------- the machine
 
-    def move(self, request: MoveRequest | DriveRequest) -> None:
-        """Ask for a move and wait for its end, or for a drive and wait until its call is over."""
+    def move(self, request: MoveRequest | DriveRequest | YieldRequest) -> None:
+        """Ask for a move and wait for its end, or for anything else and wait until its call is over."""
         if isinstance(request, ServoJ):
             reason = "the time of its target"
         elif isinstance(request, SpeedJ | SpeedL):
@@ -139,11 +139,11 @@ class Context:
             reason = "the end of its move"
         self._wait_for_move(request, reason)
 
-    def stop_motion(self, request: MotionRequest) -> None:
+    def stop_motion(self, request: MotionRequest | YieldRequest) -> None:
         """Ask for a stop and wait for standstill."""
         self._wait_for_move(request, "standstill")
 
-    def _wait_for_move(self, request: MotionRequest, reason: str) -> None:
+    def _wait_for_move(self, request: MotionRequest | YieldRequest, reason: str) -> None:
         strand = self.strand
         if strand.is_dying:
             raise Stopped

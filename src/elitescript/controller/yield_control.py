@@ -1,0 +1,190 @@
+"""Force control, hand guiding and the force sensor of one robot, and which of them may be on at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from elitescript.controller.contact import ContactConfig
+from elitescript.controller.force_control import ForceControl
+from elitescript.controller.hand_guiding import HandGuiding
+from elitescript.controller.io import SignalImage
+from elitescript.controller.model_limits import motion_limits
+from elitescript.controller.motion_control import MotionControl
+from elitescript.controller.setup import Setup
+from elitescript.controller.wrench_sensor import WrenchSensor
+from elitescript.controller.yielding import Body, Caller, YieldingCorrection
+from elitescript.errors import MotionError
+from elitescript.messages.events import Event, Warned
+from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
+from elitescript.messages.motion import (
+    EndForceMode,
+    EndFreedrive,
+    ForceMode,
+    Freedrive,
+    MotionRequest,
+    StopJ,
+    StopL,
+    YieldRequest,
+)
+from elitescript.messages.state import JointState
+from elitescript.models.model import RobotModel
+
+FORCE_CALL: Final = -1
+GUIDING_CALL: Final = -2
+"""Numbers of the calls that wait for the end; numbers of moves are positive."""
+
+DONE_CALL: Final = 0
+"""Number of a call that is over at once."""
+
+
+class YieldControl:
+    """Everything about forces.
+
+    Args:
+        model: the arm.
+        setup: TCP, payload and gravity of the moment.
+        signals: for `external_wrench`.
+        contact: what the TCP can touch; None for nothing.
+        on_event: receives warnings.
+        on_end: called with the number of a call that waits for the end.
+    """
+
+    __slots__ = ("_force", "_guiding", "_is_asked_by_input", "_is_guided_by_input", "_on_event", "sensor")
+
+    def __init__(
+        self,
+        model: RobotModel,
+        setup: Setup,
+        signals: SignalImage,
+        contact: ContactConfig | None,
+        on_event: Callable[[Event], None],
+        on_end: Callable[[int], None],
+    ) -> None:
+        self.sensor = WrenchSensor(model.arm, setup, signals, contact or ContactConfig())
+        body = Body(model.arm, motion_limits(model), model.stop_joint_deceleration, setup, self.sensor)
+        self._force = ForceControl(body, on_event, lambda: on_end(FORCE_CALL))
+        self._guiding = HandGuiding(body, on_event, lambda: on_end(GUIDING_CALL))
+        self._on_event = on_event
+        self._is_asked_by_input = False
+        self._is_guided_by_input = False
+
+    @property
+    def corrections(self) -> tuple[YieldingCorrection, ...]:
+        """What `ArmState` applies; never more than one at a time."""
+        return self._force, self._guiding
+
+    def begin_program(self) -> None:
+        """Say again what has been said to the program before."""
+        self._force.forget_warnings()
+        self._guiding.forget_warnings()
+
+    def request(
+        self, request: YieldRequest, tick: int, motion: MotionControl, joints: JointState, caller: Caller
+    ) -> int:
+        """Begin or end force mode or hand guiding; return the number of the call.
+
+        Raises:
+            MotionError: two things at once; nothing has changed.
+        """
+        force, guiding = self._force, self._guiding
+        if isinstance(request, ForceMode):
+            self._require_no_guiding("force_mode")
+            force.begin(request, joints, motion.setpoint(tick), caller)
+            return DONE_CALL
+        if isinstance(request, EndForceMode):
+            if force.is_on:
+                force.stop(tick)
+            return FORCE_CALL if force.is_yielding else DONE_CALL
+        if isinstance(request, EndFreedrive):
+            return self._end_guiding(tick)
+        if force.is_active or motion.is_moving:
+            raise MotionError(
+                f"hand guiding cannot begin {'in force mode' if force.is_active else 'while the arm moves'}",
+                code="R114",
+                hint=f"call {'end_force_mode' if force.is_active else 'stopj'} first",
+            )
+        guiding.begin(request, joints, motion.setpoint(tick), caller)
+        self._is_guided_by_input = False
+        return DONE_CALL
+
+    def admit(self, request: MotionRequest, tick: int) -> int | None:
+        """Let a motion begin, or return the number of the call when it is a stop that only ends hand guiding.
+
+        Raises:
+            MotionError: the arm is guided by hand.
+        """
+        if isinstance(request, StopJ | StopL) and self._is_guiding:
+            return self._end_guiding(tick)
+        self._require_no_guiding(type(request).__name__.lower())
+        return None
+
+    def is_done(self, call: int) -> bool:
+        """Whether the call of that number is over."""
+        return not (self._force.is_yielding if call == FORCE_CALL else self._guiding.is_active)
+
+    def guide_by_input(
+        self, point: str | None, why_not: str | None, tick: int, motion: MotionControl, joints: JointState
+    ) -> None:
+        """Begin hand guiding when an input asks for it, and end it when none does any more.
+
+        Args:
+            point: name of an input that asks for it; None without one.
+            why_not: why the arm cannot move.
+            tick: present tick.
+            motion: the nominal motion, which has to rest.
+            joints: of this tick.
+        """
+        is_asked = point is not None
+        if is_asked == self._is_asked_by_input:
+            return
+        self._is_asked_by_input = is_asked
+        if not is_asked:
+            if self._is_guided_by_input:
+                self._end_guiding(tick)
+            return
+        if why_not is None and (motion.is_moving or self._force.is_active):
+            why_not = "the arm moves already"
+        if why_not is not None:
+            self._on_event(Warned(tick, f"{point} asks for hand guiding, but {why_not}"))
+        elif not self._guiding.is_on:
+            self._guiding.begin(Freedrive((True,) * 6), joints, motion.setpoint(tick), Caller(0, ""))
+            self._is_guided_by_input = True
+
+    @property
+    def _is_guiding(self) -> bool:
+        return self._guiding.is_on or self._guiding.is_active
+
+    def _end_guiding(self, tick: int) -> int:
+        self._is_guided_by_input = False
+        if self._guiding.is_on:
+            self._guiding.stop(tick)
+        return GUIDING_CALL if self._guiding.is_active else DONE_CALL
+
+    def set_gain(self, request: SetForceGain, _joints: JointState) -> None:
+        """Counts from the next force mode on."""
+        self._force.gain_scaling = request.scaling
+
+    def set_damping(self, request: SetForceDamping, _joints: JointState) -> None:
+        """Counts from the next force mode on."""
+        self._force.damping = request.damping
+
+    def zero_sensor(self, _request: ZeroForceSensor, joints: JointState) -> None:
+        """The present wrench becomes zero."""
+        self.sensor.zero(joints.q_actual, joints.qd_actual)
+
+    def _require_no_guiding(self, what: str) -> None:
+        if self._guiding.is_on or self._guiding.is_active:
+            raise MotionError(
+                f"{what} is not possible while the arm is guided by hand",
+                code="R114",
+                hint="call end_freedrive_mode first",
+            )
+
+
+YIELD_SETTINGS: Final[dict[type, Callable[[YieldControl, Any, JointState], None]]] = {
+    SetForceGain: YieldControl.set_gain,
+    SetForceDamping: YieldControl.set_damping,
+    ZeroForceSensor: YieldControl.zero_sensor,
+}
+"""Every request that only sets something about forces, and what handles it."""
