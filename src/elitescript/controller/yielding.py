@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from elitescript.controller.setup import Setup
 from elitescript.controller.wrench_sensor import WrenchSensor
@@ -27,7 +27,11 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.speed import Obstacle
 from elitescript.motion.twist import ToolMotion
 
-NONE_FREE = (False,) * 6
+NONE_FREE: Final = (False,) * 6
+
+_HARDER: Final = (1.0, 1.5, 2.0, 3.0)
+"""How hard the arm brakes in front of an obstacle, in the deceleration of a stop: as little as will do. More than 1 is
+asked for where a singularity makes the joints faster while the tool brakes."""
 
 
 class Body(NamedTuple):
@@ -182,10 +186,16 @@ class YieldingCorrection(ABC):
         wanted = level if is_over else self._wanted(axes, free, T_base_tcp, now)
         bound, bound_way = _difference(twist, level), _difference(way, selected(axes, self._selection, way))
         compliance = Compliance(ToolMotion(arm, body.limits, T_flange_tcp, body.deceleration), self.name)
-        found = compliance.next(target, bound, bound_way, free, wanted, is_gentle=is_over)
+        found = compliance.next(
+            target, bound, bound_way, free, wanted, deceleration=body.deceleration if is_over else None
+        )
         obstacle = found if isinstance(found, Obstacle) else None
+        for factor in _HARDER:
+            if isinstance(found, Obstacle):
+                d = factor * body.deceleration
+                found = compliance.next(target, bound, bound_way, free, level, deceleration=d)
         if isinstance(found, Obstacle):
-            found = compliance.next(target, bound, bound_way, free, level, is_gentle=True)
+            found = compliance.next(target, bound, bound_way, free, level, is_last_resort=True)
         if isinstance(found, Obstacle):
             halted = compliance.halted(target)
             found = Yielded(halted, tcp_twist(arm, *halted, T_flange_tcp), True)

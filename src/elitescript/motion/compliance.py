@@ -18,9 +18,9 @@ from elitescript.kinematics.transforms import Transform, position_of, rotation_o
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S
-from elitescript.motion.limits import RANGE_TOLERANCE_RAD
+from elitescript.motion.limits import RANGE_TOLERANCE_RAD, joint_outside
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import Obstacle, obstacle_at, range_obstacle
+from elitescript.motion.speed import Obstacle, range_obstacle
 from elitescript.motion.twist import ToolMotion
 
 _NEWTON_STEPS: Final = 3
@@ -47,7 +47,15 @@ class Compliance(NamedTuple):
     """Name of the command, for people."""
 
     def next(
-        self, now: Setpoint, bound: Six, bound_way: Six, free: Six, wanted: Six, *, is_gentle: bool = False
+        self,
+        now: Setpoint,
+        bound: Six,
+        bound_way: Six,
+        free: Six,
+        wanted: Six,
+        *,
+        deceleration: float | None = None,
+        is_last_resort: bool = False,
     ) -> Yielded | Obstacle:
         """Return the state one period later, or why there is none from which the arm could still stop.
 
@@ -57,7 +65,9 @@ class Compliance(NamedTuple):
             bound_way: its way until then: translation, m, and rotation vector, rad, base frame.
             free: present velocity of the part that yields.
             wanted: velocity that it is to have.
-            is_gentle: go there with the deceleration of a stop.
+            deceleration: of the joint that has to change most on the way there, rad/s^2; None for as quickly as the
+                joints can.
+            is_last_resort: do not ask whether the arm could still stop, because it brakes as hard as it can.
         """
         tool = self.tool
         arm, limits, T_flange_tcp = tool.arm, tool.limits, tool.T_flange_tcp
@@ -66,8 +76,8 @@ class Compliance(NamedTuple):
         kept = None if blocked else joint_speeds(arm, q_ahead, _sum(bound, free), T_flange_tcp)
         if kept is None:
             return tool.singular(now.q, blocked or "wrist", self.what)
-        if is_gentle:
-            wanted = self._nearer(q_ahead, free, wanted)
+        if deceleration is not None:
+            wanted = self._nearer(q_ahead, free, wanted, deceleration * PERIOD_S)
         change = joint_speeds(arm, q_ahead, _sum(wanted, free, -1.0), T_flange_tcp)
         assert change is not None, "solved for the same joints above"
         share = self._share(now.qd, kept, change)
@@ -83,10 +93,12 @@ class Compliance(NamedTuple):
             else:
                 guess = _moved(now.q, _sum(now.qd, qd), 0.5 * PERIOD_S)
                 q = solved_near(arm, T_flange_tcp, after_way(arm.forward_tcp(now.q, T_flange_tcp), way), guess)
-        joint = obstacle_at(q, qd, tool.deceleration, limits)
+        # A stop changes all joints in proportion, so that is how far the arm goes on at the most.
+        q_stop = q if is_last_resort else _moved(q, qd, 0.5 * max(map(abs, qd)) / tool.deceleration)
+        joint = joint_outside(limits, q_stop)
         if joint is not None:
             return range_obstacle(limits, joint, now.q, self.what)
-        met = tool.singularity_met(q, qd)
+        met = None if is_last_resort else tool.singularity_met(q, qd)
         if met is not None:
             return tool.singular(now.q, met, self.what)
         return Yielded(Setpoint(q, qd), free_after, share is not None)
@@ -104,12 +116,11 @@ class Compliance(NamedTuple):
             places.append(q if is_outside else place)
         return Setpoint(_six(places), _six(speeds))
 
-    def _nearer(self, q: Six, free: Six, wanted: Six) -> Six:
+    def _nearer(self, q: Six, free: Six, wanted: Six, step: float) -> Six:
         """All joints arrive within the time that the one takes which has to change most, as in every other stop."""
         change = _sum(wanted, free, -1.0)
         qd = joint_speeds(self.tool.arm, q, change, self.tool.T_flange_tcp)
         top = 0.0 if qd is None else max(map(abs, qd))
-        step = self.tool.deceleration * PERIOD_S
         return wanted if top <= step else _sum(free, change, step / top)
 
     def _share(self, before: Six, kept: Six, change: Six) -> float | None:
