@@ -140,10 +140,10 @@ class ArmState:
     def settle(self, tick: int) -> None:
         """Go on to a tick that is not later than the next one that is due, and note what has happened by then."""
         has_ended = False
-        if tick > self._tick and self._is_stepped:
-            has_ended = self._step(tick)
-        else:
+        if not self._is_stepped:
             self._joints_tick = -1
+        elif tick > self._tick:
+            has_ended = self._step(tick)
         self._tick = tick
         self._motion.settle(tick)
         if has_ended:

@@ -296,7 +296,7 @@ class Controller:
         if why is not None:
             raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
         if isinstance(request, YieldRequest):
-            return self._yield.request(request, self._tick, self._motion, self.joints(), Caller(line, thread))
+            return self._yield.request(request, self._tick, self._motion, Caller(line, thread))
         call = self._yield.admit(request, self._tick)
         if call is not None:
             return call
@@ -373,7 +373,7 @@ class Controller:
     def _guide_by_inputs(self) -> None:
         """Hand guiding begins and ends with the inputs that are bound to it."""
         point, why_not = self._signals.freedrive_point, WHY_NOT_READY.get(self._power.mode)
-        self._yield.guide_by_input(point, why_not, self._tick, self._motion, self.joints())
+        self._yield.guide_by_input(point, why_not, self._tick, self._motion)
 
     def _set_speed_scale(self, request: SetSpeedScale) -> None:
         if not 0.0 <= request.fraction <= 1.0:

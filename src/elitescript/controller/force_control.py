@@ -42,11 +42,11 @@ class ForceControl(YieldingCorrection):
         """Whether force mode is on, comes to rest, or has left the arm beside a nominal motion that goes on."""
         return self.is_on or self._is_held
 
-    def begin(self, request: ForceMode, joints: JointState, nominal: Setpoint, caller: Caller) -> None:
+    def begin(self, request: ForceMode, nominal: Setpoint, caller: Caller) -> None:
         """Begin force mode, or go on with other values."""
         is_update = self.is_on
         frame = ForceFrame(request.mode, transform_from_pose(request.reference_frame))
-        self._begin(request.selection, joints, nominal, caller)
+        self._begin(request.selection, nominal, caller)
         if not is_update or frame != self._force_frame:
             self._axes = frame.at_start()
         self._force_frame = frame
@@ -58,7 +58,7 @@ class ForceControl(YieldingCorrection):
         self._is_held = True
 
     def _frame(self, T_base_tcp: Transform, nominal_twist: Six) -> Rotation:
-        return self._force_frame.axes(T_base_tcp, nominal_twist, self._axes)
+        return self._force_frame.axes(T_base_tcp, nominal_twist[:3], self._axes)
 
     def _wanted(self, axes: Rotation, free: Six, T_base_tcp: Transform, now: JointState) -> Six:
         exerted = along_axes(axes, self._body.sensor.compensated_in_base(now.q_actual, now.qd_actual))

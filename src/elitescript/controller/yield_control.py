@@ -79,9 +79,7 @@ class YieldControl:
         self._force.forget_warnings()
         self._guiding.forget_warnings()
 
-    def request(
-        self, request: YieldRequest, tick: int, motion: MotionControl, joints: JointState, caller: Caller
-    ) -> int:
+    def request(self, request: YieldRequest, tick: int, motion: MotionControl, caller: Caller) -> int:
         """Begin or end force mode or hand guiding; return the number of the call.
 
         Raises:
@@ -90,7 +88,7 @@ class YieldControl:
         force, guiding = self._force, self._guiding
         if isinstance(request, ForceMode):
             self._require_no_guiding("force_mode")
-            force.begin(request, joints, motion.setpoint(tick), caller)
+            force.begin(request, motion.setpoint(tick), caller)
             return DONE_CALL
         if isinstance(request, EndForceMode):
             if force.is_on:
@@ -104,7 +102,7 @@ class YieldControl:
                 code="R114",
                 hint=f"call {'end_force_mode' if force.is_active else 'stopj'} first",
             )
-        guiding.begin(request, joints, motion.setpoint(tick), caller)
+        guiding.begin(request, motion.setpoint(tick), caller)
         self._is_guided_by_input = False
         return DONE_CALL
 
@@ -123,9 +121,7 @@ class YieldControl:
         """Whether the call of that number is over."""
         return not (self._force.is_yielding if call == FORCE_CALL else self._guiding.is_active)
 
-    def guide_by_input(
-        self, point: str | None, why_not: str | None, tick: int, motion: MotionControl, joints: JointState
-    ) -> None:
+    def guide_by_input(self, point: str | None, why_not: str | None, tick: int, motion: MotionControl) -> None:
         """Begin hand guiding when an input asks for it, and end it when none does any more.
 
         Args:
@@ -133,7 +129,6 @@ class YieldControl:
             why_not: why the arm cannot move.
             tick: present tick.
             motion: the nominal motion, which has to rest.
-            joints: of this tick.
         """
         is_asked = point is not None
         if is_asked == self._is_asked_by_input:
@@ -148,7 +143,7 @@ class YieldControl:
         if why_not is not None:
             self._on_event(Warned(tick, f"{point} asks for hand guiding, but {why_not}"))
         elif not self._guiding.is_on:
-            self._guiding.begin(Freedrive((True,) * 6), joints, motion.setpoint(tick), Caller(0, ""))
+            self._guiding.begin(Freedrive((True,) * 6), motion.setpoint(tick), Caller(0, ""))
             self._is_guided_by_input = True
 
     @property

@@ -29,6 +29,9 @@ from elitescript.motion.twist import ToolMotion
 
 NONE_FREE: Final = (False,) * 6
 
+_ROUNDING: Final = 1e-12
+"""So slow, m/s and rad/s, is what rounding leaves."""
+
 _HARDER: Final = (1.0, 1.5, 2.0, 3.0)
 """How hard the arm brakes in front of an obstacle, in the deceleration of a stop: as little as will do. More than 1 is
 asked for where a singularity makes the joints faster while the tool brakes."""
@@ -56,6 +59,8 @@ class _Step(NamedTuple):
     """What one period brings."""
 
     yielded: Yielded
+    velocity: Six
+    """Of the TCP, m/s and rad/s, base frame."""
     axes: Rotation
     is_level: bool
     """Whether the arm has taken up the nominal speed, after the end or in a pause."""
@@ -75,13 +80,14 @@ class YieldingCorrection(ABC):
         "_axes",
         "_body",
         "_caller",
-        "_free",
         "_is_paused",
         "_nominal",
         "_noted",
         "_on_end",
         "_on_event",
         "_selection",
+        "_tcp",
+        "_velocity",
         "is_on",
     )
 
@@ -94,7 +100,8 @@ class YieldingCorrection(ABC):
         self._caller = Caller(0, "")
         self._selection: tuple[bool, ...] = NONE_FREE
         self._axes: Rotation = IDENTITY_ROTATION
-        self._free: Six = ZERO_SIX
+        self._velocity: Six = ZERO_SIX
+        self._tcp: Transform | None = None
         self._nominal: Setpoint | None = None
         self._is_paused = False
         self._noted: set[tuple[int, str]] = set()
@@ -133,7 +140,8 @@ class YieldingCorrection(ABC):
     def commit(self, tick: int, nominal: Setpoint, now: JointState, is_resting: bool) -> None:
         """See `arm_state.Correction.commit`."""
         step = self._next(nominal, now)
-        self._axes, self._free, self._nominal = step.axes, step.yielded.free, nominal
+        self._axes, self._velocity, self._nominal = step.axes, step.velocity, nominal
+        self._tcp = self._body.setup.T_flange_tcp
         if step.obstacle is not None:
             self._warn(tick, step.obstacle.code, f"{step.obstacle.text}; the arm does not yield further")
         elif not step.yielded.is_bound_kept:
@@ -141,7 +149,6 @@ class YieldingCorrection(ABC):
             self._warn(tick, "fast", text)
         if step.is_level and not self.is_on:
             self._selection = NONE_FREE
-            self._free = ZERO_SIX
         self._settled(step.yielded, nominal, is_resting)
         if not self.is_active:
             self._nominal = None
@@ -161,10 +168,10 @@ class YieldingCorrection(ABC):
         self.is_on = False
         self._is_paused = False
 
-    def _begin(self, selection: tuple[bool, ...], joints: JointState, nominal: Setpoint, caller: Caller) -> None:
+    def _begin(self, selection: tuple[bool, ...], nominal: Setpoint, caller: Caller) -> None:
         if not self.is_active:
             self._nominal = nominal
-        self._free = tcp_twist(self._body.arm, joints.q_target, joints.qd_target, self._body.setup.T_flange_tcp)
+            self._tcp = None
         self._selection = selection
         self._caller = caller
         self.is_on = True
@@ -174,18 +181,25 @@ class YieldingCorrection(ABC):
         arm, T_flange_tcp = body.arm, body.setup.T_flange_tcp
         target = Setpoint(now.q_target, now.qd_target)
         T_base_tcp = arm.forward_tcp(target.q, T_flange_tcp)
-        twist = ZERO_SIX if nominal.qd == ZERO_SIX else tcp_twist(arm, *nominal, T_flange_tcp)
+        twist = self._twist(nominal)
         before = self._nominal or nominal
         way = ZERO_SIX
         if before.q != nominal.q:
             way = way_between(arm.forward_tcp(before.q, T_flange_tcp), arm.forward_tcp(nominal.q, T_flange_tcp))
-        axes = self._frame(T_base_tcp, twist)
-        free = selected(axes, self._selection, self._free)
-        level = selected(axes, self._selection, twist)
-        is_over = self._is_paused or not self.is_on
-        wanted = level if is_over else self._wanted(axes, free, T_base_tcp, now)
-        bound, bound_way = _difference(twist, level), _difference(way, selected(axes, self._selection, way))
+        axes, selection = self._frame(T_base_tcp, twist), self._selection
         compliance = Compliance(ToolMotion(arm, body.limits, T_flange_tcp, body.deceleration), self.name)
+        # About another TCP the same motion has another velocity.
+        velocity = self._velocity if T_flange_tcp is self._tcp else self._twist(target)
+        free, level = selected(axes, selection, velocity), selected(axes, selection, twist)
+        bound, bound_way = _difference(twist, level), _difference(way, selected(axes, selection, way))
+        left = self._left_over(axes, _difference(velocity, self._twist(before)))
+        is_over = self._is_paused or not self.is_on
+        wanted = level
+        if not is_over:
+            wanted = self._wanted(axes, free, T_base_tcp, now)
+            if left != ZERO_SIX:
+                wanted = _sum(wanted, compliance.nearer(target.q, left, ZERO_SIX, body.deceleration))
+        free = _sum(free, left)
         found = compliance.next(
             target, bound, bound_way, free, wanted, deceleration=body.deceleration if is_over else None
         )
@@ -198,9 +212,19 @@ class YieldingCorrection(ABC):
             found = compliance.next(target, bound, bound_way, free, level, is_last_resort=True)
         if isinstance(found, Obstacle):
             halted = compliance.halted(target)
-            found = Yielded(halted, tcp_twist(arm, *halted, T_flange_tcp), True)
+            found = Yielded(halted, _difference(self._twist(halted), bound), True)
         is_level = is_over and (found.free == level or found.setpoint.qd == ZERO_SIX)
-        return _Step(found, axes, is_level, obstacle)
+        return _Step(found, _sum(bound, found.free), axes, is_level, obstacle)
+
+    def _left_over(self, axes: Rotation, deviation: Six) -> Six:
+        """What the arm still moves beside the nominal motion along axes that are not free any more."""
+        left = _difference(deviation, selected(axes, self._selection, deviation))
+        return ZERO_SIX if max(map(abs, left)) < _ROUNDING else left
+
+    def _twist(self, setpoint: Setpoint) -> Six:
+        if setpoint.qd == ZERO_SIX:
+            return ZERO_SIX
+        return tcp_twist(self._body.arm, *setpoint, self._body.setup.T_flange_tcp)
 
     def _warn(self, tick: int, kind: str, text: str) -> None:
         line, thread = self._caller
@@ -211,4 +235,9 @@ class YieldingCorrection(ABC):
 
 def _difference(one: Six, other: Six) -> Six:
     a, b, c, d, e, f = [x - y for x, y in zip(one, other, strict=True)]
+    return (a, b, c, d, e, f)
+
+
+def _sum(one: Six, other: Six) -> Six:
+    a, b, c, d, e, f = [x + y for x, y in zip(one, other, strict=True)]
     return (a, b, c, d, e, f)

@@ -77,7 +77,7 @@ class Compliance(NamedTuple):
         if kept is None:
             return tool.singular(now.q, blocked or "wrist", self.what)
         if deceleration is not None:
-            wanted = self._nearer(q_ahead, free, wanted, deceleration * PERIOD_S)
+            wanted = self.nearer(q_ahead, free, wanted, deceleration)
         change = joint_speeds(arm, q_ahead, _sum(wanted, free, -1.0), T_flange_tcp)
         assert change is not None, "solved for the same joints above"
         share = self._share(now.qd, kept, change)
@@ -116,11 +116,15 @@ class Compliance(NamedTuple):
             places.append(q if is_outside else place)
         return Setpoint(_six(places), _six(speeds))
 
-    def _nearer(self, q: Six, free: Six, wanted: Six, step: float) -> Six:
-        """All joints arrive within the time that the one takes which has to change most, as in every other stop."""
+    def nearer(self, q: Six, free: Six, wanted: Six, deceleration: float) -> Six:
+        """Return a velocity on the way to the wanted one.
+
+        All joints arrive within the time that the one takes which has to change most, as in every other stop.
+        """
         change = _sum(wanted, free, -1.0)
         qd = joint_speeds(self.tool.arm, q, change, self.tool.T_flange_tcp)
         top = 0.0 if qd is None else max(map(abs, qd))
+        step = deceleration * PERIOD_S
         return wanted if top <= step else _sum(free, change, step / top)
 
     def _share(self, before: Six, kept: Six, change: Six) -> float | None:
