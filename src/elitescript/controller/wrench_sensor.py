@@ -36,14 +36,15 @@ class WrenchSensor:
         contact: what the TCP can touch.
     """
 
-    __slots__ = ("_arm", "_setup", "_signals", "_zero", "contact")
+    __slots__ = ("_arm", "_setup", "_signals", "contact", "zero")
 
     def __init__(self, arm: Arm, setup: Setup, signals: SignalImage, contact: ContactConfig) -> None:
         self._arm = arm
         self._setup = setup
         self._signals = signals
         self.contact = contact
-        self._zero: Six = ZERO_SIX
+        self.zero: Six = ZERO_SIX
+        """What `compensated` leaves out, TCP frame."""
 
     @property
     def external_wrench(self) -> Six:
@@ -60,11 +61,11 @@ class WrenchSensor:
 
     def compensated(self, q: Six, qd: Six) -> Six:
         """Return the wrench without the payload and less the zero, in the TCP frame."""
-        return _difference(self._untared(q, qd), self._zero)
+        return _difference(self._untared(q, qd), self.zero)
 
     def compensated_in_base(self, q: Six, qd: Six) -> Six:
         """Return the compensated wrench along the axes of the base frame, moments about the TCP."""
-        if self._zero == ZERO_SIX:
+        if self.zero == ZERO_SIX:
             return self.external(q, qd)
         return _turned(rotation_of(self._arm.forward_tcp(q, self._setup.T_flange_tcp)), self.compensated(q, qd))
 
@@ -74,9 +75,9 @@ class WrenchSensor:
         a, b, c, d, e, f = [x + y for x, y in zip(self._untared(q, qd), load, strict=True)]
         return (a, b, c, d, e, f)
 
-    def zero(self, q: Six, qd: Six) -> None:
+    def tare(self, q: Six, qd: Six) -> None:
         """Take the present compensated wrench as zero, whatever the zero was."""
-        self._zero = self._untared(q, qd)
+        self.zero = self._untared(q, qd)
 
     def _untared(self, q: Six, qd: Six) -> Six:
         R_base_tcp = rotation_of(self._arm.forward_tcp(q, self._setup.T_flange_tcp))

@@ -166,7 +166,7 @@ class YieldControl:
 
     def zero_sensor(self, _request: ZeroForceSensor, joints: JointState) -> None:
         """The present wrench becomes zero."""
-        self.sensor.zero(joints.q_actual, joints.qd_actual)
+        self.sensor.tare(joints.q_actual, joints.qd_actual)
 
     def _require_no_guiding(self, what: str) -> None:
         if self._guiding.is_on or self._guiding.is_active:

@@ -55,6 +55,16 @@ class Caller(NamedTuple):
     thread: str
 
 
+class _Question(NamedTuple):
+    """Everything from outside that a period depends on."""
+
+    nominal: Setpoint
+    now: JointState
+    external_wrench: Six
+    zero: Six
+    T_flange_tcp: Transform
+
+
 class _Step(NamedTuple):
     """What one period brings."""
 
@@ -77,6 +87,7 @@ class YieldingCorrection(ABC):
     """
 
     __slots__ = (
+        "_answer",
         "_axes",
         "_body",
         "_caller",
@@ -104,6 +115,7 @@ class YieldingCorrection(ABC):
         self._tcp: Transform | None = None
         self._nominal: Setpoint | None = None
         self._is_paused = False
+        self._answer: tuple[_Question, _Step] | None = None
         self._noted: set[tuple[int, str]] = set()
         self.is_on = False
 
@@ -140,6 +152,7 @@ class YieldingCorrection(ABC):
     def commit(self, tick: int, nominal: Setpoint, now: JointState, is_resting: bool) -> None:
         """See `arm_state.Correction.commit`."""
         step = self._next(nominal, now)
+        self._answer = None
         self._axes, self._velocity, self._nominal = step.axes, step.velocity, nominal
         self._tcp = self._body.setup.T_flange_tcp
         if step.obstacle is not None:
@@ -158,25 +171,37 @@ class YieldingCorrection(ABC):
     def pause(self, tick: int) -> None:
         """The task is paused: come to rest, to go on later."""
         self._is_paused = True
+        self._answer = None
 
     def resume(self, tick: int) -> None:
         """The task goes on."""
         self._is_paused = False
+        self._answer = None
 
     def stop(self, tick: int) -> None:
         """Come to rest and end."""
         self.is_on = False
         self._is_paused = False
+        self._answer = None
 
     def _begin(self, selection: tuple[bool, ...], nominal: Setpoint, caller: Caller) -> None:
         if not self.is_active:
             self._nominal = nominal
             self._tcp = None
+        self._answer = None
         self._selection = selection
         self._caller = caller
         self.is_on = True
 
     def _next(self, nominal: Setpoint, now: JointState) -> _Step:
+        """The next period; whoever looks at it before time goes on to it has worked it out for all."""
+        sensor = self._body.sensor
+        question = _Question(nominal, now, sensor.external_wrench, sensor.zero, self._body.setup.T_flange_tcp)
+        if self._answer is None or self._answer[0] != question:
+            self._answer = (question, self._worked_out(nominal, now))
+        return self._answer[1]
+
+    def _worked_out(self, nominal: Setpoint, now: JointState) -> _Step:
         body = self._body
         arm, T_flange_tcp = body.arm, body.setup.T_flange_tcp
         target = Setpoint(now.q_target, now.qd_target)
