@@ -75,8 +75,8 @@ def test_a_cell_file_describes_the_planes():
 @pytest.mark.parametrize(
     ("row", "message"),
     [
-        ("normal = [0, 0, 1]", r"planes\[0\]: point is missing"),
-        ("point = [0, 0, 0]\nnormal = [0, 0, 1]\nstifness = 1", "unknown key 'stifness'; there are point, normal"),
+        ("normal = [0, 0, 1]", r"^\[\[contact.planes\]\] 1: point is missing"),
+        ("point = [0, 0, 0]\nnormal = [0, 0, 1]\nstifness = 1", "stifness is no key here; there are point, normal"),
         ("point = [0, 0]\nnormal = [0, 0, 1]", "point of a contact plane needs three finite numbers"),
         ("point = 'here'\nnormal = [0, 0, 1]", "point must be three numbers, got 'here'"),
         ("point = [0, 0, 0]\nnormal = [0, 0, 0]", "normal of a contact plane has no direction"),
@@ -89,10 +89,10 @@ def test_a_cell_file_describes_the_planes():
 def test_what_makes_no_sense_is_refused_with_its_place(row, message):
     with pytest.raises(UsageError, match=message) as caught:
         read(f"[[contact.planes]]\n{row}")
-    assert str(caught.value).startswith("[contact]")
+    assert str(caught.value).startswith("[[contact.planes]] 1: ")
 
 
 @pytest.mark.parametrize("text", ["[contact]\nwalls = []", "[contact]\nplanes = 3", "[contact]\nplanes = [1]"])
 def test_the_section_itself_is_checked(text):
-    with pytest.raises(UsageError, match=r"^\[contact\]: "):
+    with pytest.raises(UsageError, match=r"^\[contact\] (walls|planes) "):
         read(text)

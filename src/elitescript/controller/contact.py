@@ -106,8 +106,8 @@ class ContactConfig:
         _require_known("[contact]", table, ("planes",), ())
         rows = table.get("planes", [])
         if not isinstance(rows, list) or not all(isinstance(row, Mapping) for row in rows):
-            raise UsageError("[contact]: planes must be tables, written as [[contact.planes]]")
-        return cls(tuple([_plane_from(f"[contact] planes[{index}]", row) for index, row in enumerate(rows)]))
+            raise UsageError("[contact] planes must be tables, written as [[contact.planes]]")
+        return cls(tuple([_plane_from(f"[[contact.planes]] {number}:", row) for number, row in enumerate(rows, 1)]))
 
 
 _KEYS: Final = ("point", "normal", "stiffness", "damping", "friction")
@@ -119,12 +119,12 @@ def _plane_from(place: str, row: Mapping[str, Any]) -> Plane:
     for key, raw in row.items():
         numbers = raw if key in ("point", "normal") else [raw]
         if not isinstance(numbers, list) or not all(_is_number(value) for value in numbers):
-            raise UsageError(f"{place}: {key} must be {'three numbers' if raw is numbers else 'a number'}, got {raw!r}")
+            raise UsageError(f"{place} {key} must be {'three numbers' if raw is numbers else 'a number'}, got {raw!r}")
         values[key] = tuple(map(float, numbers)) if raw is numbers else float(raw)
     try:
         return Plane(**values)
     except UsageError as error:
-        raise UsageError(f"{place}: {error}") from None
+        raise UsageError(f"{place} {error}") from None
 
 
 def _is_number(value: object) -> bool:
@@ -134,7 +134,7 @@ def _is_number(value: object) -> bool:
 def _require_known(place: str, table: Mapping[str, Any], known: Sequence[str], required: Sequence[str]) -> None:
     for key in table:
         if key not in known:
-            raise UsageError(f"{place}: unknown key {key!r}; there are {', '.join(known)}")
+            raise UsageError(f"{place} {key} is no key here; there are {', '.join(known)}")
     for key in required:
         if key not in table:
-            raise UsageError(f"{place}: {key} is missing")
+            raise UsageError(f"{place} {key} is missing")

@@ -21,7 +21,7 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import RANGE_TOLERANCE_RAD, joint_outside
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.speed import Obstacle, range_obstacle
-from elitescript.motion.twist import ToolMotion
+from elitescript.motion.twist import ToolMotion, singular_obstacle
 
 _NEWTON_STEPS: Final = 3
 """The first guess is some 1e-6 m away, and each step squares what is left."""
@@ -75,7 +75,7 @@ class Compliance(NamedTuple):
         blocked = singularity(arm, q_ahead).blocked
         kept = None if blocked else joint_speeds(arm, q_ahead, _sum(bound, free), T_flange_tcp)
         if kept is None:
-            return tool.singular(now.q, blocked or "wrist", self.what)
+            return singular_obstacle(arm, now.q, blocked or "wrist", self.what)
         if deceleration is not None:
             wanted = self.nearer(q_ahead, free, wanted, deceleration)
         change = joint_speeds(arm, q_ahead, _sum(wanted, free, -1.0), T_flange_tcp)
@@ -100,7 +100,7 @@ class Compliance(NamedTuple):
             return range_obstacle(limits, joint, now.q, self.what)
         met = None if is_last_resort else tool.singularity_met(q, qd)
         if met is not None:
-            return tool.singular(now.q, met, self.what)
+            return singular_obstacle(arm, now.q, met, self.what)
         return Yielded(Setpoint(q, qd), free_after, share is not None)
 
     def halted(self, now: Setpoint) -> Setpoint:
