@@ -56,7 +56,7 @@ class Controller:
         on_event: receives every event in order.
         home: joint positions at the start, rad; the model's home if None.
         speed_scale: speed percentage at the start, as a fraction.
-        contact: what the TCP can touch; None for nothing.
+        contact: what the TCP can touch; nothing if None.
         plant: how the joints follow their targets; exactly if None.
     """
 
@@ -117,7 +117,7 @@ class Controller:
         self._motion.set_speed_scale(speed_scale, 0)
         qd_max = [joint.qd_max for joint in model.joints]
         self._setup = Setup(model)
-        self._yield = YieldControl(model, self._setup, self._signals, contact, on_event, self._yield_ended)
+        self._yield = YieldControl(model, self._setup, self._signals, contact, on_event, self._motion_ended)
         joints = LaggingJoints(plant, qd_max) if plant.lag_s > 0.0 else None
         self._arm_state = ArmState(self._motion, self._yield.corrections, joints)
         self._encoders = Encoders(plant.noise_rad, plant.seed)
@@ -252,10 +252,7 @@ class Controller:
 
     def tcp_wrench(self, is_compensated: bool) -> Six:
         """What the surroundings exert on the TCP in this tick, TCP frame; see `wrench_sensor`."""
-        joints, sensor = self._arm_state.joints(self._tick), self._yield.sensor
-        if is_compensated:
-            return sensor.compensated(joints.q_actual, joints.qd_actual)
-        return sensor.raw(joints.q_actual, joints.qd_actual, self._arm_state.actual_acceleration())
+        return self._yield.wrench(self._arm_state, self._tick, is_compensated)
 
     def joints_at(self, tick: int) -> JointState:
         """Target and measured joints at a tick from the present one up to the next at which something is due."""
@@ -312,11 +309,8 @@ class Controller:
         why = WHY_NOT_READY.get(mode)
         if why is not None:
             raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
-        if isinstance(request, YieldRequest):
+        if isinstance(request, YieldRequest) or self._yield.is_ended_by(request):
             return self._yield.request(request, self._tick, self._motion, Caller(line, thread))
-        call = self._yield.admit(request, self._tick)
-        if call is not None:
-            return call
         return self._motion.request(request, self._tick, self._setup.T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:
@@ -372,10 +366,6 @@ class Controller:
 
     def _motion_ended(self, move: int, is_complete: bool) -> None:
         self._program.motion_ended(move, is_complete)
-        self._switch_off_at_standstill()
-
-    def _yield_ended(self, call: int) -> None:
-        self._program.motion_ended(call, True)
         self._switch_off_at_standstill()
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:

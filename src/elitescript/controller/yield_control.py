@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any, Final, TypeGuard
 
+from elitescript.controller.arm_state import ArmState
 from elitescript.controller.contact import ContactConfig
 from elitescript.controller.force_control import ForceControl
 from elitescript.controller.hand_guiding import HandGuiding
@@ -23,6 +24,7 @@ from elitescript.messages.motion import (
     ForceMode,
     Freedrive,
     MotionRequest,
+    Six,
     StopJ,
     StopL,
     YieldRequest,
@@ -47,7 +49,7 @@ class YieldControl:
         signals: for `external_wrench`.
         contact: what the TCP can touch; None for nothing.
         on_event: receives warnings.
-        on_end: called with the number of a call that waits for the end.
+        on_end: called with the number of a call that waits for the end, and whether it was complete, when it is over.
     """
 
     __slots__ = ("_force", "_guiding", "_is_asked_by_input", "_is_guided_by_input", "_on_event", "sensor")
@@ -59,12 +61,12 @@ class YieldControl:
         signals: SignalImage,
         contact: ContactConfig | None,
         on_event: Callable[[Event], None],
-        on_end: Callable[[int], None],
+        on_end: Callable[[int, bool], None],
     ) -> None:
         self.sensor = WrenchSensor(model.arm, setup, signals, contact or ContactConfig())
         body = Body(model.arm, motion_limits(model), model.stop_joint_deceleration, setup, self.sensor)
-        self._force = ForceControl(body, on_event, lambda: on_end(FORCE_CALL))
-        self._guiding = HandGuiding(body, on_event, lambda: on_end(GUIDING_CALL))
+        self._force = ForceControl(body, on_event, lambda: on_end(FORCE_CALL, True))
+        self._guiding = HandGuiding(body, on_event, lambda: on_end(GUIDING_CALL, True))
         self._on_event = on_event
         self._is_asked_by_input = False
         self._is_guided_by_input = False
@@ -79,7 +81,7 @@ class YieldControl:
         self._force.forget_warnings()
         self._guiding.forget_warnings()
 
-    def request(self, request: YieldRequest, tick: int, motion: MotionControl, caller: Caller) -> int:
+    def request(self, request: YieldRequest | StopJ | StopL, tick: int, motion: MotionControl, caller: Caller) -> int:
         """Begin or end force mode or hand guiding; return the number of the call.
 
         Raises:
@@ -94,7 +96,7 @@ class YieldControl:
             if force.is_on:
                 force.stop(tick)
             return FORCE_CALL if force.is_yielding else DONE_CALL
-        if isinstance(request, EndFreedrive):
+        if isinstance(request, EndFreedrive | StopJ | StopL):
             return self._end_guiding(tick)
         if force.is_active or motion.is_moving:
             raise MotionError(
@@ -106,16 +108,23 @@ class YieldControl:
         self._is_guided_by_input = False
         return DONE_CALL
 
-    def admit(self, request: MotionRequest, tick: int) -> int | None:
-        """Let a motion begin, or return the number of the call when it is a stop that only ends hand guiding.
+    def is_ended_by(self, request: MotionRequest) -> TypeGuard[StopJ | StopL]:
+        """Let a motion begin, or say that it is a stop of what has no other motion: hand guiding.
 
         Raises:
             MotionError: the arm is guided by hand.
         """
-        if isinstance(request, StopJ | StopL) and self._is_guiding:
-            return self._end_guiding(tick)
+        if isinstance(request, StopJ | StopL):
+            return self._is_guiding
         self._require_no_guiding(type(request).__name__.lower())
-        return None
+        return False
+
+    def wrench(self, arm: ArmState, tick: int, is_compensated: bool) -> Six:
+        """What the surroundings exert on the TCP at the present tick, TCP frame."""
+        joints = arm.joints(tick)
+        if is_compensated:
+            return self.sensor.compensated(joints.q_actual, joints.qd_actual)
+        return self.sensor.raw(joints.q_actual, joints.qd_actual, arm.actual_acceleration())
 
     def is_done(self, call: int) -> bool:
         """Whether the call of that number is over."""
