@@ -10,7 +10,7 @@ from elitescript.controller.contact import ContactConfig, Plane
 from elitescript.controller.controller import Controller
 from elitescript.controller.model_limits import motion_limits
 from elitescript.errors import MotionError
-from elitescript.messages.events import Warned
+from elitescript.messages.events import Warned, YieldingChanged
 from elitescript.messages.machine import (
     PauseTask,
     ResumeTask,
@@ -303,6 +303,16 @@ def test_the_end_of_force_mode_without_force_mode_has_no_effect():
     machine = Machine()
     assert machine.controller.is_move_done(machine.ask(EndForceMode()))
     assert not machine.controller.is_moving
+
+
+def test_beginning_change_and_end_are_told():
+    machine = Machine()
+    requests = [press(20.0), press(30.0), EndForceMode()]
+    for request in [*requests, EndForceMode()]:
+        machine.ask(request)
+    told = [event for event in machine.events if isinstance(event, YieldingChanged)]
+    assert [event.request for event in told] == requests
+    assert {(event.line, event.thread) for event in told} == {(3, "main")}
 
 
 def test_force_mode_may_end_while_a_move_goes_on():

@@ -8,6 +8,7 @@ from elitescript.controller.hand_guiding import FRICTION_N_S_M, MASS_KG
 from elitescript.errors import MotionError
 from elitescript.kinematics.rotations import rotate, rotation_from_rpy, transpose
 from elitescript.messages.enums import RobotMode
+from elitescript.messages.events import YieldingChanged
 from elitescript.messages.machine import (
     PauseTask,
     PowerDown,
@@ -298,6 +299,17 @@ class TestInput:
         machine.controller.request(WriteSignal("flag", 0, True))
         (warning,) = machine.warnings
         assert warning.text == "standard_digital_in[4] asks for hand guiding, but the arm moves already"
+
+    def test_is_told_apart_from_the_program_by_its_line(self):
+        machine = self.machine()
+        machine.controller.request(self.HIGH)
+        machine.run(10)
+        machine.controller.request(self.LOW)
+        told = [event for event in machine.events if isinstance(event, YieldingChanged)]
+        assert [(event.tick, event.request, event.line) for event in told] == [
+            (0, Freedrive(ALL), 0),
+            (10, EndFreedrive(), 0),
+        ]
 
     def test_does_not_end_what_the_program_began(self):
         machine = self.machine()

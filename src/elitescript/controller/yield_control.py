@@ -16,7 +16,7 @@ from elitescript.controller.setup import Setup
 from elitescript.controller.wrench_sensor import WrenchSensor
 from elitescript.controller.yielding import Body, Caller, YieldingCorrection
 from elitescript.errors import MotionError
-from elitescript.messages.events import Event, Warned
+from elitescript.messages.events import Event, Warned, YieldingChanged
 from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
 from elitescript.messages.motion import (
     EndForceMode,
@@ -48,7 +48,7 @@ class YieldControl:
         setup: TCP, payload and gravity of the moment.
         signals: for `external_wrench`.
         contact: what the TCP can touch; None for nothing.
-        on_event: receives warnings.
+        on_event: receives events.
         on_end: called with the number of a call that waits for the end, and whether it was complete, when it is over.
     """
 
@@ -87,24 +87,26 @@ class YieldControl:
         Raises:
             MotionError: two things at once; nothing has changed.
         """
-        force, guiding = self._force, self._guiding
+        force = self._force
         if isinstance(request, ForceMode):
             self._require_no_guiding("force_mode")
             force.begin(request, motion.setpoint(tick), caller)
+            self._report(tick, request, caller)
             return DONE_CALL
         if isinstance(request, EndForceMode):
             if force.is_on:
                 force.stop(tick)
+                self._report(tick, request, caller)
             return FORCE_CALL if force.is_yielding else DONE_CALL
         if isinstance(request, EndFreedrive | StopJ | StopL):
-            return self._end_guiding(tick)
+            return self._end_guiding(tick, caller)
         if force.is_active or motion.is_moving:
             raise MotionError(
                 f"hand guiding cannot begin {'in force mode' if force.is_active else 'while the arm moves'}",
                 code="R114",
                 hint=f"call {'end_force_mode' if force.is_active else 'stopj'} first",
             )
-        guiding.begin(request, motion.setpoint(tick), caller)
+        self._guide(request, tick, motion, caller)
         self._is_guided_by_input = False
         return DONE_CALL
 
@@ -145,24 +147,29 @@ class YieldControl:
         self._is_asked_by_input = is_asked
         if not is_asked:
             if self._is_guided_by_input:
-                self._end_guiding(tick)
+                self._end_guiding(tick, Caller(0, ""))
             return
         if why_not is None and (motion.is_moving or self._force.is_active):
             why_not = "the arm moves already"
         if why_not is not None:
             self._on_event(Warned(tick, f"{point} asks for hand guiding, but {why_not}"))
         elif not self._guiding.is_on:
-            self._guiding.begin(Freedrive((True,) * 6), motion.setpoint(tick), Caller(0, ""))
+            self._guide(Freedrive((True,) * 6), tick, motion, Caller(0, ""))
             self._is_guided_by_input = True
 
     @property
     def _is_guiding(self) -> bool:
         return self._guiding.is_on or self._guiding.is_active
 
-    def _end_guiding(self, tick: int) -> int:
+    def _guide(self, request: Freedrive, tick: int, motion: MotionControl, caller: Caller) -> None:
+        self._guiding.begin(request, motion.setpoint(tick), caller)
+        self._report(tick, request, caller)
+
+    def _end_guiding(self, tick: int, caller: Caller) -> int:
         self._is_guided_by_input = False
         if self._guiding.is_on:
             self._guiding.stop(tick)
+            self._report(tick, EndFreedrive(), caller)
         return GUIDING_CALL if self._guiding.is_active else DONE_CALL
 
     def set_gain(self, request: SetForceGain, _joints: JointState) -> None:
@@ -176,6 +183,9 @@ class YieldControl:
     def zero_sensor(self, _request: ZeroForceSensor, joints: JointState) -> None:
         """The present wrench becomes zero."""
         self.sensor.tare(joints.q_actual, joints.qd_actual)
+
+    def _report(self, tick: int, request: YieldRequest, caller: Caller) -> None:
+        self._on_event(YieldingChanged(tick, request, caller.line, caller.thread))
 
     def _require_no_guiding(self, what: str) -> None:
         if self._guiding.is_on or self._guiding.is_active:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
-from elitescript.messages.motion import MotionRequest
+from elitescript.messages.motion import MotionRequest, YieldRequest
 from elitescript.messages.signals import Value
 
 
@@ -108,6 +108,17 @@ class MotionEnded:
 
 
 @dataclass(frozen=True, slots=True)
+class YieldingChanged:
+    """Force mode or hand guiding began, changed or is asked to end; the end of a program says nothing more."""
+
+    tick: int
+    request: YieldRequest
+    line: int
+    """0 if an input asked for it."""
+    thread: str
+
+
+@dataclass(frozen=True, slots=True)
 class TaskStateChanged:
     """A program started, paused, went on or ended."""
 
@@ -150,6 +161,7 @@ Event = (
     | SignalChanged
     | MotionStarted
     | MotionEnded
+    | YieldingChanged
     | TaskStateChanged
     | RobotModeChanged
     | SafetyModeChanged
