@@ -42,11 +42,11 @@ class ForceControl(YieldingCorrection):
         """Whether force mode is on, comes to rest, or has left the arm beside a nominal motion that goes on."""
         return self.is_on or self._is_held
 
-    def begin(self, request: ForceMode, nominal: Setpoint, caller: Caller) -> None:
+    def begin(self, request: ForceMode, caller: Caller) -> None:
         """Begin force mode, or go on with other values."""
         is_update = self.is_on
         frame = ForceFrame(request.mode, transform_from_pose(request.reference_frame))
-        self._begin(request.selection, nominal, caller)
+        self._begin(request.selection, caller)
         if not is_update or frame != self._force_frame:
             self._axes = frame.at_start()
         self._force_frame = frame

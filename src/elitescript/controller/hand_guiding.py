@@ -55,9 +55,9 @@ class HandGuiding(YieldingCorrection):
             return True
         return self.is_on and not self._is_paused and self._body.sensor.external_wrench != ZERO_SIX
 
-    def begin(self, request: Freedrive, nominal: Setpoint, caller: Caller) -> None:
+    def begin(self, request: Freedrive, caller: Caller) -> None:
         """Begin hand guiding, or go on with other axes."""
-        self._begin(request.free_axes, nominal, caller)
+        self._begin(request.free_axes, caller)
         self._R_frame = None if request.frame is None else rotation_of(transform_from_pose(request.frame))
         self._is_at_rest = False
 

@@ -90,7 +90,7 @@ class YieldControl:
         force = self._force
         if isinstance(request, ForceMode):
             self._require_no_guiding("force_mode")
-            force.begin(request, motion.setpoint(tick), caller)
+            force.begin(request, caller)
             self._report(tick, request, caller)
             return DONE_CALL
         if isinstance(request, EndForceMode):
@@ -106,7 +106,7 @@ class YieldControl:
                 code="R114",
                 hint=f"call {'end_force_mode' if force.is_active else 'stopj'} first",
             )
-        self._guide(request, tick, motion, caller)
+        self._guide(request, tick, caller)
         self._is_guided_by_input = False
         return DONE_CALL
 
@@ -154,15 +154,15 @@ class YieldControl:
         if why_not is not None:
             self._on_event(Warned(tick, f"{point} asks for hand guiding, but {why_not}"))
         elif not self._guiding.is_on:
-            self._guide(Freedrive((True,) * 6), tick, motion, Caller(0, ""))
+            self._guide(Freedrive((True,) * 6), tick, Caller(0, ""))
             self._is_guided_by_input = True
 
     @property
     def _is_guiding(self) -> bool:
         return self._guiding.is_on or self._guiding.is_active
 
-    def _guide(self, request: Freedrive, tick: int, motion: MotionControl, caller: Caller) -> None:
-        self._guiding.begin(request, motion.setpoint(tick), caller)
+    def _guide(self, request: Freedrive, tick: int, caller: Caller) -> None:
+        self._guiding.begin(request, caller)
         self._report(tick, request, caller)
 
     def _end_guiding(self, tick: int, caller: Caller) -> int:

@@ -184,9 +184,9 @@ class YieldingCorrection(ABC):
         self._is_paused = False
         self._answer = None
 
-    def _begin(self, selection: tuple[bool, ...], nominal: Setpoint, caller: Caller) -> None:
+    def _begin(self, selection: tuple[bool, ...], caller: Caller) -> None:
         if not self.is_active:
-            self._nominal = nominal
+            self._nominal = None
             self._tcp = None
         self._answer = None
         self._selection = selection
@@ -207,7 +207,7 @@ class YieldingCorrection(ABC):
         target = Setpoint(now.q_target, now.qd_target)
         T_base_tcp = arm.forward_tcp(target.q, T_flange_tcp)
         twist = self._twist(nominal)
-        before = self._nominal or nominal
+        before = self._nominal or target
         way = ZERO_SIX
         if before.q != nominal.q:
             way = way_between(arm.forward_tcp(before.q, T_flange_tcp), arm.forward_tcp(nominal.q, T_flange_tcp))
