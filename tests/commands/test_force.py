@@ -8,7 +8,7 @@ import pytest
 
 from elitescript.errors import ArgumentRangeError, ScriptError
 from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
-from elitescript.messages.motion import EndForceMode, EndFreedrive, ForceMode, Freedrive
+from elitescript.messages.yielding import EndForceMode, EndFreedrive, ForceMode, Freedrive
 
 FRAME = [0.1, 0.2, 0.3, 0.0, 0.0, 1.5]
 WRENCH = [0.0, 0.0, -20.0, 0.0, 0.0, 0.0]

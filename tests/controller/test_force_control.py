@@ -21,15 +21,9 @@ from elitescript.messages.machine import (
     WriteSignal,
     ZeroForceSensor,
 )
-from elitescript.messages.motion import (
-    EndForceMode,
-    ForceMode,
-    Freedrive,
-    MoveL,
-    SpeedL,
-    StopL,
-)
+from elitescript.messages.motion import MoveL, SpeedL, StopL
 from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.yielding import EndForceMode, ForceMode, Freedrive
 from elitescript.models.model import load_model
 
 MODEL = load_model("CS66")

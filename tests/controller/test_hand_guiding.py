@@ -18,16 +18,9 @@ from elitescript.messages.machine import (
     SetTcp,
     WriteSignal,
 )
-from elitescript.messages.motion import (
-    EndFreedrive,
-    ForceMode,
-    Freedrive,
-    MoveJ,
-    MoveL,
-    SpeedJ,
-    StopJ,
-)
+from elitescript.messages.motion import MoveJ, MoveL, SpeedJ, StopJ
 from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.yielding import EndFreedrive, ForceMode, Freedrive
 from tests.controller.test_force_control import (
     BASE,
     HEIGHT,

@@ -13,10 +13,11 @@ from typing import Any, Protocol
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.events import Event
 from elitescript.messages.machine import MachineRequest
-from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, Six, YieldRequest
+from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, Six
 from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import JointState, Payload, RobotState
+from elitescript.messages.yielding import YieldRequest
 
 
 class Machine(Protocol):

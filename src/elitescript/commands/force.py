@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 from elitescript.commands.quantities import Bool, Integer, Number, Pose, Vector
 from elitescript.commands.registry import command
 from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
-from elitescript.messages.motion import EndForceMode, ForceMode, Six
+from elitescript.messages.motion import Six
+from elitescript.messages.yielding import EndForceMode, ForceMode
 
 if TYPE_CHECKING:
     from elitescript.commands.context import Robot

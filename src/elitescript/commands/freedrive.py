@@ -15,8 +15,9 @@ from elitescript.commands.quantities import (
 )
 from elitescript.commands.registry import command
 from elitescript.errors import ArgumentCountError, NotSimulatedError
-from elitescript.messages.motion import EndFreedrive, Freedrive, Six
+from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
+from elitescript.messages.yielding import EndFreedrive, Freedrive
 
 if TYPE_CHECKING:
     from elitescript.commands.context import Robot

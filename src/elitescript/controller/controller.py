@@ -39,11 +39,12 @@ from elitescript.messages.machine import (
     StopTask,
     WriteSignal,
 )
-from elitescript.messages.motion import MotionRequest, Six, YieldRequest
+from elitescript.messages.motion import MotionRequest, Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.timing import seconds
+from elitescript.messages.yielding import YieldRequest
 from elitescript.models.model import RobotModel
 
 
@@ -315,7 +316,7 @@ class Controller:
 
     def is_move_done(self, move: int) -> bool:
         """Whether that move is over."""
-        return self._yield.is_done(move) if move < 0 else self._motion.is_done(move)
+        return self._motion.is_done(move) and self._yield.is_done(move)
 
     def cancel_move(self, move: int) -> None:
         """Brake that move, if it is under way."""

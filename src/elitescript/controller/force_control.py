@@ -8,8 +8,9 @@ from elitescript.controller.yielding import Body, Caller, YieldingCorrection
 from elitescript.kinematics.rotations import Rotation
 from elitescript.kinematics.transforms import IDENTITY, Transform, transform_from_pose
 from elitescript.messages.events import Event
-from elitescript.messages.motion import ForceMode, Six
+from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX, JointState
+from elitescript.messages.yielding import ForceMode
 from elitescript.motion.admittance import ForceFrame, ForceLaw, along_axes, in_base
 from elitescript.motion.compliance import Yielded
 from elitescript.motion.segment import Setpoint

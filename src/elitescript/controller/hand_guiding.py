@@ -13,9 +13,10 @@ from elitescript.controller.yielding import Body, Caller, YieldingCorrection
 from elitescript.kinematics.rotations import Rotation
 from elitescript.kinematics.transforms import Transform, position_of, rotation_of, transform_from_pose
 from elitescript.messages.events import Event
-from elitescript.messages.motion import Freedrive, Six
+from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX, JointState
 from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.yielding import Freedrive
 from elitescript.motion.admittance import along_axes, in_base, selected
 from elitescript.motion.compliance import Yielded
 from elitescript.motion.segment import Setpoint

@@ -18,18 +18,9 @@ from elitescript.controller.yielding import Body, Caller, YieldingCorrection
 from elitescript.errors import MotionError
 from elitescript.messages.events import Event, Warned, YieldingChanged
 from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
-from elitescript.messages.motion import (
-    EndForceMode,
-    EndFreedrive,
-    ForceMode,
-    Freedrive,
-    MotionRequest,
-    Six,
-    StopJ,
-    StopL,
-    YieldRequest,
-)
+from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL
 from elitescript.messages.state import JointState
+from elitescript.messages.yielding import EndForceMode, EndFreedrive, ForceMode, Freedrive, YieldRequest
 from elitescript.models.model import RobotModel
 
 FORCE_CALL: Final = -1
@@ -130,7 +121,9 @@ class YieldControl:
 
     def is_done(self, call: int) -> bool:
         """Whether the call of that number is over."""
-        return not (self._force.is_yielding if call == FORCE_CALL else self._guiding.is_active)
+        if call == FORCE_CALL:
+            return not self._force.is_yielding
+        return call != GUIDING_CALL or not self._guiding.is_active
 
     def guide_by_input(self, point: str | None, why_not: str | None, tick: int, motion: MotionControl) -> None:
         """Begin hand guiding when an input asks for it, and end it when none does any more.

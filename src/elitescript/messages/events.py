@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
-from elitescript.messages.motion import MotionRequest, YieldRequest
+from elitescript.messages.motion import MotionRequest
 from elitescript.messages.signals import Value
+from elitescript.messages.yielding import YieldRequest
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,17 +109,6 @@ class MotionEnded:
 
 
 @dataclass(frozen=True, slots=True)
-class YieldingChanged:
-    """Force mode or hand guiding began, changed or is asked to end; the end of a program says nothing more."""
-
-    tick: int
-    request: YieldRequest
-    line: int
-    """0 if an input asked for it."""
-    thread: str
-
-
-@dataclass(frozen=True, slots=True)
 class TaskStateChanged:
     """A program started, paused, went on or ended."""
 
@@ -152,6 +142,17 @@ class LineMarked:
     label: str
 
 
+@dataclass(frozen=True, slots=True)
+class YieldingChanged:
+    """Force mode or hand guiding began, changed or is asked to end; the end of a program says nothing more."""
+
+    tick: int
+    request: YieldRequest
+    line: int
+    """0 if an input asked for it."""
+    thread: str
+
+
 Event = (
     TextMessage
     | Printed
@@ -161,9 +162,9 @@ Event = (
     | SignalChanged
     | MotionStarted
     | MotionEnded
-    | YieldingChanged
     | TaskStateChanged
     | RobotModeChanged
     | SafetyModeChanged
     | LineMarked
+    | YieldingChanged
 )

@@ -163,46 +163,8 @@ class ServoJ:
     """How stiffly the arm follows, 100 to 2000."""
 
 
-@dataclass(frozen=True, slots=True)
-class ForceMode:
-    """Let the selected axes of a frame yield until the arm presses with a wrench."""
-
-    reference_frame: Six
-    """Pose in the base frame."""
-    selection: tuple[bool, ...]
-    """x, y, z, Rx, Ry, Rz of the force frame."""
-    target: Six
-    """Wrench that the arm exerts, N and N m; counts for selected axes."""
-    mode: int
-    """How the force frame follows: 0 fixed, 1 point, 2 motion, 3 TCP."""
-    speed_limits: Six
-    """m/s and rad/s, >= 0."""
-
-
-@dataclass(frozen=True, slots=True)
-class EndForceMode:
-    """Come to rest and let no axis yield any more."""
-
-
-@dataclass(frozen=True, slots=True)
-class Freedrive:
-    """Let a hand guide the arm."""
-
-    free_axes: tuple[bool, ...]
-    """x, y, z, Rx, Ry, Rz of the frame."""
-    frame: Six | None = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    """Pose in the base frame; None for the TCP frame."""
-
-
-@dataclass(frozen=True, slots=True)
-class EndFreedrive:
-    """Come to rest and let no hand guide the arm any more."""
-
-
 MoveRequest = MoveJ | MoveL | MoveC | MoveML
 """A move to a target, planned as a whole."""
 DriveRequest = SpeedJ | SpeedL | ServoJ
 """A motion that begins in any state and goes on after the call."""
 MotionRequest = MoveRequest | DriveRequest | StopJ | StopL
-YieldRequest = ForceMode | EndForceMode | Freedrive | EndFreedrive
-"""Whether and how the arm yields to what touches it, beside its motion."""

@@ -9,17 +9,9 @@ from elitescript.commands.context import Machine
 from elitescript.errors import InvalidValueError, ScriptError, ScriptStateError
 from elitescript.messages.events import Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import MachineRequest, PauseTask, SetLineMark
-from elitescript.messages.motion import (
-    DriveRequest,
-    MicroLine,
-    MotionRequest,
-    MoveRequest,
-    ServoJ,
-    SpeedJ,
-    SpeedL,
-    YieldRequest,
-)
+from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, ServoJ, SpeedJ, SpeedL
 from elitescript.messages.profile import Profile
+from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
