@@ -13,9 +13,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
 @pytest.mark.parametrize(
     "text",
     [
-        "encoder_enable_pulse_decode(0, 1, 16, 17)",
-        "encoder_enable_pulse_decode(0, 3, 16, 0)",
-        "encoder_enable_pulse_decode(0, 3, 16, 16)",
         "is_within_safety_limits(q=[0, 0, 0, 0, 0, 0])",
         "is_within_safety_limits([0, 0, 0, 0, 0, 0], qnear='', ciPair=[1, 0, 0, 1])",
         "modbus_set_output_register('s', 70000)",

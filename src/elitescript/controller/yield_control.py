@@ -11,14 +11,13 @@ from elitescript.controller.force_control import ForceControl
 from elitescript.controller.hand_guiding import HandGuiding
 from elitescript.controller.io import SignalImage
 from elitescript.controller.model_limits import motion_limits
-from elitescript.controller.motion_control import MotionControl
 from elitescript.controller.setup import Setup
 from elitescript.controller.wrench_sensor import WrenchSensor
 from elitescript.controller.yielding import Body, Caller, YieldingCorrection
 from elitescript.errors import MotionError
 from elitescript.messages.events import Event, Warned, YieldingChanged
 from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
-from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL
+from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
 from elitescript.messages.state import JointState
 from elitescript.messages.yielding import EndForceMode, EndFreedrive, ForceMode, Freedrive, YieldRequest
 from elitescript.models.model import RobotModel
@@ -72,8 +71,14 @@ class YieldControl:
         self._force.forget_warnings()
         self._guiding.forget_warnings()
 
-    def request(self, request: YieldRequest | StopJ | StopL, tick: int, motion: MotionControl, caller: Caller) -> int:
+    def request(self, request: YieldRequest | StopJ | StopL, tick: int, is_moving: bool, caller: Caller) -> int:
         """Begin or end force mode or hand guiding; return the number of the call.
+
+        Args:
+            request: what is asked for.
+            tick: the present one.
+            is_moving: whether the arm moves besides.
+            caller: who asks.
 
         Raises:
             MotionError: two things at once; nothing has changed.
@@ -91,7 +96,7 @@ class YieldControl:
             return FORCE_CALL if force.is_yielding else DONE_CALL
         if isinstance(request, EndFreedrive | StopJ | StopL):
             return self._end_guiding(tick, caller)
-        if force.is_active or motion.is_moving:
+        if force.is_active or is_moving:
             raise MotionError(
                 f"hand guiding cannot begin {'in force mode' if force.is_active else 'while the arm moves'}",
                 code="R114",
@@ -101,15 +106,20 @@ class YieldControl:
         self._is_guided_by_input = False
         return DONE_CALL
 
-    def is_ended_by(self, request: MotionRequest) -> TypeGuard[StopJ | StopL]:
+    def is_ended_by(self, request: MotionRequest | TrackRequest) -> TypeGuard[StopJ | StopL]:
         """Let a motion begin, or say that it is a stop of what has no other motion: hand guiding.
 
         Raises:
-            MotionError: the arm is guided by hand.
+            MotionError: the arm is guided by hand; or is in force mode, and a conveyor is to be tracked.
         """
         if isinstance(request, StopJ | StopL):
             return self._is_guiding
-        self._require_no_guiding(type(request).__name__.lower())
+        if not isinstance(request, StopTracking):
+            self._require_no_guiding(type(request).__name__.lower())
+            if isinstance(request, TrackRequest) and self._force.is_active:
+                raise MotionError(
+                    "conveyor tracking cannot begin in force mode", code="R114", hint="begin it before force_mode"
+                )
         return False
 
     def wrench(self, arm: ArmState, tick: int, is_compensated: bool) -> Six:
@@ -125,14 +135,13 @@ class YieldControl:
             return not self._force.is_yielding
         return call != GUIDING_CALL or not self._guiding.is_active
 
-    def guide_by_input(self, point: str | None, why_not: str | None, tick: int, motion: MotionControl) -> None:
+    def guide_by_input(self, point: str | None, why_not: str | None, tick: int) -> None:
         """Begin hand guiding when an input asks for it, and end it when none does any more.
 
         Args:
             point: name of an input that asks for it; None without one.
-            why_not: why the arm cannot move.
+            why_not: why the arm cannot be guided; None if it can.
             tick: present tick.
-            motion: the nominal motion, which has to rest.
         """
         is_asked = point is not None
         if is_asked == self._is_asked_by_input:
@@ -142,8 +151,6 @@ class YieldControl:
             if self._is_guided_by_input:
                 self._end_guiding(tick, Caller(0, ""))
             return
-        if why_not is None and (motion.is_moving or self._force.is_active):
-            why_not = "the arm moves already"
         if why_not is not None:
             self._on_event(Warned(tick, f"{point} asks for hand guiding, but {why_not}"))
         elif not self._guiding.is_on:
