@@ -336,8 +336,7 @@ class Controller:
 
     def cancel_move(self, move: int) -> None:
         """Brake that move, if it is under way."""
-        if move >= 0:
-            self._motion.cancel(move, self._tick)
+        self._motion.cancel(move, self._tick)
 
     def request(self, request: MachineRequest) -> None:
         """Hand a request to the one handler that knows it."""
@@ -393,14 +392,7 @@ class Controller:
 
     def _write_signal(self, request: WriteSignal) -> None:
         self._signals.write(request)
-        self._guide_by_inputs()
-
-    def _guide_by_inputs(self) -> None:
-        """Hand guiding begins and ends with the inputs that are bound to it."""
-        point, why_not = self._signals.freedrive_point, WHY_NOT_READY.get(self._power.mode)
-        if why_not is None and self._arm_state.is_moving:
-            why_not = "the arm moves already"
-        self._yield.guide_by_input(point, why_not, self._tick)
+        self._yield.guide_by_input(self._power.mode, self._arm_state, self._tick)
 
     def _set_speed_scale(self, request: SetSpeedScale) -> None:
         if not 0.0 <= request.fraction <= 1.0:
@@ -410,15 +402,6 @@ class Controller:
                 limit="[0, 1]",
             )
         self._motion.set_speed_scale(request.fraction, self._tick)
-
-    def _set_yielding(self, request: Any) -> None:
-        YIELD_SETTINGS[type(request)](self._yield, request, self._arm_state.joints(self._tick))
-
-    def _declare(self, request: Any) -> None:
-        SETUP_HANDLERS[type(request)](self._setup, request)
-
-    def _set_encoder(self, request: Any) -> None:
-        ENCODER_HANDLERS[type(request)](self._tracking.encoders, request, self._tick)
 
     def _set_line_mark(self, request: SetLineMark) -> None:
         self._node = (request.number, request.label)
@@ -452,7 +435,7 @@ class Controller:
 
     def _signal_setting(self, request: Any) -> None:
         SIGNAL_SETTINGS[type(request)](self._signals, request)
-        self._guide_by_inputs()
+        self._yield.guide_by_input(self._power.mode, self._arm_state, self._tick)
 
 
 HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
@@ -464,8 +447,14 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     ResumeTask: Controller._resume_task,
     StopTask: Controller._stop_task,
     **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
-    **dict.fromkeys(SETUP_HANDLERS, Controller._declare),
-    **dict.fromkeys(ENCODER_HANDLERS, Controller._set_encoder),
-    **dict.fromkeys(YIELD_SETTINGS, Controller._set_yielding),
+    **dict.fromkeys(SETUP_HANDLERS, lambda self, request: SETUP_HANDLERS[type(request)](self._setup, request)),
+    **dict.fromkeys(
+        ENCODER_HANDLERS,
+        lambda self, request: ENCODER_HANDLERS[type(request)](self._tracking.encoders, request, self._tick),
+    ),
+    **dict.fromkeys(
+        YIELD_SETTINGS,
+        lambda self, request: YIELD_SETTINGS[type(request)](self._yield, request, self._arm_state.joints(self._tick)),
+    ),
 }
 """Every kind of machine request and who handles it."""

@@ -11,10 +11,12 @@ from elitescript.controller.force_control import ForceControl
 from elitescript.controller.hand_guiding import HandGuiding
 from elitescript.controller.io import SignalImage
 from elitescript.controller.model_limits import motion_limits
+from elitescript.controller.modes import WHY_NOT_READY
 from elitescript.controller.setup import Setup
 from elitescript.controller.wrench_sensor import WrenchSensor
 from elitescript.controller.yielding import Body, Caller, YieldingCorrection
 from elitescript.errors import MotionError
+from elitescript.messages.enums import RobotMode
 from elitescript.messages.events import Event, Warned, YieldingChanged
 from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
 from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
@@ -36,13 +38,13 @@ class YieldControl:
     Args:
         model: the arm.
         setup: TCP, payload and gravity of the moment.
-        signals: for `external_wrench`.
+        signals: for `external_wrench` and the inputs that ask for hand guiding.
         contact: what the TCP can touch; None for nothing.
         on_event: receives events.
         on_end: called with the number of a call that waits for the end, and whether it was complete, when it is over.
     """
 
-    __slots__ = ("_force", "_guiding", "_is_asked_by_input", "_is_guided_by_input", "_on_event", "sensor")
+    __slots__ = ("_force", "_guiding", "_is_asked_by_input", "_is_guided_by_input", "_on_event", "_signals", "sensor")
 
     def __init__(
         self,
@@ -58,6 +60,7 @@ class YieldControl:
         self._force = ForceControl(body, on_event, lambda: on_end(FORCE_CALL, True))
         self._guiding = HandGuiding(body, on_event, lambda: on_end(GUIDING_CALL, True))
         self._on_event = on_event
+        self._signals = signals
         self._is_asked_by_input = False
         self._is_guided_by_input = False
 
@@ -135,14 +138,15 @@ class YieldControl:
             return not self._force.is_yielding
         return call != GUIDING_CALL or not self._guiding.is_active
 
-    def guide_by_input(self, point: str | None, why_not: str | None, tick: int) -> None:
+    def guide_by_input(self, mode: RobotMode, arm: ArmState, tick: int) -> None:
         """Begin hand guiding when an input asks for it, and end it when none does any more.
 
         Args:
-            point: name of an input that asks for it; None without one.
-            why_not: why the arm cannot be guided; None if it can.
+            mode: of the power.
+            arm: has to stand for the beginning.
             tick: present tick.
         """
+        point = self._signals.freedrive_point
         is_asked = point is not None
         if is_asked == self._is_asked_by_input:
             return
@@ -151,6 +155,7 @@ class YieldControl:
             if self._is_guided_by_input:
                 self._end_guiding(tick, Caller(0, ""))
             return
+        why_not = WHY_NOT_READY.get(mode, "the arm moves already" if arm.is_moving else None)
         if why_not is not None:
             self._on_event(Warned(tick, f"{point} asks for hand guiding, but {why_not}"))
         elif not self._guiding.is_on:
