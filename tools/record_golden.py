@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import dataclasses
 import sys
-import tomllib
 from collections.abc import Iterable
 from enum import Enum
 from itertools import pairwise
@@ -24,7 +23,6 @@ from pathlib import Path
 
 from elitescript import Run, VirtualRobot
 from elitescript.cli.settings import parse_settings
-from elitescript.controller.contact import ContactConfig
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
@@ -49,16 +47,10 @@ def settings(program: Path, wanted: str = "--set") -> list[str]:
     return [value for option, value in pairwise(words) if option == wanted]
 
 
-def contact(program: Path) -> ContactConfig:
-    """What the TCP can touch, from the cell file of an example; nothing without one."""
-    tables = [tomllib.loads((ROOT / name).read_text(encoding="utf-8")) for name in settings(program, "--cell")]
-    return ContactConfig.from_table(tables[0].get("contact", {}) if tables else {})
-
-
 def run_example(program: Path) -> Run:
     """Run an example as `elitescript run` does with the options that it asks for."""
     signals, presets = parse_settings(settings(program))
-    robot = VirtualRobot("CS66", contact=contact(program))
+    robot = VirtualRobot("CS66", cell=next((ROOT / name for name in settings(program, "--cell")), None))
     for name, value in signals.items():
         robot.signals[name] = value
     return robot.run(program, presets=presets)

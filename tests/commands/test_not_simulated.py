@@ -13,8 +13,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
 @pytest.mark.parametrize(
     "text",
     [
-        "is_within_safety_limits(q=[0, 0, 0, 0, 0, 0])",
-        "is_within_safety_limits([0, 0, 0, 0, 0, 0], qnear='', ciPair=[1, 0, 0, 1])",
         "modbus_set_output_register('s', 70000)",
         "modbus_set_output_register('s', [1, -1])",
         "modbus_set_output_signal('s', [True, 0])",

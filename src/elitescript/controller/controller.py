@@ -6,7 +6,7 @@ is a function of time: whoever looks samples it, and nobody can tell a leap from
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from elitescript.controller.arm_state import ArmState
@@ -21,25 +21,24 @@ from elitescript.controller.model_limits import motion_limits
 from elitescript.controller.modes import WHY_NOT_READY, Power
 from elitescript.controller.motion_control import MotionControl
 from elitescript.controller.plant import LaggingJoints
+from elitescript.controller.safety_control import SafetyControl
+from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.setup import SETUP_HANDLERS, Setup
 from elitescript.controller.snapshot import build_state
+from elitescript.controller.task_requests import TASK_HANDLERS
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
 from elitescript.controller.yield_control import YIELD_SETTINGS, YieldControl
 from elitescript.controller.yielding import Caller
-from elitescript.errors import ArgumentRangeError, ScriptError, ScriptStateError
+from elitescript.errors import ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
-from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
 from elitescript.messages.machine import (
+    AskSafety,
     MachineRequest,
-    PauseTask,
-    PowerDown,
-    ResumeTask,
     SetLineMark,
     SetSpeedScale,
-    StopTask,
-    WriteSignal,
 )
 from elitescript.messages.motion import MotionRequest, Six, TrackRequest
 from elitescript.messages.plant import PlantConfig
@@ -60,6 +59,7 @@ class Controller:
         home: joint positions at the start, rad; the model's home if None.
         speed_scale: speed percentage at the start, as a fraction.
         contact: what the TCP can touch; nothing if None.
+        safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
     """
 
@@ -67,23 +67,23 @@ class Controller:
         "_arm_state",
         "_epoch_s",
         "_inbox",
-        "_is_powering_down",
         "_joint_encoders",
         "_model",
         "_motion",
         "_node",
         "_on_event",
         "_power",
-        "_program",
         "_setup",
         "_signals",
-        "_task",
         "_tick",
         "_tracking",
         "_yield",
         "arm",
         "joint_ranges",
         "loads",
+        "program",
+        "safety",
+        "task",
     )
 
     def __init__(
@@ -95,6 +95,7 @@ class Controller:
         home: Six | None = None,
         speed_scale: float = 1.0,
         contact: ContactConfig | None = None,
+        safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
     ) -> None:
         plant = PlantConfig() if plant is None else plant
@@ -104,11 +105,11 @@ class Controller:
         self._epoch_s = epoch_s
         self._on_event = on_event
         self._tick = 0
-        self._program: ProgramPort = NoProgram()
+        self.program: ProgramPort = NoProgram()
         self._inbox = Inbox()
         self._signals = SignalImage(self._signal_changed)
         self._power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)))
-        self._task = Task(self._task_changed)
+        self.task = Task(self._task_changed)
         limits = motion_limits(model)
         self._motion = MotionControl(
             model.arm,
@@ -116,7 +117,7 @@ class Controller:
             model.home if home is None else home,
             model.stop_joint_deceleration,
             model.speed_ramp_s,
-            on_event,
+            self._motion_event,
             self._motion_ended,
         )
         self._motion.set_speed_scale(speed_scale, 0)
@@ -127,12 +128,16 @@ class Controller:
         self._arm_state = ArmState(self._motion, (self._tracking, *self._yield.corrections), joints)
         self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._node: tuple[int, str] = (0, "")
-        self._is_powering_down = False
         self.loads = JointLoads(model, plant, self._arm_state, self._setup)
+        watched = safety or SafetyLimits()
+        self.safety = SafetyControl(
+            self, watched, limits, self._motion, self._arm_state, self._setup, self._signals, self.task, speed_scale
+        )
+        self._tracking.on_obstacle = self.safety.meet_obstacle
 
     def attach(self, program: ProgramPort) -> None:
         """Say what runs scripts in the phase `program`."""
-        self._program = program
+        self.program = program
 
     # ---------------------------------------------------------------- time
 
@@ -145,13 +150,17 @@ class Controller:
         """All phases of the present tick; `leap` then goes on to the next one."""
         self._arm_state.settle(self._tick)
         self._deliver_inbox()
-        self._program.run_tick(self._tick)
+        self.safety.check(self._tick)
+        if self._power.is_going_off:
+            self._power.settle(self._arm_state.is_moving)
+        self.program.run_tick(self._tick)
 
     def next_tick(self) -> int | None:
         """The next tick at which anything is due; None when nothing will ever happen by itself."""
-        due = (self._program.next_tick(self._tick), self._arm_state.next_tick, self._inbox.next_tick)
-        ticks = [tick for tick in due if tick is not None]
-        return max(min(ticks), self._tick + 1) if ticks else None
+        tick, arm, program = self._tick, self._arm_state, self.program
+        due = (program.next_tick(tick), arm.next_tick, self._inbox.next_tick, self.safety.next_tick(tick))
+        ticks = [at for at in due if at is not None]
+        return max(min(ticks), tick + 1) if ticks else None
 
     def leap(self, tick: int) -> None:
         """Go to a tick that is not later than the next one at which anything is due."""
@@ -212,6 +221,10 @@ class Controller:
         """degC; see `controller.warmth`."""
         return self.loads.temperatures(self._tick)[1]
 
+    def is_within_safety_limits(self, q: Six, pairs: Sequence[bool] | None = None) -> bool:
+        """See `commands.context.Machine.is_within_safety_limits`."""
+        return self.safety.is_within(q, pairs)
+
     @property
     def robot_mode(self) -> RobotMode:
         """Power and brakes."""
@@ -220,12 +233,12 @@ class Controller:
     @property
     def task_state(self) -> TaskState:
         """What the program is doing."""
-        return self._task.state
+        return self.task.state
 
     @property
     def line(self) -> int:
         """Line of the main thread; 0 without a program."""
-        return self._program.line
+        return self.program.line
 
     @property
     def is_moving(self) -> bool:
@@ -235,7 +248,7 @@ class Controller:
     @property
     def speed_scale(self) -> float:
         """Speed percentage as a fraction."""
-        return self._motion.speed_scale
+        return self.safety.speed_scale
 
     def joints(self) -> JointState:
         """Target and measured joints of the present tick."""
@@ -276,13 +289,13 @@ class Controller:
             T_flange_tcp=self._setup.T_flange_tcp,
             tcp_offset=self._setup.tcp_offset,
             robot_mode=self._power.mode,
-            safety_mode=SafetyMode.NORMAL,
-            task_state=self._task.state,
+            safety_mode=self.safety.mode,
+            task_state=self.task.state,
             payload=self._setup.payload,
             gravity=self._setup.gravity,
-            speed_scale=self._motion.speed_scale,
+            speed_scale=self.safety.speed_scale,
             is_moving=self._arm_state.is_moving,
-            line=self._program.line,
+            line=self.program.line,
             node=self._node,
         )
 
@@ -318,16 +331,15 @@ class Controller:
 
     def request_motion(self, request: MotionRequest | TrackRequest | YieldRequest, line: int, thread: str) -> int:
         """See `commands.context.Machine.request_motion`."""
-        mode = RobotMode.POWER_OFF if self._is_powering_down else self._power.mode
-        why = WHY_NOT_READY.get(mode)
-        if why is not None:
-            raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
+        self._power.require_ready()
+        self.safety.require("move")
         T_flange_tcp = self._setup.T_flange_tcp
         if isinstance(request, YieldRequest) or self._yield.is_ended_by(request):
             is_moving = self._motion.is_moving or self._tracking.is_active
             return self._yield.request(request, self._tick, is_moving, Caller(line, thread))
         if isinstance(request, TrackRequest):
             return self._tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
+        request = self.safety.prepared(request, line, thread)
         return self._motion.request(request, self._tick, T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:
@@ -349,112 +361,86 @@ class Controller:
     # ---------------------------------------------------------------- the task, for the runtime and robot.py
 
     def power_up(self) -> None:
-        """Power on and release the brakes, as far as that is not done."""
-        self._is_powering_down = False
-        if self._power.mode is RobotMode.POWER_OFF:
-            self._power.apply("power_on")
-        if self._power.mode is RobotMode.IDLE:
-            self._power.apply("release_brakes")
+        """Power on and release the brakes, as far as that is not done.
+
+        Raises:
+            ScriptStateError: the safety system does not allow it.
+        """
+        self.safety.require("power_on")
+        self._power.go_up()
 
     def task_started(self, name: str) -> None:
         """A program begins in this tick."""
-        self._task.name = name
+        self.task.name = name
         self._node = (0, "")
         self._motion.begin_program()
         self._yield.begin_program()
-        self._task.apply("start")
+        self.task.apply("start")
+        self.safety.task_started()
 
     def task_ended(self) -> None:
         """The program is over; the arm brakes if it still moves."""
-        if self._task.is_running:
-            self._task.apply("stop")
+        if self.task.is_running:
+            self.task.apply("stop")
 
     def _task_changed(self, before: TaskState, after: TaskState) -> None:
-        self.emit(TaskStateChanged(self._tick, after, self._task.name))
+        self.emit(TaskStateChanged(self._tick, after, self.task.name))
         if after is TaskState.PAUSED:
             self._arm_state.pause(self._tick)
         elif before is TaskState.PAUSED:
             self._arm_state.resume(self._tick)
+            self.safety.disturb()
         if after is TaskState.STOPPED:
             self._arm_state.stop(self._tick)
         if TaskState.STOPPED in (before, after):
-            self._signals.set_running(self._task.is_running)
+            self._signals.set_running(self.task.is_running)
 
     def _motion_ended(self, move: int, is_complete: bool) -> None:
-        self._program.motion_ended(move, is_complete)
-        self._switch_off_at_standstill()
+        self.program.motion_ended(move, is_complete)
+        self._power.settle(self._arm_state.is_moving)
+
+    def _motion_event(self, event: Event) -> None:
+        self.safety.note(event)
+        self.emit(event)
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value))
         self._tracking.encoders.signal_changed(name, index, value, self._tick)
+        self.safety.signal_changed(name, value)
 
     # ---------------------------------------------------------------- handlers, one for each kind of request
 
-    def _write_signal(self, request: WriteSignal) -> None:
-        self._signals.write(request)
-        self._yield.guide_by_input(self._power.mode, self._arm_state, self._tick)
-
     def _set_speed_scale(self, request: SetSpeedScale) -> None:
-        if not 0.0 <= request.fraction <= 1.0:
-            raise ArgumentRangeError(
-                f"the speed percentage must be in [0, 1], got {request.fraction:g}",
-                value=request.fraction,
-                limit="[0, 1]",
-            )
-        self._motion.set_speed_scale(request.fraction, self._tick)
+        self.safety.set_speed_scale(request.fraction)
+
+    def _declare(self, request: Any) -> None:
+        SETUP_HANDLERS[type(request)](self._setup, request)
+        self.safety.disturb()
 
     def _set_line_mark(self, request: SetLineMark) -> None:
         self._node = (request.number, request.label)
         self.emit(LineMarked(self._tick, request.number, request.label))
 
-    def _power_down(self, _request: PowerDown) -> None:
-        if self._task.is_running:
-            self._program.stop("powerdown")
+    def switch_off(self) -> None:
+        """Stop the arm and switch its power off at standstill."""
         self._arm_state.stop(self._tick)
-        self._is_powering_down = True
-        self._switch_off_at_standstill()
-
-    def _switch_off_at_standstill(self) -> None:
-        if self._is_powering_down and not self._arm_state.is_moving:
-            self._is_powering_down = False
-            if self._power.mode is not RobotMode.POWER_OFF:
-                self._power.apply("power_off")
-
-    def _pause_task(self, _request: PauseTask) -> None:
-        self._task.apply("pause")
-        self._program.pause()
-
-    def _resume_task(self, _request: ResumeTask) -> None:
-        self._task.apply("resume")
-        self._program.resume()
-
-    def _stop_task(self, _request: StopTask) -> None:
-        if not self._task.is_running:
-            raise ScriptStateError("cannot stop: no task is running")
-        self._program.stop("stopped")
+        self._power.go_off()
+        self._power.settle(self._arm_state.is_moving)
 
     def _signal_setting(self, request: Any) -> None:
         SIGNAL_SETTINGS[type(request)](self._signals, request)
-        self._yield.guide_by_input(self._power.mode, self._arm_state, self._tick)
+        why_not = WHY_NOT_READY.get(self._power.mode) or self.safety.refusal("move")
+        self._yield.guide_by_input(why_not, self._arm_state, self._tick)
 
 
 HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
-    WriteSignal: Controller._write_signal,
     SetSpeedScale: Controller._set_speed_scale,
     SetLineMark: Controller._set_line_mark,
-    PowerDown: Controller._power_down,
-    PauseTask: Controller._pause_task,
-    ResumeTask: Controller._resume_task,
-    StopTask: Controller._stop_task,
+    AskSafety: lambda c, request: c.safety.ask(request),
+    **TASK_HANDLERS,
     **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
-    **dict.fromkeys(SETUP_HANDLERS, lambda self, request: SETUP_HANDLERS[type(request)](self._setup, request)),
-    **dict.fromkeys(
-        ENCODER_HANDLERS,
-        lambda self, request: ENCODER_HANDLERS[type(request)](self._tracking.encoders, request, self._tick),
-    ),
-    **dict.fromkeys(
-        YIELD_SETTINGS,
-        lambda self, request: YIELD_SETTINGS[type(request)](self._yield, request, self._arm_state.joints(self._tick)),
-    ),
+    **dict.fromkeys(SETUP_HANDLERS, Controller._declare),
+    **dict.fromkeys(ENCODER_HANDLERS, lambda c, r: ENCODER_HANDLERS[type(r)](c._tracking.encoders, r, c._tick)),
+    **dict.fromkeys(YIELD_SETTINGS, lambda c, r: YIELD_SETTINGS[type(r)](c._yield, r, c._arm_state.joints(c._tick))),
 }
 """Every kind of machine request and who handles it."""

@@ -247,6 +247,7 @@ class SignalImage:
 
 
 SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {
+    WriteSignal: SignalImage.write,
     SetAnalogDomain: SignalImage.set_analog_domain,
     SetAnalogFraction: SignalImage.set_analog_fraction,
     SetRunstateChoice: SignalImage.set_runstate,
@@ -255,4 +256,4 @@ SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {
     SetToolAnalogMode: SignalImage.set_tool_analog_mode,
     SetToolPin: SignalImage.set_tool_pin,
 }
-"""Every request that changes how signals behave, and what handles it."""
+"""Every request that changes a signal or how it behaves, and what handles it."""

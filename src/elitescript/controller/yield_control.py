@@ -11,12 +11,10 @@ from elitescript.controller.force_control import ForceControl
 from elitescript.controller.hand_guiding import HandGuiding
 from elitescript.controller.io import SignalImage
 from elitescript.controller.model_limits import motion_limits
-from elitescript.controller.modes import WHY_NOT_READY
 from elitescript.controller.setup import Setup
 from elitescript.controller.wrench_sensor import WrenchSensor
 from elitescript.controller.yielding import Body, Caller, YieldingCorrection
 from elitescript.errors import MotionError
-from elitescript.messages.enums import RobotMode
 from elitescript.messages.events import Event, Warned, YieldingChanged
 from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
 from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
@@ -138,11 +136,11 @@ class YieldControl:
             return not self._force.is_yielding
         return call != GUIDING_CALL or not self._guiding.is_active
 
-    def guide_by_input(self, mode: RobotMode, arm: ArmState, tick: int) -> None:
+    def guide_by_input(self, why_not: str, arm: ArmState, tick: int) -> None:
         """Begin hand guiding when an input asks for it, and end it when none does any more.
 
         Args:
-            mode: of the power.
+            why_not: why the arm may not move; empty if it may.
             arm: has to stand for the beginning.
             tick: present tick.
         """
@@ -155,8 +153,9 @@ class YieldControl:
             if self._is_guided_by_input:
                 self._end_guiding(tick, Caller(0, ""))
             return
-        why_not = WHY_NOT_READY.get(mode, "the arm moves already" if arm.is_moving else None)
-        if why_not is not None:
+        if arm.is_moving:
+            why_not = why_not or "the arm moves already"
+        if why_not:
             self._on_event(Warned(tick, f"{point} asks for hand guiding, but {why_not}"))
         elif not self._guiding.is_on:
             self._guide(Freedrive((True,) * 6), tick, Caller(0, ""))

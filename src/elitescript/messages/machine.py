@@ -190,6 +190,15 @@ class ZeroForceSensor:
     """Take the present compensated wrench as zero."""
 
 
+@dataclass(frozen=True, slots=True)
+class AskSafety:
+    """An action of the safety system that people and clients ask for."""
+
+    action: str
+    """`stop_protectively`, `unlock_protective_stop`, `restart_safety`, `violate` or `fail`."""
+    reason: str = ""
+
+
 MachineRequest = (
     WriteSignal
     | SetAnalogDomain
@@ -212,6 +221,7 @@ MachineRequest = (
     | PauseTask
     | ResumeTask
     | StopTask
+    | AskSafety
     | SetForceGain
     | SetForceDamping
     | ZeroForceSensor
