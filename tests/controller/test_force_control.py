@@ -21,7 +21,7 @@ from elitescript.messages.machine import (
     WriteSignal,
     ZeroForceSensor,
 )
-from elitescript.messages.motion import MoveL, SpeedL, StopL
+from elitescript.messages.motion import MoveL, SpeedL, StopL, StopTracking, TrackLinear
 from elitescript.messages.timing import PERIOD_S
 from elitescript.messages.yielding import EndForceMode, ForceMode, Freedrive
 from elitescript.models.model import load_model
@@ -404,6 +404,37 @@ def test_a_singularity_stops_the_arm():
     assert [event.text.split(",")[0] for event in machine.warnings] == ["force_mode leads into the elbow singularity"]
     assert max(map(abs, machine.controller.joints().qd_target)) < 0.01
     require_smooth(machine.rows)
+
+
+@pytest.mark.parametrize("is_force_first", [True, False])
+def test_the_arm_presses_on_a_part_that_a_belt_carries(is_force_first):
+    machine = Machine(table(friction=0.1))
+    y = machine.pose[1]
+    machine.controller.request(WriteSignal("encoder_speed", 0, 2000.0))
+    machine.ask(TrackLinear((0.0, 1.0, 0.0), 20000.0, 0))
+    machine.run(200)
+    machine.ask(press(20.0))
+    machine.run(500)
+    assert machine.force[2] == pytest.approx(-20.0, abs=0.2)
+    assert machine.twist[1] == pytest.approx(0.1, abs=1e-6)
+    assert machine.pose[1] == pytest.approx(y + 700 * PERIOD_S * 0.1, abs=1e-4)
+    ends = [EndForceMode(), StopTracking()]
+    for request in ends if is_force_first else reversed(ends):
+        machine.ask(request)
+        machine.run(30)
+    machine.until_rest()
+    machine.ask(MoveL((0.487, y, HEIGHT, *machine.pose[3:]), 1.0, 0.2))
+    machine.until_rest()
+    assert machine.pose[:3] == pytest.approx((0.487, y, HEIGHT), abs=1e-6)
+    require_smooth(machine.rows)
+
+
+def test_a_belt_is_not_taken_up_while_the_arm_presses():
+    machine = Machine()
+    machine.ask(press(20.0))
+    with pytest.raises(MotionError, match="in force mode") as caught:
+        machine.ask(TrackLinear((0.0, 1.0, 0.0), 20000.0, 0))
+    assert caught.value.code == "R114"
 
 
 @pytest.mark.parametrize("seed", range(12))

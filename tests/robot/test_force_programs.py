@@ -104,3 +104,29 @@ def job():
 end
 """)
     assert run.log == ["0.48"]
+
+
+@pytest.mark.parametrize("signal", ["emergency_stop", "safeguard_stop"])
+def test_stops_of_the_safety_system_hold_an_arm_that_presses_or_is_guided(signal):
+    for program in (POLISH, "def job():\n  freedrive_mode()\n  sleep(100)\nend\n"):
+        robot = VirtualRobot(contact=TABLE)
+        robot.at(0.1, "external_wrench[0]", 20.0)
+        robot.start(program)
+        robot.advance(1.3)
+        robot.signals[signal] = True
+        robot.advance(1.0)
+        place = robot.state.tcp_pose_target
+        robot.signals["external_wrench[0]"] = 60.0
+        robot.advance(1.0)
+        assert robot.state.tcp_pose_target == place
+
+
+def test_an_input_does_not_guide_an_arm_that_may_not_move():
+    robot = VirtualRobot()
+    robot.run('def job():\n  set_standard_digital_input_action(0, "freedrive")\nend\n')
+    robot.signals["external_wrench[0]"] = 20.0
+    robot.signals["emergency_stop"] = True
+    robot.signals["standard_digital_in[0]"] = True
+    place = robot.state.tcp_pose_target
+    robot.advance(1.0)
+    assert robot.state.tcp_pose_target == place
