@@ -12,6 +12,7 @@ from typing import Any
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import MotionRequest, TrackCircular, TrackLinear
 from elitescript.messages.signals import Value
+from elitescript.messages.yielding import YieldRequest
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +160,17 @@ class LineMarked:
     label: str
 
 
+@dataclass(frozen=True, slots=True)
+class YieldingChanged:
+    """Force mode or hand guiding began, changed or is asked to end; the end of a program says nothing more."""
+
+    tick: int
+    request: YieldRequest
+    line: int
+    """0 if an input asked for it."""
+    thread: str
+
+
 Event = (
     TextMessage
     | Printed
@@ -174,4 +186,5 @@ Event = (
     | RobotModeChanged
     | SafetyModeChanged
     | LineMarked
+    | YieldingChanged
 )
