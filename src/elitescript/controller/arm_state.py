@@ -167,6 +167,13 @@ class ArmState:
             if correction.is_active:
                 correction.stop(tick)
 
+    def finish(self, tick: int) -> None:
+        """Come to rest where the last move ends, if its call is over: the program has ended by itself."""
+        self._motion.finish(tick)
+        for correction in self._corrections:
+            if correction.is_active:
+                correction.stop(tick)
+
     @property
     def _is_stepped(self) -> bool:
         plant = self._plant

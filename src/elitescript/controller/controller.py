@@ -317,10 +317,18 @@ class Controller:
         self._motion.begin_program()
         self._task.apply("start")
 
-    def task_ended(self) -> None:
-        """The program is over; the arm brakes if it still moves."""
+    def task_ended(self, *, has_finished: bool = False) -> None:
+        """The program is over; the arm brakes if it still moves.
+
+        Args:
+            has_finished: by itself; a move that goes on to its waypoint after its call then arrives there.
+        """
         if self._task.is_running:
             self._task.apply("stop")
+            if has_finished:
+                self._arm_state.finish(self._tick)
+            else:
+                self._arm_state.stop(self._tick)
 
     def _task_changed(self, before: TaskState, after: TaskState) -> None:
         self.emit(TaskStateChanged(self._tick, after, self._task.name))
@@ -328,8 +336,6 @@ class Controller:
             self._arm_state.pause(self._tick)
         elif before is TaskState.PAUSED:
             self._arm_state.resume(self._tick)
-        if after is TaskState.STOPPED:
-            self._arm_state.stop(self._tick)
         if TaskState.STOPPED in (before, after):
             self._signals.set_running(self._task.is_running)
 

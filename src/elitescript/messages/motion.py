@@ -54,6 +54,17 @@ class MoveC:
 
 
 @dataclass(frozen=True, slots=True)
+class MoveP:
+    """TCP on a straight line to `p_target`, as one of a chain of lines that keeps its speed at the corners."""
+
+    p_target: Six
+    a: float
+    v: float
+    r: float = 0.0
+    """Blend radius at `p_target`, m; 0 rounds the corner as little as the speed allows."""
+
+
+@dataclass(frozen=True, slots=True)
 class StopJ:
     """Brake to standstill with joint deceleration `a` (rad/s^2)."""
 
@@ -103,7 +114,7 @@ class ServoJ:
     """How stiffly the arm follows, 100 to 2000."""
 
 
-MoveRequest = MoveJ | MoveL | MoveC
+MoveRequest = MoveJ | MoveL | MoveC | MoveP
 """A move to a target, planned as a whole."""
 DriveRequest = SpeedJ | SpeedL | ServoJ
 """A motion that begins in any state and goes on after the call."""

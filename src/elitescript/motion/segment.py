@@ -106,15 +106,91 @@ class Segment:
             return Setpoint(self.path.q_start, _REST)
         if t_s >= self.duration_s:
             return Setpoint(self.path.q_end, _REST)
-        position, speed = self.profile.at(t_s)
+        return self.setpoint_at(*self.profile.at(t_s))
+
+    def setpoint_at(self, position: float, speed: float) -> Setpoint:
+        """Return joint angles and speeds at a path position that is passed at a path speed."""
         q, (d1, d2, d3, d4, d5, d6) = self.path.q_and_slope(position)
         return Setpoint(q, (d1 * speed, d2 * speed, d3 * speed, d4 * speed, d5 * speed, d6 * speed))
+
+    def path_state(self, t_s: float) -> tuple[float, float]:
+        """Return position and speed on the path at a time."""
+        return self.profile.at(t_s)
+
+    def time_at(self, position: float) -> float:
+        """Return the time at which a path position is passed."""
+        return self.profile.time_at(position)
 
     def tool_speed(self, t_s: float) -> tuple[float, float]:
         """Return the speed of the TCP, m/s, and of the tool's rotation, rad/s, at a time."""
         position, speed = self.profile.at(t_s)
         way, turn = self.path.tool_rates(position)
         return way * speed, turn * speed
+
+
+class BlendedSegment(Segment):
+    """A move that is entered by a blend: the corner first, then the rest of its path; immutable.
+
+    Args:
+        corner: joints over the time of the blend, s.
+        path: of the move.
+        profile: of its rest, from the end of the blend on.
+    """
+
+    __slots__ = ("corner", "corner_s")
+
+    def __init__(self, corner: JointPath, path: JointPath, profile: Profile) -> None:
+        super().__init__(path, profile)
+        self.corner = corner
+        self.corner_s = corner.length
+        self.duration_s = self.corner_s + profile.duration_s
+
+    @property
+    def q_start(self) -> Six:
+        return self.corner.q_start
+
+    def sample(self, t_s: float) -> Six:
+        if t_s < self.corner_s:
+            return self.corner.q(max(0.0, t_s))
+        if t_s >= self.duration_s:
+            return self.path.q_end
+        return self.path.q(self.profile.at(t_s - self.corner_s)[0])
+
+    def setpoint(self, t_s: float) -> Setpoint:
+        if t_s < self.corner_s:
+            return Setpoint(*self.corner.q_and_slope(max(0.0, t_s)))
+        if t_s >= self.duration_s:
+            return Setpoint(self.path.q_end, _REST)
+        return self.setpoint_at(*self.profile.at(t_s - self.corner_s))
+
+    def path_state(self, t_s: float) -> tuple[float, float]:
+        """Return position and speed on the path at a time after the corner."""
+        return self.profile.at(t_s - self.corner_s)
+
+    def time_at(self, position: float) -> float:
+        """Return the time at which a path position after the corner is passed."""
+        return self.corner_s + self.profile.time_at(position)
+
+    def tool_speed(self, t_s: float) -> tuple[float, float]:
+        if t_s < self.corner_s:
+            return self.corner.tool_rates(max(0.0, t_s))
+        position, speed = self.profile.at(t_s - self.corner_s)
+        way, turn = self.path.tool_rates(position)
+        return way * speed, turn * speed
+
+
+class RunningSegment(Segment):
+    """A path that is taken up on the way, at the position and the speed with which its profile starts; immutable."""
+
+    __slots__ = ()
+
+    def sample(self, t_s: float) -> Six:
+        return self.setpoint(t_s).q
+
+    def setpoint(self, t_s: float) -> Setpoint:
+        if t_s >= self.duration_s:
+            return Setpoint(self.path.q_end, _REST)
+        return self.setpoint_at(*self.profile.at(t_s))
 
 
 _REST: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
