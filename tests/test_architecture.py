@@ -136,7 +136,18 @@ class TestRequests:
 
     def test_every_motion_request_is_understood(self):
         from elitescript.controller.controller import Controller
-        from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, ServoJ, SpeedJ, SpeedL, StopJ, StopL
+        from elitescript.messages.motion import (
+            MotionRequest,
+            MoveC,
+            MoveJ,
+            MoveL,
+            MoveP,
+            ServoJ,
+            SpeedJ,
+            SpeedL,
+            StopJ,
+            StopL,
+        )
         from elitescript.models.model import load_model
 
         q = (0.0, -1.5, -1.6, -1.5, 1.5, 0.0)
@@ -145,6 +156,7 @@ class TestRequests:
             MoveJ(q, 1.0, 1.0),
             MoveL(pose, 1.0, 0.2),
             MoveC((0.46, -0.12, 0.45, 3.1, 0.0, -1.5), (0.45, -0.09, 0.45, 3.1, 0.0, -1.5), 1.0, 0.2),
+            MoveP(pose, 1.0, 0.2),
             SpeedJ((0.1, 0.0, 0.0, 0.0, 0.0, 0.0), 1.0),
             SpeedL((0.0, 0.1, 0.0, 0.0, 0.0, 0.0), 1.0, 1.0),
             ServoJ(q, 0.004, 0.1, 300.0),

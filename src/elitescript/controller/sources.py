@@ -255,7 +255,7 @@ class Chain(Move):
             self._lay()
             return
         begin_tick = max(tick, self.start_tick)
-        position, speed = self.segment.path_state(self.path_time_s(begin_tick))
+        position, speed = self.segment.profile.at(self.path_time_s(begin_tick))
         known = extended(track.arm, limits, self._path, position, speed, _link(plan, r), self.T_flange_tcp)
         self.segment = known.segment
         self.scale = self.scale.rebased(begin_tick * PERIOD_S)

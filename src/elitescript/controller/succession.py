@@ -165,8 +165,9 @@ class Succession:
     def _blended(self, request: MoveRequest, call: Call, source: Move, plan: Plan) -> Accepted | None:
         if isinstance(request, MoveP) or source.T_flange_tcp != call.T_flange_tcp:
             return None
-        position, speed = source.segment.path_state(source.path_time_s(call.tick))
-        segment = blended(self._arm, self._limits, source.plan, position, speed, plan, call.T_flange_tcp)
+        t_s = source.path_time_s(call.tick)
+        _, speed = source.segment.profile.at(source.segment.profile_time(t_s))
+        segment = blended(self._arm, self._limits, source.plan, t_s, plan, call.T_flange_tcp)
         if segment is None:
             return None
         scale = source.scale.rebased(call.tick * PERIOD_S)

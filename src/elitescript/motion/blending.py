@@ -3,8 +3,9 @@
 A move with a radius is planned to stop at its waypoint, and leaves its path at a moment, inside the sphere of that
 radius, at which it still has the way d1 to go and the speed v1. Braking evenly it would stop at the waypoint after
 T = 2 d1 / v1. For that time the next move is laid over it (`corner`): it starts from standstill at the waypoint and
-has reached the speed v2 when the first stands still, at d2 = v2 T / 2 on its own path. So everything about a blend
-follows from v2, which is the largest that
+has reached the speed v2 when the first stands still, at d2 = v2 T / 2 on its own path. When the next move is so short
+that it would have to be slow for all of T, the first is followed a little further (*assumed*), but never further than
+to where its own braking begins. Then everything about a blend follows from v2, which is the largest that
 
 - is no more than the next move's own speed, and one from which that can stop at its own end;
 - leaves d2 inside the sphere, and before the next blend begins;
@@ -18,6 +19,7 @@ not, there is no blend.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import dist, hypot, sqrt
 from typing import Final
 
@@ -55,8 +57,7 @@ def blended(
     arm: Arm,
     limits: MotionLimits,
     first: Plan,
-    position: float,
-    speed: float,
+    t_s: float,
     second: Plan,
     T_flange_tcp: Transform,
 ) -> BlendedSegment | None:
@@ -66,15 +67,15 @@ def blended(
         arm: the arm.
         limits: its limits.
         first: the move under way, with a zone.
-        position: where it is on its path.
-        speed: how fast it goes there, at full speed percentage.
+        t_s: time of its segment.
         second: the next move, planned from the end of the first.
         T_flange_tcp: TCP offset of both.
     """
-    blend = _Blend(arm, limits, first, position, speed, second, T_flange_tcp)
-    if blend.d1 <= 0.0 or speed <= 0.0 or second.segment.path.length == 0.0:
+    path = second.segment.path
+    if path.length == 0.0 or not isinstance(path, JointTrack | JointLine):
         return None
-    if not isinstance(second.segment.path, JointTrack | JointLine):
+    blend = _Blend(arm, limits, first, t_s, second, T_flange_tcp)
+    if blend.d1 <= 0.0 or blend.speed <= 0.0:
         return None
     highest = candidate = high = blend.highest_speed()
     low, best = 0.0, None
@@ -116,19 +117,24 @@ def entering_profile(limits: MotionLimits, plan: Plan, start: float, v_start: fl
     return trapezoid_of(path.length, law, start, v_start)
 
 
+_ALL: Final = 1.0 + 1e-9
+
+
 class _Blend:
     """One blend, to be tried with several v2."""
 
     __slots__ = (
         "T_flange_tcp",
+        "approach_s",
         "arm",
+        "before_s",
         "d1",
         "duration_s",
         "first",
         "guides_tool",
         "limits",
-        "position",
         "q_start",
+        "room",
         "second",
         "speed",
     )
@@ -138,37 +144,44 @@ class _Blend:
         arm: Arm,
         limits: MotionLimits,
         first: Plan,
-        position: float,
-        speed: float,
+        t_s: float,
         second: Plan,
         T_flange_tcp: Transform,
     ) -> None:
         self.arm = arm
         self.limits = limits
         self.first = first
-        self.position = position
-        self.speed = speed
         self.second = second
         self.T_flange_tcp = T_flange_tcp
-        self.d1 = first.segment.path.length - position
+        path, zone = second.segment.path, first.zone
+        self.guides_tool = isinstance(first.segment.path, JointTrack) and isinstance(path, JointTrack)
+        self.room = path.length if second.zone is None else second.zone.begin
+        if zone is not None:
+            self.room = min(self.room, way_within(path, zone.radius, arm, T_flange_tcp))
+        length, profile = first.segment.path.length, first.segment.profile
+        self.before_s = first.segment.profile_time(t_s)
+        position, speed = profile.at(self.before_s)
+        self.approach_s = 0.0
+        braking = 0.5 * speed * speed / first.law.brake
+        wanted = max(self.room / second.law.v * speed, braking)
+        if wanted < length - position:
+            self.approach_s = max(0.0, profile.time_at(length - wanted) - self.before_s)
+            position, speed = profile.at(self.before_s + self.approach_s)
+        self.speed = speed
+        self.d1 = length - position
         self.duration_s = 2.0 * self.d1 / speed if speed > 0.0 else 0.0
         self.q_start: Six = first.segment.path.q(position)
-        self.guides_tool = isinstance(first.segment.path, JointTrack) and isinstance(second.segment.path, JointTrack)
 
     def highest_speed(self) -> float:
         """Return the v2 that nothing which can be said beforehand forbids."""
-        second, T = self.second, self.duration_s
-        path, law = second.segment.path, second.law
-        zone = self.first.zone
-        room = path.length if second.zone is None else second.zone.begin
-        if zone is not None:
-            room = min(room, way_within(path, zone.radius, self.arm, self.T_flange_tcp))
+        T, path, law = self.duration_s, self.second.segment.path, self.second.law
         # (v2 T / 2) + v2^2 / (2 brake) is all of its path at most.
         half_gain = 0.5 * law.brake * T
         stoppable = sqrt(half_gain * half_gain + 2.0 * law.brake * path.length) - half_gain
-        speed = min(law.v, 2.0 * room / T, stoppable)
+        far = 2.0 * self.room / T
+        speed = min(law.v, far, stoppable)
         if self.guides_tool:
-            return min(speed, self._turning_speed(2.0 * room / T))
+            return min(speed, self._turning_speed(far))
         if isinstance(path, JointLine) and isinstance(self.first.segment.path, JointLine):
             return min(speed, self._joint_turning_speed(self.first.segment.path, path))
         return speed
@@ -177,11 +190,16 @@ class _Blend:
         """Return the second move as it is entered at v2, or None when that breaks a limit."""
         T = self.duration_s
         d2 = 0.5 * v2 * T
-        profile = entering_profile(self.limits, self.second, d2, v2, T)
+        profile = entering_profile(self.limits, self.second, d2, v2, self.approach_s + T)
         if profile is None:
             return None
         corner = self._tool_corner(d2) if self.guides_tool else self._joint_corner(d2)
-        return None if corner is None else BlendedSegment(corner, self.second.segment.path, profile)
+        if corner is None:
+            return None
+        before = self.first.segment
+        return BlendedSegment(
+            before.path, before.profile, self.before_s, self.approach_s, corner, self.second.segment.path, profile
+        )
 
     def _turning_speed(self, v_far: float) -> float:
         """Return the v2 at which the change of the tool's velocity takes all of the acceleration, taking it as even."""
@@ -251,23 +269,25 @@ class _Blend:
         waypoint = position_of(self.arm.forward_tcp(path.q_start, self.T_flange_tcp))
         zone = self.first.zone
         step_s = corner.length / JOINT_LOOKS
-        before: Six | None = None
+        # Two joint moves change their speeds evenly; any other path bends between the looks.
+        is_even = isinstance(path, JointLine) and isinstance(self.first.segment.path, JointLine)
+        speed_share, share = (_ALL, _ALL) if is_even else (SPEED_MARGIN, ACCELERATION_MARGIN)
+        speeds: list[Six] = []
         for look in range(JOINT_LOOKS + 1):
             q, qd = corner.q_and_slope(look * step_s)
             if joint_outside(self.limits, q) is not None:
                 return None
-            if any(abs(w) > top * SPEED_MARGIN for w, top in zip(qd, self.limits.qd_max, strict=True)):
+            if any(abs(w) > top * speed_share for w, top in zip(qd, self.limits.qd_max, strict=True)):
                 return None
-            if before is not None and any(
-                abs(b - a) > top * ACCELERATION_MARGIN * step_s
-                for a, b, top in zip(before, qd, self.limits.qdd_max, strict=True)
-            ):
+            if zone is not None and look:
+                place = position_of(self.arm.forward_tcp(q, self.T_flange_tcp))
+                if dist(place, waypoint) > zone.radius * _ALL:
+                    return None
+            speeds.append(qd)
+        for joint, top in enumerate(self.limits.qdd_max):
+            changes = [b[joint] - a[joint] for a, b in pairwise(speeds)]
+            # At the ends the acceleration is half a look further on than the mean of the outermost one.
+            changes += [1.5 * changes[0] - 0.5 * changes[1], 1.5 * changes[-1] - 0.5 * changes[-2]]
+            if any(abs(change) > top * share * step_s for change in changes):
                 return None
-            if (
-                zone is not None
-                and look
-                and dist(position_of(self.arm.forward_tcp(q, self.T_flange_tcp)), waypoint) > zone.radius * (1.0 + 1e-9)
-            ):
-                return None
-            before = qd
         return corner

@@ -144,7 +144,8 @@ def plan_movej(
         if lasting is not None:
             profile, law = lasting, _law_of(lasting, a_max)
         else:
-            profile, law = trapezoid(path.length, v_max, a_max), Law(v_max, a_max, a_max)
+            law = _law(v_max, a_max, request.r)
+            profile = trapezoid_of(path.length, law)
             notes = (_t_too_short(request.t_s, profile),)
     plan = Plan(Segment(path, profile), notes, law, 0.0, request.t_s)
     return _with_zone(plan, arm, T_flange_tcp, request.r)
@@ -245,7 +246,7 @@ def _plan_cartesian(
             if keeps_limits(track, limits, profile):
                 law = _law_of(profile, a_max)
                 return Plan(Segment(track, profile), (), law, law.a if path.unit == "m" else 0.0, t_s)
-        law = Law(v_max, a_max, a_max)
+        law = _law(v_max, a_max, r)
     else:
         notes = _lowered(path.length, v, v_max, a, a_max, path.unit)
         law = _law(min(v, v_max), min(a, a_max), r)

@@ -46,6 +46,10 @@ BEND_SHARE: Final = 0.8
 """Share of the tool acceleration, and of joint accelerations, that the bending of the path may use up; the rest is for
 speeding up and braking."""
 
+SMOOTH_SHARE: Final = 0.2
+"""Share of the tool acceleration that bending should use up, where a larger corner can bring it so low: then nearly all
+of it is left for speeding up and braking on a curve of short lines."""
+
 LIMIT_SHARE: Final = 0.98
 """Share of joint limits that is used, for what the path does between the points of its grid."""
 
@@ -210,7 +214,7 @@ def _chained(path: ChainPath, profile: Profile) -> Chained:
     last = path.links[-1]
     v, a, _ = last.law
     # The largest corner that the next line can ask for, whatever its direction.
-    reserve = min(0.5 * last.track.length, max(last.r, sqrt(4.0 * DEVIATION_M * v * v / (2.0 * BEND_SHARE * a))))
+    reserve = min(0.5 * last.track.length, max(last.r, sqrt(4.0 * DEVIATION_M * v * v / (2.0 * SMOOTH_SHARE * a))))
     feed_s = min(profile.last_brake_s, profile.time_at(max(profile.start, path.length - reserve))) - FEED_MARGIN_S
     if len(path.links) >= LINKS_MAX:
         feed_s = max(feed_s, profile.time_at(path.link_start[len(path.links) - LINKS_MAX + 1]))
@@ -233,7 +237,7 @@ def _corner_size(last: Link, link: Link, bend: float) -> float:
     if bend < NO_BEND or bend == inf:
         return 0.0
     v, a = min(last.law.v, link.law.v), min(last.law.a, link.law.a)
-    keeps_speed = 0.5 * v * v * bend / (BEND_SHARE * a)
+    keeps_speed = 0.5 * v * v * bend / (SMOOTH_SHARE * a)
     return max(last.r, CORNER_MIN_M, min(keeps_speed, 4.0 * DEVIATION_M / bend))
 
 
