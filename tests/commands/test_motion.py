@@ -38,7 +38,7 @@ def test_a_radius_that_generators_write_for_no_rounding_is_none_and_is_warned_of
     warning, move = robot.asked
     assert warning[:2] == ("warn_once", "negative radius")
     assert move == MoveJ(tuple(Q), 1.4, 1.05, 0.0, 0.0)
-    with pytest.raises(ArgumentRangeError, match="-0.001"):
+    with pytest.raises(ArgumentRangeError, match=r"-0\.001"):
         call("movel", P, r=-0.002)
 
 

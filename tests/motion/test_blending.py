@@ -259,7 +259,7 @@ def test_weak_joints_lower_the_speed_of_the_second_move_and_stay_within_limits()
             case.check()
             strong = Turn(first, second).blend.profile.at(0.0)[1]
             # A period earlier or later makes a little difference.
-                assert case.blend.profile.at(0.0)[1] <= strong * 1.02
+            assert case.blend.profile.at(0.0)[1] <= strong * 1.02
 
 
 def test_samples_do_not_depend_on_the_order() -> None:

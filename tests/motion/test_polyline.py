@@ -107,7 +107,11 @@ def test_two_hundred_steps_of_a_straight_seam_keep_the_speed(v: float, turn: flo
 def test_a_curved_seam_keeps_its_mean_speed_within_a_percent(v: float, bend: float, r: float) -> None:
     ride = Ride(curve(200, 0.0015, bend), v, r)
     ride.check()
-    assert 0.3 / (ride.duration_s - v / A) == pytest.approx(v, rel=0.01)
+    # On a curve up to a fifth of the acceleration is kept for the bending, so that the ramps take a quarter longer.
+    assert 0.3 / v + v / A - 2.0 * PERIOD_S <= ride.duration_s <= 0.3 / v + 1.25 * v / A + 2.0 * PERIOD_S
+    ramp = round(1.25 * v / A / PERIOD_S) + 2
+    speeds = [hypot(*velocity) for velocity in ride.velocities()[ramp:-ramp]]
+    assert sum(speeds) / len(speeds) == pytest.approx(v, rel=0.01)
 
 
 def test_a_seam_that_bends_too_much_for_its_speed_is_slowed_down_and_not_stopped() -> None:

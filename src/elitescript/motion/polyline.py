@@ -213,9 +213,10 @@ def extended(
 def _chained(path: ChainPath, profile: Profile) -> Chained:
     last = path.links[-1]
     v, a, _ = last.law
-    # The largest corner that the next line can ask for, whatever its direction.
-    reserve = min(0.5 * last.track.length, max(last.r, sqrt(4.0 * DEVIATION_M * v * v / (2.0 * SMOOTH_SHARE * a))))
-    feed_s = min(profile.last_brake_s, profile.time_at(max(profile.start, path.length - reserve))) - FEED_MARGIN_S
+    # The largest corner that the next line can ask for, whatever its direction; or the way to brake from full speed.
+    largest = max(last.r, sqrt(4.0 * DEVIATION_M * v * v / (2.0 * SMOOTH_SHARE * a)))
+    reserve = max(min(0.5 * last.track.length, largest), 0.5 * v * v / a)
+    feed_s = min(profile.last_brake_s, profile.time_at(path.length - reserve)) - FEED_MARGIN_S
     if len(path.links) >= LINKS_MAX:
         feed_s = max(feed_s, profile.time_at(path.link_start[len(path.links) - LINKS_MAX + 1]))
     return Chained(RunningSegment(path, profile), path, feed_s)
