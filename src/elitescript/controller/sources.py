@@ -17,7 +17,7 @@ from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.planner import Plan
-from elitescript.motion.polyline import Chained, Link, begun, extended
+from elitescript.motion.polyline import Link, begun, extended
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.speed import SpeedProfile
 from elitescript.motion.timescale import TimeScale
@@ -212,7 +212,8 @@ class Move:
 class Chain(Move):
     """A chain of `movep` lines that grows while the arm moves along it.
 
-    The call of a line returns when the next one should be known; that of an early line in the tick in which it is made.
+    The call of a line returns when the next one should be known; that of an early line in the tick in which it is made,
+    but not before the arm is on the chain.
     """
 
     __slots__ = ("_path",)
@@ -228,11 +229,17 @@ class Chain(Move):
         line: int,
         waypoint: Six,
         T_flange_tcp: Transform,
+        *,
+        begins_now: bool,
     ) -> None:
         known = begun(_link(plan, r))
         plan = replace(plan, segment=known.segment)
         super().__init__(number, plan, start_tick, scale, thread, line, waypoint, T_flange_tcp)
-        self._know(known, start_tick)
+        self._path = known.path
+        self._return_s = known.feed_s
+        self._lay()
+        if begins_now:
+            self._feed(start_tick)
 
     def can_blend(self, tick: int) -> bool:
         return False
@@ -260,13 +267,14 @@ class Chain(Move):
         self.segment = known.segment
         self.scale = self.scale.rebased(begin_tick * PERIOD_S)
         self.start_tick = begin_tick
-        self._know(known, begin_tick)
-
-    def _know(self, known: Chained, tick: int) -> None:
         self._path = known.path
         self._return_s = known.feed_s
         self._lay()
-        if known.feed_s <= 0.0 and not self.is_paused:
+        self._feed(begin_tick)
+
+    def _feed(self, tick: int) -> None:
+        """Let the call be over at once when the next line is wanted already."""
+        if self._return_s <= 0.0 and not self.is_paused:
             self.note_return(tick)
 
 

@@ -96,10 +96,9 @@ class Succession:
         Raises:
             MotionError: refused; nothing has changed.
         """
-        if isinstance(request, MoveP):
-            chain = source if waiting is None else waiting
-            if isinstance(chain, Chain) and chain.can_grow(call.T_flange_tcp):
-                return self._extended(request, call, chain)
+        is_link = isinstance(request, MoveP) and waiting is None
+        if is_link and isinstance(source, Chain) and source.can_grow(call.T_flange_tcp):
+            return self._extended(request, call, source)
         if source is None:
             plan = self.plan(request, q_rest, call.T_flange_tcp)
             scale = TimeScale.start(call.tick * PERIOD_S, rate)
@@ -152,12 +151,23 @@ class Succession:
         waypoint = self._waypoint(request, call.T_flange_tcp)
         move: Move
         if isinstance(request, MoveP) and plan.segment.path.length > 0.0:
-            move = Chain(call.number, plan, request.r, tick, scale, call.thread, call.line, waypoint, call.T_flange_tcp)
+            move = Chain(
+                call.number,
+                plan,
+                request.r,
+                tick,
+                scale,
+                call.thread,
+                call.line,
+                waypoint,
+                call.T_flange_tcp,
+                begins_now=order is Order.NOW,
+            )
         else:
             move = Move(call.number, plan, tick, scale, call.thread, call.line, waypoint, call.T_flange_tcp)
         return Accepted(move, order, _noted(plan, call))
 
-    def _extended(self, request: MoveP, call: Call, chain: Chain) -> Accepted:
+    def _extended(self, request: MoveRequest, call: Call, chain: Chain) -> Accepted:
         plan = self.plan(request, chain.segment.q_end, call.T_flange_tcp, is_entered=True)
         chain.extend(call.number, plan, request.r, call.tick, call.thread, call.line, request.p_target, self._limits)
         return Accepted(chain, Order.EXTENDED, _noted(plan, call))

@@ -33,7 +33,7 @@ from elitescript.motion.limits import MotionLimits, joint_outside
 from elitescript.motion.planner import Plan
 from elitescript.motion.profile import Profile, trapezoid_of, trapezoid_of_duration
 from elitescript.motion.retiming import ACCELERATION_MARGIN, SPEED_MARGIN, entered
-from elitescript.motion.segment import BlendedSegment, JointPath
+from elitescript.motion.segment import BlendedSegment, JointPath, RunningSegment
 from elitescript.motion.track import JointTrack, follow
 from elitescript.motion.zones import way_within
 
@@ -48,6 +48,12 @@ ARC_LOOKS: Final = 8
 
 JOINT_LOOKS: Final = 8
 """Parts of a blend in joint space over which speeds and accelerations are looked at."""
+
+TIMED_LOOKS: Final = 24
+"""Places at which a move of a prescribed duration is looked at."""
+
+LOOK_S: Final = 1e-4
+"""Time over which an acceleration is taken there."""
 
 LOOK_MARGIN: Final = 0.97
 """Share of a limit that may be used where it is looked at in places only."""
@@ -107,14 +113,33 @@ def entering_profile(limits: MotionLimits, plan: Plan, start: float, v_start: fl
         return None
     if plan.t_s > gone_s:
         lasting = trapezoid_of_duration(path.length, law, plan.t_s - gone_s, start, v_start)
-        if lasting is not None:
-            law = law._replace(v=max(lasting.peak_speed, v_start))
-            if isinstance(path, JointLine) or lasting.peak_speed <= v_start:
-                is_kept = not isinstance(path, JointTrack) or entered(path, limits, law, start, v_start)
-                return lasting if is_kept else None
+        if lasting is not None and _keeps_joints(path, limits, lasting):
+            return lasting
+        if lasting is None:
+            quickest = trapezoid_of(path.length, law, start, v_start)
+            if quickest.duration_s < plan.t_s - gone_s:
+                # It would have to brake all the way, and arrive too early even so.
+                return None
+        else:
+            law = law._replace(v=lasting.peak_speed)
     if isinstance(path, JointTrack):
         return entered(path, limits, law, start, v_start)
     return trapezoid_of(path.length, law, start, v_start)
+
+
+def _keeps_joints(path: JointPath, limits: MotionLimits, profile: Profile) -> bool:
+    """Whether the joints keep their limits, looked at in places."""
+    if isinstance(path, JointLine):
+        # Its law holds for every joint.
+        return True
+    segment = RunningSegment(path, profile)
+    for look in range(TIMED_LOOKS):
+        t_s = (profile.duration_s - LOOK_S) * look / TIMED_LOOKS
+        qd, qd_later = segment.sample_speed(t_s), segment.sample_speed(t_s + LOOK_S)
+        for w, w_later, top, a_top in zip(qd, qd_later, limits.qd_max, limits.qdd_max, strict=True):
+            if abs(w) > top * LOOK_MARGIN or abs(w_later - w) > a_top * LOOK_MARGIN * LOOK_S:
+                return False
+    return True
 
 
 _ALL: Final = 1.0 + 1e-9

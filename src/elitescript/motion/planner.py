@@ -246,14 +246,15 @@ def _plan_cartesian(
             if keeps_limits(track, limits, profile):
                 law = _law_of(profile, a_max)
                 return Plan(Segment(track, profile), (), law, law.a if path.unit == "m" else 0.0, t_s)
-        law = _law(v_max, a_max, r)
+        fastest = _law(v_max, a_max, r)
+        law = fastest if profile is None else _law_of(profile, a_max)
     else:
         notes = _lowered(path.length, v, v_max, a, a_max, path.unit)
-        law = _law(min(v, v_max), min(a, a_max), r)
-    wanted = trapezoid_of(path.length, law)
+        fastest = law = _law(min(v, v_max), min(a, a_max), r)
+    wanted = trapezoid_of(path.length, fastest)
     _check_end(wanted, a, v)
-    track = follow(arm, limits, path, q_start, law.v if is_entered else wanted.peak_speed, law.a)
-    result = retimed(track, limits, wanted, law)
+    track = follow(arm, limits, path, q_start, law.v if is_entered else wanted.peak_speed, fastest.a)
+    result = retimed(track, limits, wanted, fastest)
     profile = result.profile
     if t_s > 0.0:
         if profile.duration_s <= t_s:

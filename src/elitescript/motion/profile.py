@@ -215,11 +215,15 @@ def trapezoid_of_duration(length: float, law: Law, duration_s: float, start: flo
             low = middle
         else:
             high = middle
-    return trapezoid_of(length, law._replace(v=high), start, v_start)
+    slowest = trapezoid_of(length, law._replace(v=high), start, v_start)
+    # What has to brake all the way from its start cannot take longer.
+    return slowest if slowest.duration_s >= duration_s * (1.0 - _SAME_DURATION) else None
 
 
 _ROUNDING: Final = 1e-12
 """Lengths that differ by less than this share of the path differ by rounding."""
+
+_SAME_DURATION: Final = 1e-6
 
 _HALVINGS: Final = 50
 
