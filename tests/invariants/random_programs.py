@@ -144,7 +144,7 @@ class _Writer:
                 self._line(depth + 1, "p = get_target_waypoint()")
                 for _ in range(chance.randrange(1, 4)):
                     index = chance.randrange(5)
-                    size = 0.05 if index < 3 else 0.2
+                    size = 0.05 if index < 3 else 0.06
                     self._line(depth + 1, f"p[{index}] += {chance.uniform(-size, size):.4f}")
                 duration = f", t={chance.uniform(0.3, 2.0):.3f}" if chance.random() < 0.15 else ""
                 self._line(depth + 1, f"movel(p, {law}{duration})")
@@ -155,7 +155,7 @@ class _Writer:
                 self._line(depth + 1, f"via[1] += {chance.uniform(-0.03, 0.03):.4f}")
                 self._line(depth + 1, f"p[1] += {chance.uniform(-0.06, 0.06):.4f}")
                 self._line(depth + 1, f"p[2] += {chance.uniform(0.002, 0.03):.4f}")
-                self._line(depth + 1, f"movec(via, p, {law}, mode={chance.randrange(2)})")
+                self._line(depth + 1, f"movec(via, p, {law}, mode=1)")
             if chance.random() < 0.25:
                 self._statement(depth + 1, may_move=False)
         self._line(depth, "except Exception as e:")

@@ -13,6 +13,7 @@ any state, and end what ran before.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from elitescript.controller.drives import Drive, JointDrive
 from elitescript.controller.sources import NEVER, Braking, Move
@@ -72,6 +73,7 @@ class MotionControl:
         "_source",
         "_speed_ramp_s",
         "_speed_scale",
+        "_started",
         "_stop_joint_deceleration",
         "_succession",
         "waypoint",
@@ -97,6 +99,7 @@ class MotionControl:
         self._on_end = on_end
         self._source: AnySource | None = None
         self._next: Move | None = None
+        self._started: MotionStarted | None = None
         self._count = 0
         self._speed_scale = 1.0
         self._is_paused = False
@@ -178,7 +181,11 @@ class MotionControl:
         if order is Order.BLENDED:
             self._on_event(MotionEnded(tick, True))
         self.waypoint = move.waypoint
-        self._on_event(MotionStarted(tick, request, line, thread, move.segment.duration_s))
+        started = MotionStarted(tick, request, line, thread, move.segment.duration_s)
+        if order is Order.NEXT:
+            self._started = started
+        else:
+            self._on_event(started)
         for caution in cautions:
             self._warn_once(caution.key_line, caution.kind, Warned(tick, caution.text, thread, caution.line))
         return call.number
@@ -190,13 +197,13 @@ class MotionControl:
     def cancel(self, number: int, tick: int) -> None:
         """Brake what that call waits for, if it is under way or about to be."""
         if self._next is not None and self._next.number == number:
-            self._drop_next(tick)
+            self._drop_next()
         elif self._source is not None and self._source.is_awaited(number):
             self.stop(tick)
 
     def stop(self, tick: int) -> None:
         """Brake whatever is under way with the program-stop deceleration."""
-        self._drop_next(tick)
+        self._drop_next()
         self._advance(tick)
         source = self._source
         if isinstance(source, Move):
@@ -252,6 +259,9 @@ class MotionControl:
             end_tick = source.end_tick
             self._source, self._next = self._next, None
             self._on_event(MotionEnded(end_tick, source.reaches_end))
+            if self._source is not None and self._started is not None:
+                self._on_event(replace(self._started, tick=end_tick))
+            self._started = None
             self._on_end(source.number if source.is_awaited(source.number) else 0, source.reaches_end)
         if isinstance(source, Drive | Move) and source.return_tick <= tick:
             source.note_return(tick)
@@ -262,11 +272,11 @@ class MotionControl:
             self._noted.add((line, kind))
             self._on_event(warning)
 
-    def _drop_next(self, tick: int) -> None:
+    def _drop_next(self) -> None:
         """Forget the move that was to begin at standstill."""
         move, self._next = self._next, None
+        self._started = None
         if move is not None:
-            self._on_event(MotionEnded(tick, False))
             self._on_end(move.number, False)
 
     def _set_rates(self, rate: float, tick: int) -> None:
@@ -304,7 +314,7 @@ class MotionControl:
         if obstacle is not None and drive.leads_into(obstacle, self.setpoint(tick).q):
             raise obstacle.error()
         self._count = number
-        self._drop_next(tick)
+        self._drop_next()
         if self._is_paused:
             drive.pause(tick)
         self._source = drive
@@ -379,7 +389,7 @@ class MotionControl:
         source = self._source
         if source is None:
             return 0
-        self._drop_next(tick)
+        self._drop_next()
         if isinstance(source, Move):
             if not source.is_stopping:
                 path_time_s, rate = source.path_time_s(tick), source.scale.rate(tick * PERIOD_S)

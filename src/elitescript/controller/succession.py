@@ -169,7 +169,8 @@ class Succession:
 
     def _extended(self, request: MoveRequest, call: Call, chain: Chain) -> Accepted:
         plan = self.plan(request, chain.segment.q_end, call.T_flange_tcp, is_entered=True)
-        chain.extend(call.number, plan, request.r, call.tick, call.thread, call.line, request.p_target, self._limits)
+        waypoint = self._waypoint(request, call.T_flange_tcp)
+        chain.extend(call.number, plan, request.r, call.tick, call.thread, call.line, waypoint, self._limits)
         return Accepted(chain, Order.EXTENDED, _noted(plan, call))
 
     def _blended(self, request: MoveRequest, call: Call, source: Move, plan: Plan) -> Accepted | None:
