@@ -192,3 +192,14 @@ def test_what_cannot_stop_is_an_error() -> None:
 def test_the_last_braking_begins_where_nothing_else_follows() -> None:
     assert trapezoid(1.0, 0.5, 1.0).last_brake_s == pytest.approx(2.0)
     assert trapezoid_of(0.125, Law(1.0, 1.0, 1.0), 0.0, 0.5).last_brake_s == 0.0
+
+
+def test_one_motion_after_another() -> None:
+    first, second = trapezoid(1.0, 0.25, 1.25), trapezoid(0.1, 3.0, 2.0)
+    both = first.followed_by(second)
+    assert both.length == 1.1
+    assert both.duration_s == first.duration_s + second.duration_s
+    for k in range(50):
+        t_s = k * 0.1
+        (s_1, v_1), (s_2, v_2) = first.at(t_s), second.at(t_s - first.duration_s)
+        assert both.at(t_s) == pytest.approx((s_1 + s_2, v_1 + v_2), abs=1e-12)

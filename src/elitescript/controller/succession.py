@@ -11,7 +11,7 @@ from elitescript.controller.sources import NEVER, Chain, Move, Source
 from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import Transform, pose_from_transform
-from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveP, MoveRequest, Six
+from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveML, MoveP, MoveRequest, Six
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.blending import blended
 from elitescript.motion.limits import MotionLimits
@@ -136,19 +136,18 @@ class Succession:
             return plan_movej(self._arm, self._limits, q_start, request, T_flange_tcp)
         if isinstance(request, MoveC):
             return plan_movec(self._arm, self._limits, q_start, T_flange_tcp, request, is_entered=is_entered)
+        if isinstance(request, MoveML):
+            from elitescript.motion.microline import plan_moveml
+
+            return plan_moveml(self._arm, self._limits, q_start, T_flange_tcp, request)
         if isinstance(request, MoveP):
             request = MoveL(request.p_target, request.a, request.v)
         return plan_movel(self._arm, self._limits, q_start, T_flange_tcp, request, is_entered=is_entered)
 
-    def _waypoint(self, request: MoveRequest, T_flange_tcp: Transform) -> Six:
-        if isinstance(request, MoveJ):
-            return pose_from_transform(self._arm.forward_tcp(request.q_target, T_flange_tcp))
-        return request.p_target
-
     def _placed(
         self, request: MoveRequest, call: Call, plan: Plan, tick: int, scale: TimeScale, order: Order
     ) -> Accepted:
-        waypoint = self._waypoint(request, call.T_flange_tcp)
+        waypoint = _waypoint(request, plan)
         move: Move
         if isinstance(request, MoveP) and plan.segment.path.length > 0.0:
             move = Chain(
@@ -169,7 +168,7 @@ class Succession:
 
     def _extended(self, request: MoveRequest, call: Call, chain: Chain) -> Accepted:
         plan = self.plan(request, chain.segment.q_end, call.T_flange_tcp, is_entered=True)
-        waypoint = self._waypoint(request, call.T_flange_tcp)
+        waypoint = _waypoint(request, plan)
         chain.extend(call.number, plan, request.r, call.tick, call.thread, call.line, waypoint, self._limits)
         return Accepted(chain, Order.EXTENDED, _noted(plan, call))
 
@@ -195,6 +194,13 @@ def lay_behind(source: Move, waiting: Move) -> None:
         waiting.begin_at(source.end_tick, source.scale.rebased(source.end_tick * PERIOD_S))
 
 
+def _waypoint(request: MoveRequest, plan: Plan) -> Six:
+    """Return the pose that a move leads to: as it was asked for, where it was."""
+    if isinstance(request, MoveJ | MoveML):
+        return pose_from_transform(plan.segment.T_base_tcp_end)
+    return request.p_target
+
+
 def _noted(plan: Plan, call: Call) -> tuple[Caution, ...]:
     return tuple(Caution(call.line, note.kind, note.text, call.line) for note in plan.notes)
 
@@ -217,6 +223,8 @@ def _stopping(source: Move, request: MoveRequest, call: Call) -> Caution:
     """Return the warning for a waypoint with a radius at which the arm stops all the same."""
     if isinstance(request, MoveP):
         why = "a chain of movep begins at standstill"
+    elif isinstance(request, MoveML):
+        why = "moveml begins at standstill"
     elif source.T_flange_tcp != call.T_flange_tcp:
         why = "the TCP has changed there"
     else:
