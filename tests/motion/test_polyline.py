@@ -107,8 +107,8 @@ def test_two_hundred_steps_of_a_straight_seam_keep_the_speed(v: float, turn: flo
 def test_a_curved_seam_keeps_its_mean_speed_within_a_percent(v: float, bend: float, r: float) -> None:
     ride = Ride(curve(200, 0.0015, bend), v, r)
     ride.check()
-    # On a curve up to a fifth of the acceleration is kept for the bending, so that the ramps take a quarter longer.
-    assert 0.3 / v + v / A - 2.0 * PERIOD_S <= ride.duration_s <= 0.3 / v + 1.25 * v / A + 2.0 * PERIOD_S
+    # The bending takes some of the acceleration; the ramps are a little longer for it.
+    assert 0.3 / v + v / A - 2.0 * PERIOD_S <= ride.duration_s <= 0.3 / v + 1.15 * v / A + 2.0 * PERIOD_S
     ramp = round(1.25 * v / A / PERIOD_S) + 2
     speeds = [hypot(*velocity) for velocity in ride.velocities()[ramp:-ramp]]
     assert sum(speeds) / len(speeds) == pytest.approx(v, rel=0.01)
@@ -167,6 +167,15 @@ def test_what_is_known_is_always_enough_to_stop() -> None:
         chain = extended(ARM, LIMITS, chain.path, position, speed, link(chain.path.q_end, pose, 0.25), T_FLANGE_TCP)
         assert chain.segment.profile.at(0.0) == (position, speed)
         assert chain.segment.profile.at(chain.segment.duration_s) == (chain.path.length, 0.0)
+
+
+def test_lines_far_shorter_than_a_period_do_not_stop_the_arm_and_are_known_in_bounded_number() -> None:
+    ride = Ride(curve(1500, 0.00003, 0.001), 0.25)
+    ride.check()
+    # 500 lines ahead are 15 mm, in which an arm can brake from 0.19 m/s.
+    speeds = [hypot(*velocity) for velocity in ride.velocities()]
+    assert 0.1 < max(speeds) <= 0.25
+    assert ride.duration_s < 0.6
 
 
 def test_random_chains_keep_the_limits() -> None:

@@ -37,7 +37,10 @@ DEVIATION_M: Final = 1e-4
 """How far the path may pass a corner without a blend radius."""
 
 CORNER_MIN_M: Final = 2e-5
-"""Smallest d of a corner that bends."""
+"""Smallest d that a corner asks for."""
+
+CORNER_LEAST_M: Final = 1e-6
+"""Smallest d of a corner, between lines that are no longer than that; below it the arm stops."""
 
 NO_BEND: Final = 1e-9
 """Two directions that differ by less are one."""
@@ -89,6 +92,8 @@ class Interval(NamedTuple):
     """Bound of the path acceleration, for speeding up and for braking."""
     x_start_max: float
     """Bound of the speed squared at its start: 0 where the arm has to stop."""
+    bend: float = 0.0
+    """What the bending of the path takes of `a` for each unit of the speed squared."""
 
 
 class Stretch(NamedTuple):
@@ -190,7 +195,7 @@ def extended(
     links = (*chain.links[first:], link)
     link_start = (*chain.link_start[first:], chain.length)
     while True:
-        has_corner = bend >= NO_BEND and d >= CORNER_MIN_M and bend < inf
+        has_corner = bend >= NO_BEND and d >= CORNER_LEAST_M and bend < inf
         added = _corner(arm, limits, chain, last, link, d, bend, T_flange_tcp) if has_corner else None
         is_straight = bend < NO_BEND
         if added is not None:
@@ -285,12 +290,14 @@ def _corner(
     except MotionError:
         return None
     start = chain.length - d
+    # Bending by |u2 - u1| / (2 d) takes that times the speed squared of the acceleration.
     curvature = 0.5 * bend / d
     x_tool = min(v * v, BEND_SHARE * a / curvature)
     intervals: list[Interval] = []
     for k, ratios in enumerate(track.interval_ratios):
-        x_max, most = _bounded(x_tool, a - curvature * x_tool, ratios)
-        _add(intervals, Interval(start + track.grid_s[k], track.grid_s[k + 1] - track.grid_s[k], x_max, most, inf))
+        x_max, most = _bounded(x_tool, a, ratios)
+        length = track.grid_s[k + 1] - track.grid_s[k]
+        _add(intervals, Interval(start + track.grid_s[k], length, x_max, most, inf, curvature * most / a))
     round_it = Stretch(start, start + 2.0 * d, track, 0.0, tuple(intervals))
     if link.track.length - d <= _ROUNDING_M:
         return (round_it,)
@@ -314,7 +321,7 @@ def _add(intervals: list[Interval], interval: Interval) -> None:
     """Append an interval, joined with the one before where nothing changes."""
     if intervals:
         before = intervals[-1]
-        if before.x_max == interval.x_max and before.a == interval.a:
+        if (before.x_max, before.a, before.bend) == (interval.x_max, interval.a, interval.bend):
             intervals[-1] = before._replace(length=interval.start + interval.length - before.start)
             return
     intervals.append(interval)
@@ -335,30 +342,36 @@ def _profile(path: ChainPath, position: float, x_start: float, *, is_checked: bo
         ahead = [path.stretches[-1].intervals[-1]]
     if ahead[0].start < position:
         gone = position - ahead[0].start
-        ahead[0] = Interval(position, max(0.0, ahead[0].length - gone), ahead[0].x_max, ahead[0].a, inf)
+        ahead[0] = ahead[0]._replace(start=position, length=max(0.0, ahead[0].length - gone), x_start_max=inf)
     x = [0.0] * (len(ahead) + 1)
     for k in range(len(ahead) - 1, -1, -1):
-        _, length, x_max, a, x_start_max = ahead[k]
-        x[k] = min(x[k + 1] + 2.0 * length * a, x_max, x_start_max, ahead[k - 1].x_max if k else inf)
+        _, length, x_max, a, x_start_max, bend = ahead[k]
+        reachable = (x[k + 1] + 2.0 * length * a) / (1.0 + 2.0 * length * bend)
+        x[k] = min(reachable, x_max, x_start_max, ahead[k - 1].x_max if k else inf)
     if is_checked and x_start > x[0] * (1.0 + 1e-9) + 1e-15:
         return None
     x[0] = x_start
-    for k, (_, length, _, a, _) in enumerate(ahead, 1):
-        x[k] = min(x[k], x[k - 1] + 2.0 * length * a)
+    for k, (_, length, _, a, _, bend) in enumerate(ahead, 1):
+        x[k] = min(x[k], (x[k - 1] + 2.0 * length * a) / (1.0 + 2.0 * length * bend))
     start_s: list[float] = []
     positions: list[float] = []
     speeds: list[float] = []
     accelerations: list[float] = []
     t_s = 0.0
-    for (start, length, x_max, a, _), x_here, x_ahead in zip(ahead, x, x[1:], strict=False):
-        top = max(x_here, x_ahead, min(x_max, 0.5 * (x_here + x_ahead) + a * length))
-        rise, fall = (top - x_here) / (2.0 * a), (top - x_ahead) / (2.0 * a)
+    for (start, length, x_max, a, _, bend), x_here, x_ahead in zip(ahead, x, x[1:], strict=False):
         s = start
-        for way, x_from, x_to, u in (
-            (rise, x_here, top, a),
-            (length - rise - fall, top, top, 0.0),
-            (fall, top, x_ahead, -a),
-        ):
+        pieces: tuple[tuple[float, float, float, float], ...]
+        if bend and x_here + x_ahead > 0.0 and length > 0.0:
+            pieces = ((length, x_here, x_ahead, 0.5 * (x_ahead - x_here) / length),)
+        else:
+            top = max(x_here, x_ahead, min(x_max, 0.5 * (x_here + x_ahead) + a * length))
+            rise, fall = 0.5 * (top - x_here) / a, 0.5 * (top - x_ahead) / a
+            pieces = (
+                (rise, x_here, top, a),
+                (length - rise - fall, top, top, 0.0),
+                (fall, top, x_ahead, -a),
+            )
+        for way, x_from, x_to, u in pieces:
             if way > _ROUNDING_M:
                 v_from, v_to = sqrt(x_from), sqrt(x_to)
                 start_s.append(t_s)
