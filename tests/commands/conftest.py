@@ -40,9 +40,14 @@ class FakeMachine:
         self.joint_temperatures: Six = (31.0, 32.0, 33.0, 34.0, 35.0, 36.0)
         self.controller_temperature = 41.5
         self.image: dict[tuple[str, int], Value] = {}
+        self.tested: list[tuple[Six, Any]] = []
 
     def joints(self) -> JointState:
         return JointState(Q_TARGET, (0.2,) * 6, Q_ACTUAL, (0.1,) * 6)
+
+    def is_within_safety_limits(self, q: Six, pairs: Any = None) -> bool:
+        self.tested.append((q, pairs))
+        return q[0] < 1.0
 
     def joint_torques(self) -> Six:
         return (0.1, -20.5, 8.25, 0.5, -0.25, 0.0)
@@ -80,6 +85,12 @@ class FakeMachine:
     def tool_pin(self, index: int) -> bool:
         return bool(self.read("tool_digital_in", index))
 
+    def encoder_count(self, index: int) -> float:
+        return 864.0 + index
+
+    def encoder_unwound(self, index: int, delta: float) -> float:
+        return delta + 65536.0
+
     def timestamp_s(self) -> float:
         return 1704067200.0 + self.tick * 0.004
 
@@ -109,6 +120,9 @@ class FakeRobot:
         return self.task_files[path]
 
     def move(self, request: Any) -> None:
+        self._ask(request)
+
+    def track(self, request: Any) -> None:
         self._ask(request)
 
     def stop_motion(self, request: Any) -> None:

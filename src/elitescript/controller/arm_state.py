@@ -178,16 +178,17 @@ class ArmState:
             if correction.is_active:
                 correction.resume(tick)
 
-    def stop(self, tick: int) -> None:
-        """Come to rest: the program is over."""
-        self._motion.stop(tick)
-        for correction in self._corrections:
-            if correction.is_active:
-                correction.stop(tick)
+    def stop(self, tick: int, *, arrives: bool = False) -> None:
+        """Come to rest: the program is over.
 
-    def finish(self, tick: int) -> None:
-        """Come to rest where the last move ends, if its call is over: the program has ended by itself."""
-        self._motion.finish(tick)
+        Args:
+            tick: the present one.
+            arrives: what goes on to its target after its call may do so.
+        """
+        if arrives:
+            self._motion.finish(tick)
+        else:
+            self._motion.stop(tick)
         for correction in self._corrections:
             if correction.is_active:
                 correction.stop(tick)

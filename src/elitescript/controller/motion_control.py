@@ -37,7 +37,7 @@ from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import braked, braked_apart
+from elitescript.motion.speed import Obstacle, SpeedProfile, braked, halted
 from elitescript.motion.timescale import stop_ramp, stop_ramp_tool
 from elitescript.motion.twist import ToolMotion
 
@@ -76,6 +76,7 @@ class MotionControl:
         "_started",
         "_stop_joint_deceleration",
         "_succession",
+        "on_obstacle",
         "waypoint",
     )
 
@@ -107,6 +108,12 @@ class MotionControl:
         self._sampled = Setpoint(home, ZERO_SIX)
         self._noted: set[tuple[int, str]] = set()
         self.waypoint: Six | None = None
+        self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
+
+    def set_limits(self, limits: MotionLimits) -> None:
+        """Take other limits for motions that are asked for from now on."""
+        self._limits = limits
+        self._succession = Succession(self._arm, limits)
 
     def begin_program(self) -> None:
         """Say again, once for each line, what has been said to the program before."""
@@ -219,6 +226,16 @@ class MotionControl:
         source = self._source
         if not (isinstance(source, Move) and source.is_returned and self._next is None):
             self.stop(tick)
+
+    def take_over(self, profile: SpeedProfile, tick: int, thread: str) -> int:
+        """Come to rest by a profile that begins in the present state; return the number of the call that ends then."""
+        self._drop_next()
+        number = 0 if self._source is None else self._source.number
+        if not number or self.is_done(number):
+            number = self._count = self._count + 1
+        self._source = Braking(number, thread, profile, tick)
+        self._sampled_tick = -1
+        return number
 
     def set_speed_scale(self, fraction: float, tick: int) -> None:
         """New speed percentage, taken on in a ramp."""
@@ -375,15 +392,16 @@ class MotionControl:
                 text = "servoj: the targets come faster than the joints can turn; the arm falls behind"
                 self._warn_once(0, "servoj", Warned(tick, text, source.thread, source.line))
             return
-        start, deceleration = source.setpoint(tick), self._stop_joint_deceleration
-        if obstacle.joint >= 0:
-            profile = braked_apart(start, deceleration, self._limits)
+        profile = halted(source.setpoint(tick), obstacle, self._stop_joint_deceleration, self._limits)
+        self.take_over(profile, tick, source.thread)
+        if isinstance(source, ServoDrive):
+            # The target is inside the range: the stream can go on from where the arm has braked.
+            self._warn_of_obstacle(tick, obstacle, source.thread, source.line)
         else:
-            profile = braked(start, max(map(abs, start.qd)) / deceleration, self._limits)
-        self._source = Braking(source.number, source.thread, profile, tick)
-        self._sampled_tick = -1
-        warning = Warned(tick, f"{obstacle.text}; the arm brakes", source.thread, source.line)
-        self._warn_once(source.line, "obstacle", warning)
+            self.on_obstacle(tick, obstacle, source.thread, source.line)
+
+    def _warn_of_obstacle(self, tick: int, obstacle: Obstacle, thread: str, line: int) -> None:
+        self._warn_once(line, "obstacle", Warned(tick, f"{obstacle.text}; the arm brakes", thread, line))
 
     def _brake(self, request: StopJ | StopL, tick: int, T_flange_tcp: Transform) -> int:
         source = self._source

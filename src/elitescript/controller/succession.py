@@ -6,9 +6,8 @@ from dataclasses import replace
 from enum import Enum
 from typing import Final, NamedTuple
 
-from elitescript.controller.drives import Drive
+from elitescript.controller.drives import busy_error
 from elitescript.controller.sources import NEVER, Chain, Move, Source
-from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import Transform, pose_from_transform
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveML, MoveP, MoveRequest, Six
@@ -105,7 +104,7 @@ class Succession:
             return self._placed(request, call, plan, call.tick, scale, Order.NOW)
         is_arriving = isinstance(source, Move) and source.is_returned
         if waiting is not None or not (is_arriving or (source.is_stopping and source.end_tick < NEVER)):
-            raise _busy(source, waiting)
+            raise busy_error(source, (waiting or source).thread)
         cautions: tuple[Caution, ...] = ()
         if isinstance(source, Move) and source.can_blend(call.tick):
             plan = self.plan(request, source.segment.q_end, call.T_flange_tcp, is_entered=True)
@@ -231,20 +230,4 @@ def _stopping(source: Move, request: MoveRequest, call: Call) -> Caution:
         why = "the limits of the arm allow no blend"
     return Caution(
         PROGRAM, "no blend", f"the arm stops at the waypoint in spite of its blend radius: {why}", source.line
-    )
-
-
-def _busy(source: Source, waiting: Move | None) -> MotionError:
-    if isinstance(source, Drive):
-        what = type(source.request).__name__.lower()
-        return MotionError(
-            f"the arm is moving already: {what} of line {source.line}, thread {source.thread!r}, goes on after its "
-            "call, and a planned move begins at standstill",
-            code="R114",
-            hint="brake with stopj or stopl first",
-        )
-    return MotionError(
-        f"the arm is moving already, for the thread {(waiting or source).thread!r}; one motion at a time",
-        code="R114",
-        hint="let one thread do all moves, or wait for the other with join_thread",
     )
