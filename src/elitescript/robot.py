@@ -409,7 +409,7 @@ class VirtualRobot:
         if run is not None and run.state == "":
             run.state = state  # type: ignore[assignment]
             run.globals = self._host.monitor()
-        self.controller.task_ended()
+        self.controller.task_ended(has_finished=state == "finished")
 
     def _event(self, event: Event) -> None:
         if self._run is not None and not self._run.is_over:

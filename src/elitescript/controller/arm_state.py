@@ -180,9 +180,17 @@ class ArmState:
         for correction in self._corrections:
             correction.resume(tick)
 
-    def stop(self, tick: int) -> None:
-        """Come to rest: the program is over."""
-        self._motion.stop(tick)
+    def stop(self, tick: int, *, arrives: bool = False) -> None:
+        """Come to rest: the program is over.
+
+        Args:
+            tick: the present one.
+            arrives: what goes on to its target after its call may do so.
+        """
+        if arrives:
+            self._motion.finish(tick)
+        else:
+            self._motion.stop(tick)
         for correction in self._corrections:
             correction.stop(tick)
 

@@ -66,6 +66,7 @@ class Controller:
     __slots__ = (
         "_arm_state",
         "_epoch_s",
+        "_has_finished",
         "_inbox",
         "_joint_encoders",
         "_model",
@@ -99,6 +100,7 @@ class Controller:
         plant: PlantConfig | None = None,
     ) -> None:
         plant = PlantConfig() if plant is None else plant
+        self._has_finished = False
         self._model = model
         self.arm: Arm = model.arm
         self.joint_ranges: tuple[tuple[float, float], ...] = model.joint_ranges
@@ -378,8 +380,9 @@ class Controller:
         self.task.apply("start")
         self.safety.task_started()
 
-    def task_ended(self) -> None:
-        """The program is over; the arm brakes if it still moves."""
+    def task_ended(self, *, has_finished: bool = False) -> None:
+        """The program is over: the arm brakes, but goes on to its waypoint after a program that has finished."""
+        self._has_finished = has_finished
         if self.task.is_running:
             self.task.apply("stop")
 
@@ -391,7 +394,7 @@ class Controller:
             self._arm_state.resume(self._tick)
             self.safety.disturb()
         if after is TaskState.STOPPED:
-            self._arm_state.stop(self._tick)
+            self._arm_state.stop(self._tick, arrives=self._has_finished)
         if TaskState.STOPPED in (before, after):
             self._signals.set_running(self.task.is_running)
 

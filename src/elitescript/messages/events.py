@@ -89,7 +89,10 @@ class SignalChanged:
 
 @dataclass(frozen=True, slots=True)
 class MotionStarted:
-    """A request to move was accepted."""
+    """The arm begins what was asked for: at once, at the begin of a blend, or when it has come to rest before.
+
+    A line of a `movep` chain that runs already is told of when it is accepted.
+    """
 
     tick: int
     request: MotionRequest
@@ -102,7 +105,10 @@ class MotionStarted:
 
 @dataclass(frozen=True, slots=True)
 class MotionEnded:
-    """The arm stands still again, at its target or because it was stopped; or a motion at a speed has taken over."""
+    """The arm stands still again, at its target or because it was stopped; or another motion has taken over.
+
+    A move that ends because the next one is blended with it is complete.
+    """
 
     tick: int
     is_complete: bool
