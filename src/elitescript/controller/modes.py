@@ -63,6 +63,7 @@ class PowerTimes:
 
 
 AT_ONCE: Final = PowerTimes(0.0, 0.0, 0.0)
+REALISTIC: Final = PowerTimes()
 
 STEPS: Final[dict[RobotMode, tuple[str, Callable[[PowerTimes], float]]]] = {
     OFF: ("power_on", lambda _: 0.0),
