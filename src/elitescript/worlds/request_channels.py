@@ -7,8 +7,24 @@ from typing import Final
 
 from elitescript.messages.inputs import ChannelEvent
 from elitescript.messages.outputs import ChannelRequest, CloseChannel, CreditChannel, OpenChannel, SendChannel
+from elitescript.runtime.world import Files
 
 TCP: Final = "tcp"
+
+
+class RequestWorld:
+    """The world of a robot that has no network of its own.
+
+    Attributes:
+        files: the task folder.
+        channels: collect what is asked for.
+    """
+
+    __slots__ = ("channels", "files")
+
+    def __init__(self, files: Files) -> None:
+        self.files = files
+        self.channels = RequestChannels()
 
 
 class RequestChannels:
