@@ -11,10 +11,8 @@ def run(*lines: str, wrench=(), payload="set_payload(0, [0, 0, 0])"):
     robot = VirtualRobot()
     for index, value in enumerate(wrench):
         robot.signals[f"external_force_torque[{index}]"] = value
-    text = (
-        "def a():\n  global f\n" + "".join(f"  {line}\n" for line in (payload, *lines, "f = get_tcp_force(True)")) + "end\n"
-    )
-    return robot.run(text).check().globals["f"]
+    body = "".join(f"  {line}\n" for line in (payload, *lines, "f = get_tcp_force(True)"))
+    return robot.run(f"def a():\n  global f\n{body}end\n").check().globals["f"]
 
 
 def test_they_do_not_count_before_they_are_enabled():

@@ -28,6 +28,7 @@ from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
 
 if TYPE_CHECKING:
     from elitescript.runtime.interpreter import Interpreter
+    from elitescript.runtime.sockets import Connection, Sockets
     from elitescript.runtime.watchdogs import Watchdogs
 
 RESUME: Final = "somebody to resume the program"
@@ -51,6 +52,8 @@ class TaskPort(Protocol):
 
     movers: dict[int, list[Strand]]
     """Who waits for which move: its own thread, and threads that brake it."""
+    connections: dict[int, Connection]
+    """Every open TCP connection by its channel."""
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
         """Start a thread of the program."""
@@ -90,6 +93,7 @@ class Context:
         "_generator",
         "_partial_line",
         "_port",
+        "_sockets",
         "_warned",
         "_world",
         "machine",
@@ -117,6 +121,7 @@ class Context:
         self._port = port
         self._warned: set[str] = set()
         self._partial_line = ""
+        self._sockets: Sockets | None = None
         self.micro_lines: list[MicroLine] = []
 
     # ---------------------------------------------------------------- the caller
@@ -148,6 +153,20 @@ class Context:
     def task_files(self) -> Files:
         """The task folder."""
         return self._world.files
+
+    @property
+    def sockets(self) -> Sockets:
+        """The program's TCP connections."""
+        if self._sockets is None:
+            from elitescript.runtime.sockets import Sockets
+
+            self._sockets = Sockets(self._world.channels, self.scheduler, self._port.connections, self.warn_once)
+        return self._sockets
+
+    def close_sockets(self) -> None:
+        """Close every connection; the program is over."""
+        if self._sockets is not None:
+            self._sockets.close_all()
 
     def read_task_file(self, path: str, size_max: int) -> bytes:
         """See `commands.context.Robot.read_task_file`."""

@@ -8,7 +8,7 @@ end of the program to the callback of the constructor.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.context import Machine
 from elitescript.errors import ScriptStateError
@@ -19,16 +19,17 @@ from elitescript.runtime.alarms import summary_of
 from elitescript.runtime.context import MOVE_END, POPUP
 from elitescript.runtime.interpreter import Interpreter
 from elitescript.runtime.program import Program
-from elitescript.runtime.queries import LIMIT_TICKS as QUERY_TICKS
-from elitescript.runtime.queries import QUEUE_MAX as QUERIES_MAX
-from elitescript.runtime.queries import Query, read_query
-from elitescript.runtime.queries import body_of as query_body
+from elitescript.runtime.queries import Queries
 from elitescript.runtime.scheduler import WORK_PER_TICK, Scheduler
 from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.strand import STOP, Strand
 from elitescript.runtime.thread_state import ThreadState, state_of
 from elitescript.runtime.watchdogs import Watchdogs
 from elitescript.runtime.world import NoWorld, World
+
+if TYPE_CHECKING:
+    from elitescript.messages.inputs import ChannelEvent
+    from elitescript.runtime.sockets import Connection
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -56,6 +57,7 @@ class ScriptHost:
         alarm: what ended it, if an alarm did.
         interpreter: statements of interpreter mode.
         movers: which strands wait for which move.
+        connections: every open TCP connection by its channel.
         watchdogs: RTSI inputs that the program watches.
     """
 
@@ -73,6 +75,7 @@ class ScriptHost:
         "_seed",
         "_world",
         "alarm",
+        "connections",
         "interpreter",
         "movers",
         "result",
@@ -104,16 +107,11 @@ class ScriptHost:
         self._main: Strand | None = None
         self._ending = ""
         self._secondaries = Secondaries(self._scheduler, self._begin_secondary, self._warn_secondary)
-        self._queries = Secondaries(
-            self._scheduler,
-            self._begin_query,
-            lambda text, strand: None,
-            limit_ticks=QUERY_TICKS,
-            queue_max=QUERIES_MAX,
-        )
+        self._queries = Queries(self._scheduler, self._namespace, self._spawn)
         self.interpreter = Interpreter(self._scheduler, profile.interpreter_queue_limit)
         self.watchdogs = Watchdogs(machine, is_rtsi_input)
         self.movers: dict[int, list[Strand]] = {}
+        self.connections: dict[int, Connection] = {}
         self.result = ""
         self.alarm: Alarm | None = None
 
@@ -167,7 +165,7 @@ class ScriptHost:
             ProgramError: it is no expression.
             ScriptStateError: too many wait.
         """
-        self._queries.put(read_query(text, answer))
+        self._queries.ask(text, answer)
 
     def abort_move(self) -> None:
         """End the move that a thread waits for."""
@@ -293,6 +291,12 @@ class ScriptHost:
         for strand in self.movers.get(move, ()):
             self._scheduler.wake(strand)
 
+    def channel_event(self, event: ChannelEvent) -> None:
+        """Something has happened on a channel; the threads that wait for it go on at the next `run_tick`."""
+        connection = self.connections.get(event.channel)
+        if connection is not None:
+            connection.take(event)
+
     def _settle(self) -> bool:
         """Do what must be done between two strands; whether there was anything."""
         scheduler = self._scheduler
@@ -405,10 +409,6 @@ class ScriptHost:
         program, own = self._namespace()
         name = f"sec {unit.name}" if unit.name else "sec"
         return self._spawn(program, name, program.body_of(unit), is_secondary=True), own
-
-    def _begin_query(self, query: Query) -> tuple[Strand, Program | None]:
-        program, own = self._namespace()
-        return self._spawn(program, "query", query_body(query, program), is_secondary=True), own
 
     def _warn_secondary(self, text: str, strand: Strand, line: int | None = None) -> None:
         place = strand.line if line is None else line

@@ -11,7 +11,9 @@ from elitescript.language.source import SourceFile
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.program import Program
-from elitescript.runtime.strand import is_stop
+from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.secondary import Secondaries
+from elitescript.runtime.strand import Strand, is_stop
 
 LIMIT_TICKS: Final = TICKS_PER_S // 10
 """Virtual time that a query may take (*assumed*: only quick functions are allowed)."""
@@ -31,16 +33,39 @@ class Query(NamedTuple):
     """Gets the value as `repr` writes it; None if there is none."""
 
 
-def read_query(text: str, answer: Callable[[str | None], None]) -> Query:
-    """Compile a query.
+class Queries(Secondaries[Query]):
+    """The queries of a host, one after the other.
 
-    Raises:
-        ProgramError: it is no expression.
+    Args:
+        scheduler: runs them.
+        namespace: gives the running program, or an empty one that is made for a query alone; that one twice.
+        spawn: starts a strand of a program.
     """
-    return Query(compile_expression(SourceFile("<query>", text)), answer)
+
+    __slots__ = ("_namespace", "_spawn")
+
+    def __init__(
+        self,
+        scheduler: Scheduler,
+        namespace: Callable[[], tuple[Program, Program | None]],
+        spawn: Callable[..., Strand],
+    ) -> None:
+        super().__init__(
+            scheduler, self._begin_query, lambda text, strand: None, limit_ticks=LIMIT_TICKS, queue_max=QUEUE_MAX
+        )
+        self._namespace = namespace
+        self._spawn = spawn
+
+    def ask(self, text: str, answer: Callable[[str | None], None]) -> None:
+        """See `ScriptHost.query`."""
+        self.put(Query(compile_expression(SourceFile("<query>", text)), answer))
+
+    def _begin_query(self, query: Query) -> tuple[Strand, Program | None]:
+        program, own = self._namespace()
+        return self._spawn(program, "query", _body_of(query, program), is_secondary=True), own
 
 
-def body_of(query: Query, program: Program) -> Callable[[], None]:
+def _body_of(query: Query, program: Program) -> Callable[[], None]:
     """What a strand runs: it works the value out and answers exactly once, also if it is stopped."""
 
     def body() -> None:
