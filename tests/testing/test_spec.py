@@ -162,3 +162,33 @@ class TestComparison:
     )
     def test_does_not_hold(self, expect, changes):
         assert differences(outcome(**changes), expectation(expect)) != []
+
+
+class TestConversations:
+    PAGE = """# Page
+
+### Talk
+
+```elite query
+> req 1 2 + 2
+< {reply}
+```
+```expect
+state: running
+```
+"""
+
+    def differences(self, reply):
+        from elitescript.testing.spec_run import run_case
+
+        (case,) = parse_page(self.PAGE.replace("{reply}", reply))
+        return run_case(case, case.expectations[0])
+
+    def test_what_is_heard_is_compared(self):
+        assert self.differences("1 success : 4") == []
+        assert self.differences("1 success : ...") == []
+        assert self.differences("1 success : 5") == ["heard '1 success : 4', expected '1 success : 5'"]
+
+    def test_what_nobody_says_is_missed_and_what_nobody_expects_is_told(self):
+        assert self.differences("1 success : 4\n< more") == ["heard '', expected 'more'"]
+        assert self.differences("1 success : 4\n> req 2 5") == ["heard '2 success : 5\\n' besides"]
