@@ -34,7 +34,7 @@ error: E001 line 2
 ```python
 ignored = True
 ```
-```elite needs=sockets
+```elite needs=modbus
 x
 ```
 ```expect
@@ -73,7 +73,7 @@ class TestPages:
         assert text.sent == 'def job():\r\n  textmsg("# no heading")\r\nend\r\n'
 
     def test_a_case_tells_what_it_needs(self):
-        assert [case.needs for case in parse_page(PAGE)] == ["", "sockets"]
+        assert [case.needs for case in parse_page(PAGE)] == ["", "modbus"]
 
     def test_facts_keep_their_line_in_the_page(self):
         facts = parse_page(PAGE)[0].expectations[0].facts
