@@ -120,6 +120,33 @@ class Machine(Protocol):
         """Record what happened."""
 
 
+Rule = Callable[[bytearray, bool], tuple[Any, int]]
+"""Finds something at the begin of what a connection has received; see `socket_rules`.
+
+Its second argument says that no more will come; then there must be a result. It returns the result, or None if more
+is needed, and how many bytes are used up.
+"""
+
+
+class Sockets(Protocol):
+    """The TCP connections of a program, by name."""
+
+    def open(self, address: str, port: int, name: str) -> bool:
+        """Connect to a server, within 2 s; whether the connection stands."""
+
+    def close(self, name: str) -> None:
+        """Close a connection; no effect on an unknown one."""
+
+    def is_connected(self, name: str) -> bool:
+        """Whether a connection stands."""
+
+    def send(self, name: str, data: bytes) -> bool:
+        """Send bytes; whether the connection stands."""
+
+    def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
+        """Read what a rule finds, waiting at most that long for it; 0 and less wait for ever."""
+
+
 class Robot(Protocol):
     """Machine and program, as the calling script thread sees them."""
 
@@ -136,6 +163,10 @@ class Robot(Protocol):
     @property
     def task_path(self) -> str:
         """Virtual path of the task folder, ending in `/`."""
+
+    @property
+    def sockets(self) -> Sockets:
+        """The program's TCP connections."""
 
     @property
     def micro_lines(self) -> list[MicroLine]:
@@ -198,6 +229,26 @@ class Robot(Protocol):
 
     def halt(self) -> None:
         """Stop the task; does not return."""
+
+    def enter_interpreter(self, *, clears_queue: bool, clears_at_end: bool) -> None:
+        """Run statements of clients until the session ends.
+
+        Raises:
+            ScriptStateError: not the main thread, or a session runs already.
+        """
+
+    def end_interpreter(self) -> None:
+        """End the session of interpreter mode, if one runs."""
+
+    def clear_interpreter(self) -> None:
+        """Throw away the statements that wait, and forget what statements have defined."""
+
+    def watch(self, variable: str, frequency_hz: float, action: str) -> None:
+        """Watch an RTSI input until the program ends.
+
+        Raises:
+            InvalidValueError: there is no such input.
+        """
 
     def mark(self, number: int, label: str) -> None:
         """Note the node of the program tree that was reached."""

@@ -7,12 +7,13 @@ same configuration and given the same inputs at the same ticks.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from elitescript.controller.picture import Pictures
 from elitescript.controller.signal_view import Signals
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.config import KernelConfig, describe
+from elitescript.kernel.conversations import Conversations
 from elitescript.kernel.programs import Programs
 from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
@@ -20,7 +21,9 @@ from elitescript.messages.events import Event, Popup, TaskStateChanged, TextMess
 from elitescript.messages.inputs import (
     AddLog,
     ChannelClosed,
+    ChannelCredit,
     ChannelData,
+    ChannelEvent,
     ChannelOpened,
     ClosePopup,
     Do,
@@ -40,41 +43,17 @@ from elitescript.messages.inputs import (
     VariablesArrived,
 )
 from elitescript.messages.machine import AskSafety, PowerOff, StopTask
-from elitescript.messages.outputs import ChannelRequest, Output, Reply
+from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.models.model import load_model
-from elitescript.protocol.interpreter import INVALID_STATE, discarded, session_state
 from elitescript.protocol.outcomes import done, refused
-from elitescript.protocol.query import not_executed
-from elitescript.runtime.world import NoWorld, World
+from elitescript.runtime.world import FilesRefused, World
 from elitescript.wiring import Fittings, assemble
+from elitescript.worlds.request_channels import RequestWorld
 
 UNLOCK: Final = "unlock_protective_stop"
-
-
-class Channels(Protocol):
-    """The outgoing connections of scripts, as a world may have them under `channels`."""
-
-    def take(self, answer: ChannelOpened | ChannelData | ChannelClosed) -> None:
-        """An answer from outside, before the threads of this tick run."""
-
-    def collect(self) -> Sequence[ChannelRequest]:
-        """Return what the threads of this tick have asked for, in order, and forget it."""
-
-
-class NoChannels:
-    """Stands in for a world without connections."""
-
-    __slots__ = ()
-
-    def take(self, answer: ChannelOpened | ChannelData | ChannelClosed) -> None:
-        """Nobody has asked."""
-
-    def collect(self) -> Sequence[ChannelRequest]:
-        """Nobody asks."""
-        return ()
 
 
 class Kernel:
@@ -82,7 +61,7 @@ class Kernel:
 
     Args:
         config: what it is.
-        world: everything outside its programs: `files`, the task folder, and `channels` (see `Channels`).
+        world: everything outside its programs. Its network is not used: what programs ask of one is in the output.
 
     Attributes:
         description: what never changes about it.
@@ -94,8 +73,8 @@ class Kernel:
 
     __slots__ = (
         "_channels",
-        "_configuration",
         "_controller",
+        "_conversations",
         "_events",
         "_host",
         "_is_popup_blocking",
@@ -111,7 +90,7 @@ class Kernel:
 
     def __init__(self, config: KernelConfig, world: World | None = None) -> None:
         model, firmware = load_model(config.model), profile(config.firmware)
-        world = NoWorld() if world is None else world
+        outside = RequestWorld(FilesRefused() if world is None else world.files)
         self.description = describe(config, model, firmware)
         self.overruns = 0
         self._events: list[Event] = []
@@ -119,7 +98,7 @@ class Kernel:
         self._popup = ""
         self._is_popup_blocking = False
         self._is_remote = config.remote
-        self._channels: Channels = getattr(world, "channels", None) or NoChannels()
+        self._channels = outside.channels
         fittings = Fittings(
             epoch_s=config.epoch_s,
             seed=config.seed,
@@ -133,10 +112,11 @@ class Kernel:
             power_times=config.power_times,
             confirms_popups=False,
         )
-        self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=world)
+        self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=outside)
+        self._conversations = Conversations(self._host, self._reply)
         self._pictures = Pictures(self._controller)
         self._programs = Programs(self._controller, self._host, is_strict=config.strict)
-        self._tasks = Tasks(self._controller, self._host, self._programs, world.files, config.configuration)
+        self._tasks = Tasks(self._controller, self._host, self._programs, outside.files, config.configuration)
         for name, value in config.signals:
             Signals(self._controller)[name] = value
 
@@ -160,7 +140,7 @@ class Kernel:
         snapshot = self._pictures.picture(
             self._task_picture(), self._popup, is_remote=self._is_remote, overruns=self.overruns
         )
-        requests = tuple(self._channels.collect())
+        requests = self._channels.take()
         output = Output(tick, tuple(self._events), requests, tuple(self._replies), snapshot)
         self._events.clear()
         self._replies.clear()
@@ -171,7 +151,7 @@ class Kernel:
 
     def _take(self, inputs: Sequence[Input]) -> None:
         for item in inputs:
-            _HANDLERS[type(item)](self, item)
+            HANDLERS[type(item)](self, item)
 
     def _do(self, item: Do) -> None:
         request = item.request
@@ -219,21 +199,11 @@ class Kernel:
         self._popup = ""
         self._tasks.forget()
 
-    def _interpret(self, item: Interpret) -> None:
-        self._reply(item.origin, discarded(INVALID_STATE, item.text))
-
-    def _interpreter_word(self, item: InterpreterWord) -> None:
-        if item.word == "state":
-            self._reply(item.origin, session_state(False))
-
-    def _query(self, item: Query) -> None:
-        self._reply(item.origin, not_executed(item.ident))
-
     def _arrived(self, item: VariablesArrived) -> None:
-        """Nobody watches them."""
+        self._host.watchdogs.arrived(item.names, self._controller.tick)
 
-    def _channel(self, item: ChannelOpened | ChannelData | ChannelClosed) -> None:
-        self._channels.take(item)
+    def _channel(self, item: ChannelEvent) -> None:
+        self._host.channel_event(item)
 
     # ---------------------------------------------------------------- outputs
 
@@ -269,19 +239,19 @@ def _check_point(request: object) -> None:
         raise UsageError(f"there is no signal {name}[{index}]")
 
 
-_HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
+HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
     Do: Kernel._do,
     RunUnit: Kernel._run_unit,
     **dict.fromkeys((LoadTask, LoadConfiguration, PlayTask, SetVariable, GetVariable), Kernel._task_input),
-    Interpret: Kernel._interpret,
-    InterpreterWord: Kernel._interpreter_word,
-    Query: Kernel._query,
+    Interpret: lambda kernel, item: kernel._conversations.interpret(item),
+    InterpreterWord: lambda kernel, item: kernel._conversations.word(item),
+    Query: lambda kernel, item: kernel._conversations.query(item),
     VariablesArrived: Kernel._arrived,
     ShowPopup: Kernel._show_popup,
     ClosePopup: Kernel._close_popup,
     AddLog: Kernel._add_log,
     SetRemote: Kernel._set_remote,
     Reboot: Kernel._reboot,
-    **dict.fromkeys((ChannelOpened, ChannelData, ChannelClosed), Kernel._channel),
+    **dict.fromkeys((ChannelOpened, ChannelData, ChannelCredit, ChannelClosed), Kernel._channel),
 }
 """Every kind of input and what handles it."""

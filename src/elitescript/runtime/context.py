@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final, NoReturn, Protocol
+from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol
 
 from elitescript.commands.context import Machine
 from elitescript.errors import InvalidValueError, ScriptError, ScriptStateError
@@ -26,12 +26,21 @@ from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
 from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
 
+if TYPE_CHECKING:
+    from elitescript.runtime.interpreter import Interpreter
+    from elitescript.runtime.sockets import Connection, Sockets
+    from elitescript.runtime.watchdogs import Watchdogs
+
 RESUME: Final = "somebody to resume the program"
 """What the thread that called `pause()` waits for."""
 
 
 POPUP: Final = "somebody to confirm a popup"
 """What a thread behind a blocking popup waits for."""
+
+
+MOVE_END: Final = "the end of its move"
+"""What a thread waits for in `movej` and its like."""
 
 
 _NAMES_SHOWN: Final = 3
@@ -43,6 +52,8 @@ class TaskPort(Protocol):
 
     movers: dict[int, list[Strand]]
     """Who waits for which move: its own thread, and threads that brake it."""
+    connections: dict[int, Connection]
+    """Every open TCP connection by its channel."""
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
         """Start a thread of the program."""
@@ -55,6 +66,12 @@ class TaskPort(Protocol):
 
     def thread_failed(self, error: BaseException) -> None:
         """An exception left a thread."""
+
+    interpreter: Interpreter
+    """Interpreter mode."""
+
+    watchdogs: Watchdogs
+    """RTSI inputs that the program watches."""
 
     def wait_for_confirmation(self) -> bool:
         """Whether a blocking popup is confirmed at once; otherwise wait until somebody confirms it."""
@@ -76,6 +93,7 @@ class Context:
         "_generator",
         "_partial_line",
         "_port",
+        "_sockets",
         "_warned",
         "_world",
         "machine",
@@ -103,6 +121,7 @@ class Context:
         self._port = port
         self._warned: set[str] = set()
         self._partial_line = ""
+        self._sockets: Sockets | None = None
         self.micro_lines: list[MicroLine] = []
 
     # ---------------------------------------------------------------- the caller
@@ -134,6 +153,20 @@ class Context:
     def task_files(self) -> Files:
         """The task folder."""
         return self._world.files
+
+    @property
+    def sockets(self) -> Sockets:
+        """The program's TCP connections."""
+        if self._sockets is None:
+            from elitescript.runtime.sockets import Sockets
+
+            self._sockets = Sockets(self._world.channels, self.scheduler, self._port.connections, self.warn_once)
+        return self._sockets
+
+    def close_sockets(self) -> None:
+        """Close every connection; the program is over."""
+        if self._sockets is not None:
+            self._sockets.close_all()
 
     def read_task_file(self, path: str, size_max: int) -> bytes:
         """See `commands.context.Robot.read_task_file`."""
@@ -180,7 +213,7 @@ class Context:
         elif isinstance(request, SpeedJ | SpeedL):
             reason = "its speed" if request.t_s is None else "the time of its speed"
         else:
-            reason = "the end of its move"
+            reason = MOVE_END
         self._wait_for_move(request, reason)
 
     def track(self, request: TrackRequest) -> None:
@@ -341,6 +374,22 @@ class Context:
         self._port.halt()
         self.scheduler.kill(self.strand)
         raise Stopped
+
+    def enter_interpreter(self, *, clears_queue: bool, clears_at_end: bool) -> None:
+        """Run statements of clients until the session ends; see `runtime.interpreter`."""
+        self._port.interpreter.run(clears_queue=clears_queue, clears_at_end=clears_at_end)
+
+    def end_interpreter(self) -> None:
+        """End the session of interpreter mode, if one runs."""
+        self._port.interpreter.end()
+
+    def clear_interpreter(self) -> None:
+        """Throw away the statements that wait, and forget what statements have defined."""
+        self._port.interpreter.clear()
+
+    def watch(self, variable: str, frequency_hz: float, action: str) -> None:
+        """Watch an RTSI input until the program ends."""
+        self._port.watchdogs.set(variable, frequency_hz, action)
 
     def leave(self, name: str) -> NoReturn:
         """`exit()` and its like: end the program like `halt()`, and say so."""
