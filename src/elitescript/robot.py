@@ -1,18 +1,16 @@
 """`VirtualRobot`: a controller, the programs it runs and the world around them, in one object.
 
-This is the only module that knows both the controller and the runtime. Nothing here reads a clock: a caller
-who wants real time passes a `pace`, which is called before every tick that is run.
+Nothing here reads a clock: a caller who wants real time passes a `pace`, which is called before every tick that is
+run.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from keyword import iskeyword
 from pathlib import Path
 from typing import Any, Final, Literal
 
 from elitescript.controller.contact import ContactConfig
-from elitescript.controller.controller import Controller
 from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
@@ -31,15 +29,12 @@ from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
 from elitescript.run import EndState, Run, SignalRecord
-from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
+from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
 from elitescript.worlds.cell import Cell, load_cell
 from elitescript.worlds.interrupts import interrupts_passed_to
 from elitescript.worlds.program_file import source_of
-
-EPOCH_S: Final = 1_704_067_200.0
-"""2024-01-01T00:00:00Z: where the clock of a free run begins, so that every run is the same."""
 
 TRACE_TICKS_MAX: Final = 10_000
 """Rows that are recorded before somebody may look at the clock or interrupt."""
@@ -98,42 +93,27 @@ class VirtualRobot:
         self._on_event = on_event
         self._fixed_world = world
         self._task_dir = None if task_dir is None else Path(task_dir)
-        home = None if joints is None else self._start_joints(joints)
-        if not 0.0 <= speed <= 1.0:
-            raise UsageError(f"speed must be in [0, 1], got {speed!r}")
         surroundings = Cell() if cell is None else load_cell(cell)
-        self.controller = Controller(
-            self.model,
+        fittings = Fittings(
             epoch_s=epoch_s,
-            on_event=self._event,
-            home=home,
-            speed_scale=speed,
+            seed=seed,
+            joints=joints,
+            speed=speed,
+            work_per_tick=work_per_tick,
             contact=surroundings.take("contact", contact),
             safety=surroundings.take("safety", safety),
             plant=surroundings.take("plant", plant),
         )
-        self.signals = Signals(self.controller)
-        self._host = ScriptHost(
-            self.controller, profile=self.profile, seed=seed, on_end=self._program_ended, work_per_tick=work_per_tick
+        self.controller, self._host = assemble(
+            self.model, self.profile, fittings, on_event=self._event, on_end=self._program_ended
         )
-        self.controller.attach(self._host)
+        self.signals = Signals(self.controller)
         self._run: Run | None = None
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
         for name, value in surroundings.signals.items():
             self.signals[name] = value
-
-    def _start_joints(self, joints: Six) -> Six:
-        values = tuple(float(value) for value in joints)
-        if len(values) != 6:
-            raise UsageError(f"joints must be six numbers, got {len(values)}")
-        for value, limit in zip(values, self.model.joints, strict=True):
-            if not limit.q_min <= value <= limit.q_max:
-                raise UsageError(
-                    f"joint {limit.name} must be in [{limit.q_min:.4f}, {limit.q_max:.4f}] rad, got {value:g}"
-                )
-        return values
 
     # ---------------------------------------------------------------- reading
 
@@ -409,7 +389,6 @@ class VirtualRobot:
         if run is not None and run.state == "":
             run.state = state  # type: ignore[assignment]
             run.globals = self._host.monitor()
-        self.controller.task_ended(has_finished=state == "finished")
 
     def _event(self, event: Event) -> None:
         if self._run is not None and not self._run.is_over:
@@ -422,15 +401,3 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
-
-
-def checked_presets(presets: Mapping[str, object]) -> dict[str, object]:
-    """Program globals that are given from outside.
-
-    Raises:
-        UsageError: a name that no program could give to a global.
-    """
-    for name in presets:
-        if not name.isidentifier() or iskeyword(name) or name.startswith("__"):
-            raise UsageError(f"{name!r} cannot be the name of a global")
-    return dict(presets)

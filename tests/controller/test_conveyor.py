@@ -426,7 +426,7 @@ class TestWhatCannotGoOn:
     def test_a_place_beyond_reach_is_said_in_numbers(self):
         cell = Cell(100.0)
         cell.track(TrackLinear((1.0, 0.0, 0.0), 1000.0, 0))
-        found = cell.controller._tracking._carried(Setpoint(HOME, ZERO_SIX), HOME, 0.6, 0.1)
+        found = cell.controller.tracking._carried(Setpoint(HOME, ZERO_SIX), HOME, 0.6, 0.1)
         assert (found.code, found.joint) == ("R111", -1)
         assert found.text.startswith("conveyor tracking takes the tool out of reach: too far by 0.")
 
@@ -474,7 +474,7 @@ class TestRefusals:
     def test_an_arm_without_power(self):
         events = []
         controller = Controller(MODEL, epoch_s=0.0, on_event=events.append)
-        controller._power.apply("engage_brakes")
+        controller.power.apply("engage_brakes")
         with pytest.raises(ScriptStateError) as caught:
             controller.request_motion(BELT[0], 1, "main")
         assert caught.value.code == "R115"
@@ -494,7 +494,7 @@ def test_the_end_brakes_a_motion_at_a_speed_too():
 
 def test_a_pause_without_a_conveyor_is_no_pause_of_the_next_one():
     cell = Cell(300.0)
-    tracking = cell.controller._tracking
+    tracking = cell.controller.tracking
     tracking.pause(0)
     tracking.stop(0)
     tracking.resume(0)

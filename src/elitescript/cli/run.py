@@ -19,7 +19,8 @@ from elitescript.controller.trace import Trace
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.language.source import SourceFile
-from elitescript.robot import EPOCH_S, VirtualRobot
+from elitescript.robot import VirtualRobot
+from elitescript.wiring import EPOCH_S
 from elitescript.worlds.program_file import source_of
 
 EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "stuck": 5}

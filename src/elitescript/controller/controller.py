@@ -7,46 +7,43 @@ is a function of time: whoever looks samples it, and nobody can tell a leap from
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from typing import Final
 
 from elitescript.controller.arm_state import ArmState
 from elitescript.controller.contact import ContactConfig
 from elitescript.controller.conveyor import Tracking
-from elitescript.controller.encoders import ENCODER_HANDLERS
+from elitescript.controller.handlers import HANDLERS
 from elitescript.controller.inbox import Inbox
-from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
+from elitescript.controller.io import SignalImage
 from elitescript.controller.joint_encoders import JointEncoders
 from elitescript.controller.joint_loads import JointLoads
 from elitescript.controller.model_limits import motion_limits
-from elitescript.controller.modes import WHY_NOT_READY, Power
+from elitescript.controller.modes import AT_ONCE, Power, PowerTimes
 from elitescript.controller.motion_control import MotionControl
 from elitescript.controller.plant import LaggingJoints
 from elitescript.controller.safety_control import SafetyControl
 from elitescript.controller.safety_limits import SafetyLimits
-from elitescript.controller.setup import SETUP_HANDLERS, Setup
+from elitescript.controller.setup import Setup
 from elitescript.controller.snapshot import build_state
-from elitescript.controller.task_requests import TASK_HANDLERS
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
-from elitescript.controller.yield_control import YIELD_SETTINGS, YieldControl
+from elitescript.controller.yield_control import YieldControl
 from elitescript.controller.yielding import Caller
 from elitescript.errors import ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
-from elitescript.messages.machine import (
-    AskSafety,
-    MachineRequest,
-    SetLineMark,
-    SetSpeedScale,
-)
-from elitescript.messages.motion import MotionRequest, Six, TrackRequest
+from elitescript.messages.machine import MachineRequest
+from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.timing import seconds
-from elitescript.messages.yielding import YieldRequest
+from elitescript.messages.yielding import EndForceMode, EndFreedrive, YieldRequest
 from elitescript.models.model import RobotModel
+
+STOPS: Final = (StopJ, StopL, StopTracking, EndForceMode, EndFreedrive)
+"""Requests that only end something: an arm that rests without power takes them too."""
 
 
 class Controller:
@@ -61,30 +58,32 @@ class Controller:
         contact: what the TCP can touch; nothing if None.
         safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
+        is_powered: whether the arm is ready to move at the start, its brakes open.
+        power_times: how long powering on and releasing the brakes take.
     """
 
     __slots__ = (
-        "_arm_state",
         "_epoch_s",
         "_has_finished",
         "_inbox",
         "_joint_encoders",
         "_model",
-        "_motion",
         "_node",
         "_on_event",
-        "_power",
-        "_setup",
-        "_signals",
         "_tick",
-        "_tracking",
-        "_yield",
         "arm",
+        "arm_state",
         "joint_ranges",
         "loads",
+        "motion",
+        "power",
         "program",
         "safety",
+        "setup",
+        "signals",
         "task",
+        "tracking",
+        "yielding",
     )
 
     def __init__(
@@ -98,6 +97,8 @@ class Controller:
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
+        is_powered: bool = True,
+        power_times: PowerTimes = AT_ONCE,
     ) -> None:
         plant = PlantConfig() if plant is None else plant
         self._has_finished = False
@@ -109,11 +110,12 @@ class Controller:
         self._tick = 0
         self.program: ProgramPort = NoProgram()
         self._inbox = Inbox()
-        self._signals = SignalImage(self._signal_changed)
-        self._power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)))
+        self.signals = SignalImage(self._signal_changed)
+        mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
+        self.power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)), mode, power_times)
         self.task = Task(self._task_changed)
         limits = motion_limits(model)
-        self._motion = MotionControl(
+        self.motion = MotionControl(
             model.arm,
             limits,
             model.home if home is None else home,
@@ -122,20 +124,20 @@ class Controller:
             self._motion_event,
             self._motion_ended,
         )
-        self._motion.set_speed_scale(speed_scale, 0)
-        self._tracking = Tracking(model, limits, self._motion.take_over, on_event)
-        self._setup = Setup(model)
-        self._yield = YieldControl(model, self._setup, self._signals, contact, on_event, self._motion_ended)
+        self.motion.set_speed_scale(speed_scale, 0)
+        self.tracking = Tracking(model, limits, self.motion.take_over, on_event)
+        self.setup = Setup(model)
+        self.yielding = YieldControl(model, self.setup, self.signals, contact, on_event, self._motion_ended)
         joints = LaggingJoints(plant, limits.qd_max) if plant.lag_s > 0.0 else None
-        self._arm_state = ArmState(self._motion, (self._tracking, *self._yield.corrections), joints)
+        self.arm_state = ArmState(self.motion, (self.tracking, *self.yielding.corrections), joints)
         self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._node: tuple[int, str] = (0, "")
-        self.loads = JointLoads(model, plant, self._arm_state, self._setup)
+        self.loads = JointLoads(model, plant, self.arm_state, self.setup)
         watched = safety or SafetyLimits()
         self.safety = SafetyControl(
-            self, watched, limits, self._motion, self._arm_state, self._setup, self._signals, self.task, speed_scale
+            self, watched, limits, self.motion, self.arm_state, self.setup, self.signals, self.task, speed_scale
         )
-        self._tracking.on_obstacle = self.safety.meet_obstacle
+        self.tracking.on_obstacle = self.safety.meet_obstacle
 
     def attach(self, program: ProgramPort) -> None:
         """Say what runs scripts in the phase `program`."""
@@ -148,20 +150,26 @@ class Controller:
         """Ticks since the start."""
         return self._tick
 
-    def run_tick(self) -> None:
-        """All phases of the present tick; `leap` then goes on to the next one."""
-        self._arm_state.settle(self._tick)
+    def run_tick(self, take: Callable[[], None] = lambda: None) -> None:
+        """All phases of the present tick; `leap` then goes on to the next one.
+
+        Args:
+            take: called in the inbox phase, after what was `put` for this tick.
+        """
+        self.arm_state.settle(self._tick)
         self._deliver_inbox()
+        take()
         self.safety.check(self._tick)
-        if self._power.is_going_off:
-            self._power.settle(self._arm_state.is_moving)
+        self.power.go_on(self._tick)
+        if self.power.is_going_off:
+            self.power.settle(self.arm_state.is_moving)
         self.program.run_tick(self._tick)
 
     def next_tick(self) -> int | None:
         """The next tick at which anything is due; None when nothing will ever happen by itself."""
-        tick, arm, program = self._tick, self._arm_state, self.program
+        tick, arm, program = self._tick, self.arm_state, self.program
         due = (program.next_tick(tick), arm.next_tick, self._inbox.next_tick, self.safety.next_tick(tick))
-        ticks = [at for at in due if at is not None]
+        ticks = [at for at in (*due, self.power.next_tick) if at is not None]
         return max(min(ticks), tick + 1) if ticks else None
 
     def leap(self, tick: int) -> None:
@@ -201,17 +209,17 @@ class Controller:
     @property
     def tcp_offset(self) -> Six:
         """Active TCP, flange to TCP."""
-        return self._setup.tcp_offset
+        return self.setup.tcp_offset
 
     @property
     def payload(self) -> Payload:
         """Payload that was set last."""
-        return self._setup.payload
+        return self.setup.payload
 
     @property
     def target_waypoint(self) -> Six:
         """Pose of the waypoint that the arm moves to, or moved to last; before any move the present target pose."""
-        return self._motion.waypoint or self.tcp_pose(self.joints().q_target)
+        return self.motion.waypoint or self.tcp_pose(self.joints().q_target)
 
     @property
     def joint_temperatures(self) -> Six:
@@ -230,7 +238,7 @@ class Controller:
     @property
     def robot_mode(self) -> RobotMode:
         """Power and brakes."""
-        return self._power.mode
+        return self.power.mode
 
     @property
     def task_state(self) -> TaskState:
@@ -245,7 +253,7 @@ class Controller:
     @property
     def is_moving(self) -> bool:
         """Whether a move is under way."""
-        return self._arm_state.is_moving
+        return self.arm_state.is_moving
 
     @property
     def speed_scale(self) -> float:
@@ -263,24 +271,24 @@ class Controller:
     @property
     def is_plant_ideal(self) -> bool:
         """Whether actual always equals target."""
-        return self._joint_encoders.is_exact and not self._arm_state.has_plant
+        return self._joint_encoders.is_exact and not self.arm_state.has_plant
 
     @property
     def is_resting(self) -> bool:
         """Whether every tick looks the same until something is due."""
-        return self._arm_state.is_resting and self._joint_encoders.is_exact
+        return self.arm_state.is_resting and self._joint_encoders.is_exact
 
     def tcp_wrench(self, is_compensated: bool) -> Six:
         """What the surroundings exert on the TCP in this tick, TCP frame; see `wrench_sensor`."""
-        return self._yield.wrench(self._arm_state, self._tick, is_compensated)
+        return self.yielding.wrench(self.arm_state, self._tick, is_compensated)
 
     def joints_at(self, tick: int) -> JointState:
         """Target and measured joints at a tick from the present one up to the next at which something is due."""
-        return self._joint_encoders.read(tick, self._arm_state.joints(tick))
+        return self._joint_encoders.read(tick, self.arm_state.joints(tick))
 
     def tcp_pose(self, q: Six) -> Six:
         """Pose of the active TCP at joint positions, base frame."""
-        return pose_from_transform(self.arm.forward_tcp(q, self._setup.T_flange_tcp))
+        return pose_from_transform(self.arm.forward_tcp(q, self.setup.T_flange_tcp))
 
     def state_at(self, tick: int) -> RobotState:
         """The machine at such a tick."""
@@ -288,15 +296,15 @@ class Controller:
             tick=tick,
             joints=self.joints_at(tick),
             arm=self.arm,
-            T_flange_tcp=self._setup.T_flange_tcp,
-            tcp_offset=self._setup.tcp_offset,
-            robot_mode=self._power.mode,
+            T_flange_tcp=self.setup.T_flange_tcp,
+            tcp_offset=self.setup.tcp_offset,
+            robot_mode=self.power.mode,
             safety_mode=self.safety.mode,
             task_state=self.task.state,
-            payload=self._setup.payload,
-            gravity=self._setup.gravity,
+            payload=self.setup.payload,
+            gravity=self.setup.gravity,
             speed_scale=self.safety.speed_scale,
-            is_moving=self._arm_state.is_moving,
+            is_moving=self.arm_state.is_moving,
             line=self.program.line,
             node=self._node,
         )
@@ -307,23 +315,23 @@ class Controller:
 
     def read(self, name: str, index: int = 0) -> Value:
         """One point of the signal image."""
-        return self._signals.read(name, index)
+        return self.signals.read(name, index)
 
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin."""
-        return self._signals.tool_pin(index)
+        return self.signals.tool_pin(index)
 
     def non_default_signals(self) -> dict[str, Value]:
         """Every signal that is not at its default."""
-        return self._signals.non_defaults()
+        return self.signals.non_defaults()
 
     def encoder_count(self, index: int) -> float:
         """What the counter of a conveyor encoder shows."""
-        return self._tracking.encoders[index].count(self._tick)
+        return self.tracking.encoders[index].count(self._tick)
 
     def encoder_unwound(self, index: int, delta: float) -> float:
         """A difference of two counts of an encoder, without the overflow of its counter."""
-        return self._tracking.encoders[index].range.unwound(delta)
+        return self.tracking.encoders[index].range.unwound(delta)
 
     def timestamp_s(self) -> float:
         """The controller's clock, seconds since 1970."""
@@ -333,24 +341,25 @@ class Controller:
 
     def request_motion(self, request: MotionRequest | TrackRequest | YieldRequest, line: int, thread: str) -> int:
         """See `commands.context.Machine.request_motion`."""
-        self._power.require_ready()
-        self.safety.require("move")
-        T_flange_tcp = self._setup.T_flange_tcp
-        if isinstance(request, YieldRequest) or self._yield.is_ended_by(request):
-            is_moving = self._motion.is_moving or self._tracking.is_active
-            return self._yield.request(request, self._tick, is_moving, Caller(line, thread))
+        if not (isinstance(request, STOPS) and self.arm_state.is_resting):
+            self.power.require_ready()
+            self.safety.require("move")
+        T_flange_tcp = self.setup.T_flange_tcp
+        if isinstance(request, YieldRequest) or self.yielding.is_ended_by(request):
+            is_moving = self.motion.is_moving or self.tracking.is_active
+            return self.yielding.request(request, self._tick, is_moving, Caller(line, thread))
         if isinstance(request, TrackRequest):
-            return self._tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
+            return self.tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
         request = self.safety.prepared(request, line, thread)
-        return self._motion.request(request, self._tick, T_flange_tcp, line, thread)
+        return self.motion.request(request, self._tick, T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:
         """Whether that move is over."""
-        return self._motion.is_done(move) and self._yield.is_done(move)
+        return self.motion.is_done(move) and self.yielding.is_done(move)
 
     def cancel_move(self, move: int) -> None:
         """Brake that move, if it is under way."""
-        self._motion.cancel(move, self._tick)
+        self.motion.cancel(move, self._tick)
 
     def request(self, request: MachineRequest) -> None:
         """Hand a request to the one handler that knows it."""
@@ -369,14 +378,14 @@ class Controller:
             ScriptStateError: the safety system does not allow it.
         """
         self.safety.require("power_on")
-        self._power.go_up()
+        self.power.go_up(RobotMode.RUNNING, self._tick)
 
     def task_started(self, name: str) -> None:
         """A program begins in this tick."""
         self.task.name = name
         self._node = (0, "")
-        self._motion.begin_program()
-        self._yield.begin_program()
+        self.motion.begin_program()
+        self.yielding.begin_program()
         self.task.apply("start")
         self.safety.task_started()
 
@@ -389,18 +398,18 @@ class Controller:
     def _task_changed(self, before: TaskState, after: TaskState) -> None:
         self.emit(TaskStateChanged(self._tick, after, self.task.name))
         if after is TaskState.PAUSED:
-            self._arm_state.pause(self._tick)
+            self.arm_state.pause(self._tick)
         elif before is TaskState.PAUSED:
-            self._arm_state.resume(self._tick)
+            self.arm_state.resume(self._tick)
             self.safety.disturb()
         if after is TaskState.STOPPED:
-            self._arm_state.stop(self._tick, arrives=self._has_finished)
+            self.arm_state.stop(self._tick, arrives=self._has_finished)
         if TaskState.STOPPED in (before, after):
-            self._signals.set_running(self.task.is_running)
+            self.signals.set_running(self.task.is_running)
 
     def _motion_ended(self, move: int, is_complete: bool) -> None:
         self.program.motion_ended(move, is_complete)
-        self._power.settle(self._arm_state.is_moving)
+        self.power.settle(self.arm_state.is_moving)
 
     def _motion_event(self, event: Event) -> None:
         self.safety.note(event)
@@ -408,42 +417,16 @@ class Controller:
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value))
-        self._tracking.encoders.signal_changed(name, index, value, self._tick)
+        self.tracking.encoders.signal_changed(name, index, value, self._tick)
         self.safety.signal_changed(name, value)
 
-    # ---------------------------------------------------------------- handlers, one for each kind of request
-
-    def _set_speed_scale(self, request: SetSpeedScale) -> None:
-        self.safety.set_speed_scale(request.fraction)
-
-    def _declare(self, request: Any) -> None:
-        SETUP_HANDLERS[type(request)](self._setup, request)
-        self.safety.disturb()
-
-    def _set_line_mark(self, request: SetLineMark) -> None:
-        self._node = (request.number, request.label)
-        self.emit(LineMarked(self._tick, request.number, request.label))
+    def mark(self, number: int, label: str) -> None:
+        """The program has reached a node of its tree."""
+        self._node = (number, label)
+        self.emit(LineMarked(self._tick, number, label))
 
     def switch_off(self) -> None:
         """Stop the arm and switch its power off at standstill."""
-        self._arm_state.stop(self._tick)
-        self._power.go_off()
-        self._power.settle(self._arm_state.is_moving)
-
-    def _signal_setting(self, request: Any) -> None:
-        SIGNAL_SETTINGS[type(request)](self._signals, request)
-        why_not = WHY_NOT_READY.get(self._power.mode) or self.safety.refusal("move")
-        self._yield.guide_by_input(why_not, self._arm_state, self._tick)
-
-
-HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
-    SetSpeedScale: Controller._set_speed_scale,
-    SetLineMark: Controller._set_line_mark,
-    AskSafety: lambda c, request: c.safety.ask(request),
-    **TASK_HANDLERS,
-    **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
-    **dict.fromkeys(SETUP_HANDLERS, Controller._declare),
-    **dict.fromkeys(ENCODER_HANDLERS, lambda c, r: ENCODER_HANDLERS[type(r)](c._tracking.encoders, r, c._tick)),
-    **dict.fromkeys(YIELD_SETTINGS, lambda c, r: YIELD_SETTINGS[type(r)](c._yield, r, c._arm_state.joints(c._tick))),
-}
-"""Every kind of machine request and who handles it."""
+        self.arm_state.stop(self._tick)
+        self.power.go_off()
+        self.power.settle(self.arm_state.is_moving)

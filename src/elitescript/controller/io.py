@@ -8,7 +8,7 @@ manual says of the ES series).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from elitescript.errors import ArgumentRangeError, ScriptStateError
@@ -54,6 +54,7 @@ class SignalImage:
         "_commanded",
         "_domains",
         "_freedrive_inputs",
+        "_image",
         "_is_running",
         "_on_change",
         "_runstate",
@@ -70,12 +71,20 @@ class SignalImage:
         self._runstate: dict[tuple[str, int], RunstateChoice] = {}
         self._freedrive_inputs: set[tuple[str, int]] = set()
         self._is_running = False
+        self._image: dict[str, tuple[Value, ...]] | None = None
         self.tool_pins: list[SetToolPin] = list(_DEFAULT_TOOL_PINS)
         self.tool_analog_mode = _DEFAULT_TOOL_ANALOG_MODE
 
     def read(self, name: str, index: int = 0) -> Value:
         """The level of one point."""
         return self._values[name][index]
+
+    @property
+    def image(self) -> Mapping[str, tuple[Value, ...]]:
+        """Every family by name; what was returned once does not change."""
+        if self._image is None:
+            self._image = {name: tuple(values) for name, values in self._values.items()}
+        return self._image
 
     def domain(self, name: str, index: int) -> AnalogDomain:
         """Electrical meaning of an analog channel."""
@@ -243,6 +252,7 @@ class SignalImage:
         values = self._values[name]
         if values[index] != value:
             values[index] = value
+            self._image = None
             self._on_change(name, index, value)
 
 

@@ -35,13 +35,16 @@ class JointLoads:
         setup = self._setup
         return self._dynamics.remaining_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
 
-    def currents(self, tick: int) -> Six:
-        """Currents of the motors, A (*assumed*: torque constants, friction)."""
+    def measured(self, tick: int) -> tuple[Six, Six]:
+        """Torques that the joints apply altogether, N m, and currents of their motors, A (*assumed*)."""
         joints, qdd = self._arm_state.joints(tick), self._arm_state.actual_acceleration()
         setup = self._setup
-        return self._dynamics.currents(
-            self._dynamics.measured_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
-        )
+        torques = self._dynamics.measured_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
+        return torques, self._dynamics.currents(torques)
+
+    def currents(self, tick: int) -> Six:
+        """Currents of the motors, A (*assumed*: torque constants, friction)."""
+        return self.measured(tick)[1]
 
     def target_currents(self, tick: int) -> Six:
         """Currents that the target asks for, A; the controller's own model of the arm has no friction (*assumed*)."""

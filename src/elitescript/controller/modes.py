@@ -1,40 +1,108 @@
 """Robot modes: what the arm's power and brakes are doing, as a table.
 
-The times of powering on and of releasing the brakes belong to the port that asks for them; here is
-only which step leads where.
+`TRANSITIONS` says which step leads where, `STEPS` how a robot that is to go up goes from each mode to the next and how
+long it has been in that mode by then.
+
+Evidence: modes and their order are *documented* (vendor's SDK: power on ends in idle, releasing the brakes in running;
+clients wait 30 s for each). How long the steps take is *assumed*.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite
 from typing import Final
 
-from elitescript.errors import ScriptStateError
+from elitescript.errors import ScriptStateError, UsageError
 from elitescript.messages.enums import RobotMode
+from elitescript.messages.timing import ticks_for
+
+OFF, ON, BOOTING = RobotMode.POWER_OFF, RobotMode.POWER_ON, RobotMode.BOOTING
+IDLE, RUNNING = RobotMode.IDLE, RobotMode.RUNNING
 
 TRANSITIONS: Final[dict[tuple[RobotMode, str], RobotMode]] = {
-    (RobotMode.POWER_OFF, "power_on"): RobotMode.IDLE,
-    (RobotMode.IDLE, "release_brakes"): RobotMode.RUNNING,
-    (RobotMode.RUNNING, "engage_brakes"): RobotMode.IDLE,
-    (RobotMode.IDLE, "power_off"): RobotMode.POWER_OFF,
-    (RobotMode.RUNNING, "power_off"): RobotMode.POWER_OFF,
+    (OFF, "power_on"): ON,
+    (ON, "boot"): BOOTING,
+    (BOOTING, "initialise"): IDLE,
+    (IDLE, "release_brakes"): RUNNING,
+    (RUNNING, "engage_brakes"): IDLE,
+    (ON, "power_off"): OFF,
+    (BOOTING, "power_off"): OFF,
+    (IDLE, "power_off"): OFF,
+    (RUNNING, "power_off"): OFF,
 }
 
 WHY_NOT_READY: Final[dict[RobotMode, str]] = {
-    RobotMode.POWER_OFF: "the arm is switched off",
-    RobotMode.IDLE: "the brakes are engaged",
+    OFF: "the arm is switched off",
+    ON: "the arm is being switched on",
+    BOOTING: "the arm is being switched on",
+    IDLE: "the brakes are engaged",
 }
 
 
+@dataclass(frozen=True, slots=True)
+class PowerTimes:
+    """How long the arm takes to go up, in seconds (*assumed*: clients wait much longer, real arms take seconds)."""
+
+    power_on_s: float = 0.4
+    """From the command until the joints boot."""
+    boot_s: float = 0.8
+    """Until they are idle."""
+    release_s: float = 1.0
+    """From the command until the brakes are open."""
+
+    def __post_init__(self) -> None:
+        for value in (self.power_on_s, self.boot_s, self.release_s):
+            if not (isfinite(value) and value >= 0.0):
+                raise UsageError(f"times of powering on must be >= 0 s, got {value!r}")
+
+    def scaled(self, factor: float) -> PowerTimes:
+        """The same times, `factor` times as long; 0 for a robot that is ready at once."""
+        return PowerTimes(self.power_on_s * factor, self.boot_s * factor, self.release_s * factor)
+
+
+AT_ONCE: Final = PowerTimes(0.0, 0.0, 0.0)
+REALISTIC: Final = PowerTimes()
+
+STEPS: Final[dict[RobotMode, tuple[str, Callable[[PowerTimes], float]]]] = {
+    OFF: ("power_on", lambda _: 0.0),
+    ON: ("boot", lambda times: times.power_on_s),
+    BOOTING: ("initialise", lambda times: times.boot_s),
+    IDLE: ("release_brakes", lambda times: times.release_s),
+}
+"""The next step on the way up, and after what time in the mode."""
+
+_WAY_UP: Final = (OFF, ON, BOOTING, IDLE, RUNNING)
+
+
 class Power:
-    """Mode of one robot."""
+    """Mode of one robot.
 
-    __slots__ = ("_on_change", "is_going_off", "mode")
+    Args:
+        on_change: called with every new mode.
+        mode: at the start.
+        times: how long going up takes.
+    """
 
-    def __init__(self, on_change: Callable[[RobotMode], None], mode: RobotMode = RobotMode.RUNNING) -> None:
+    __slots__ = ("_goal", "_on_change", "_since_tick", "_times", "is_going_off", "mode")
+
+    def __init__(
+        self, on_change: Callable[[RobotMode], None], mode: RobotMode = RUNNING, times: PowerTimes = AT_ONCE
+    ) -> None:
         self._on_change = on_change
+        self._times = times
+        self._goal: RobotMode | None = None
+        self._since_tick = 0
         self.is_going_off = False
         self.mode = mode
+
+    @property
+    def next_tick(self) -> int | None:
+        """Tick of the next step on the way up; None if the arm is not on it."""
+        if self._goal is None:
+            return None
+        return self._since_tick + ticks_for(STEPS[self.mode][1](self._times))
 
     def require_ready(self) -> None:
         """Let a motion pass.
@@ -42,27 +110,44 @@ class Power:
         Raises:
             ScriptStateError: the arm is off, goes off, or its brakes are engaged.
         """
-        why = WHY_NOT_READY.get(RobotMode.POWER_OFF if self.is_going_off else self.mode)
+        why = WHY_NOT_READY.get(OFF if self.is_going_off else self.mode)
         if why is not None:
             raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
 
-    def go_up(self) -> None:
-        """Power on and release the brakes, as far as that is not done."""
+    def go_up(self, goal: RobotMode, tick: int) -> None:
+        """Power on, and for the goal `RUNNING` release the brakes, as far as that is not done; steps take their time.
+
+        Args:
+            goal: `IDLE` or `RUNNING`.
+            tick: the present one.
+        """
         self.is_going_off = False
-        if self.mode is RobotMode.POWER_OFF:
-            self.apply("power_on")
-        if self.mode is RobotMode.IDLE:
-            self.apply("release_brakes")
+        if _WAY_UP.index(self.mode) >= _WAY_UP.index(goal):
+            return
+        if self._goal is None:
+            self._since_tick = tick
+        if self._goal is not RUNNING:
+            self._goal = goal
+        self.go_on(tick)
+
+    def go_on(self, tick: int) -> None:
+        """Make the steps that are due."""
+        while (due := self.next_tick) is not None and due <= tick:
+            self._since_tick = due
+            self.apply(STEPS[self.mode][0])
+            if self.mode is self._goal:
+                self._goal = None
 
     def go_off(self) -> None:
         """Power off at the next standstill."""
+        self._goal = None
         self.is_going_off = True
 
     def settle(self, is_moving: bool) -> None:
         """Power off if that is due and the arm stands still."""
         if self.is_going_off and not is_moving:
             self.is_going_off = False
-            if self.mode is not RobotMode.POWER_OFF:
+            if self.mode is not OFF:
                 self.apply("power_off")
 
     def apply(self, action: str) -> None:

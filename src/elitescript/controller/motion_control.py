@@ -129,6 +129,11 @@ class MotionControl:
         """Speed percentage as a fraction."""
         return self._speed_scale
 
+    def rate(self, tick: int) -> float:
+        """How fast planned time passes, 0 to 1; the speed percentage while no planned move runs."""
+        source = self._source
+        return source.scale.rate(tick * PERIOD_S) if isinstance(source, Move) else self._speed_scale
+
     @property
     def next_tick(self) -> int | None:
         """Tick at which the present motion changes by itself; None while it will not."""

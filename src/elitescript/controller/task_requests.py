@@ -1,22 +1,37 @@
-"""Requests that pause, resume and end the task."""
+"""Requests to the task and to the power: pause, resume, stop; power on, release the brakes, power off."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any, Final, Protocol
 
+from elitescript.controller.modes import Power
 from elitescript.controller.safety_control import SafetyControl
 from elitescript.controller.tasks import ProgramPort, Task
 from elitescript.errors import ScriptStateError
-from elitescript.messages.machine import PauseTask, PowerDown, ResumeTask, StopTask
+from elitescript.messages.enums import RobotMode
+from elitescript.messages.machine import (
+    PauseTask,
+    PowerDown,
+    PowerOff,
+    PowerOn,
+    ReleaseBrakes,
+    ResumeTask,
+    StopTask,
+)
 
 
 class TaskPort(Protocol):
     """What these requests change."""
 
+    power: Power
     task: Task
     program: ProgramPort
     safety: SafetyControl
+
+    @property
+    def tick(self) -> int:
+        """The present one."""
 
     def switch_off(self) -> None:
         """Stop the arm and switch its power off at standstill."""
@@ -41,9 +56,19 @@ def _stop(port: TaskPort, _request: StopTask) -> None:
     port.program.stop("stopped")
 
 
-def _power_down(port: TaskPort, _request: PowerDown) -> None:
+def _power_on(port: TaskPort, _request: PowerOn) -> None:
+    port.safety.require("power_on")
+    port.power.go_up(RobotMode.IDLE, port.tick)
+
+
+def _release_brakes(port: TaskPort, _request: ReleaseBrakes) -> None:
+    port.safety.require("power_on")
+    port.power.go_up(RobotMode.RUNNING, port.tick)
+
+
+def _power_off(port: TaskPort, _request: PowerOff | PowerDown) -> None:
     if port.task.is_running:
-        port.program.stop("powerdown")
+        port.program.stop("power off")
     port.switch_off()
 
 
@@ -51,6 +76,9 @@ TASK_HANDLERS: Final[dict[type, Callable[[TaskPort, Any], None]]] = {
     PauseTask: _pause,
     ResumeTask: _resume,
     StopTask: _stop,
-    PowerDown: _power_down,
+    PowerOn: _power_on,
+    ReleaseBrakes: _release_brakes,
+    PowerOff: _power_off,
+    PowerDown: _power_off,
 }
-"""Every request to the task, and what handles it."""
+"""Every request to task and power, and what handles it."""

@@ -114,7 +114,7 @@ class YieldControl:
             MotionError: the arm is guided by hand; or is in force mode, and a conveyor is to be tracked.
         """
         if isinstance(request, StopJ | StopL):
-            return self._is_guiding
+            return self.is_guiding
         if not isinstance(request, StopTracking):
             self._require_no_guiding(type(request).__name__.lower())
             if isinstance(request, TrackRequest) and self._force.is_active:
@@ -162,7 +162,8 @@ class YieldControl:
             self._is_guided_by_input = True
 
     @property
-    def _is_guiding(self) -> bool:
+    def is_guiding(self) -> bool:
+        """Whether a person may guide the arm, or the arm still comes to rest after that."""
         return self._guiding.is_on or self._guiding.is_active
 
     def _guide(self, request: Freedrive, tick: int, caller: Caller) -> None:

@@ -165,6 +165,22 @@ class ScriptHost:
         """
         self._end(STOPPED)
 
+    def end_now(self, tick: int) -> None:
+        """End the program at once, in the inbox phase of a tick: another one is to take its place in this tick."""
+        if self._main is None or self._program is None:
+            return
+        self._scheduler.begin_tick(tick)
+        try:
+            self._end(STOPPED)
+            self._end_program(self._program)
+        finally:
+            self._scheduler.end_tick()
+
+    def knows(self, name: str) -> bool:
+        """Whether a program finds something under that name without defining it."""
+        program = self._program or self._new_program({})
+        return name in program.builtins
+
     def fail(self, alarm: Alarm) -> None:
         """End the program as `stop` does, with an alarm that it can neither catch nor outlive."""
         if self._program is not None and self._main is not None and not self._ending:

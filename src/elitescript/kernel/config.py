@@ -1,0 +1,89 @@
+"""What a kernel is made with, and what it says about itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+from zlib import crc32
+
+from elitescript.controller.contact import ContactConfig
+from elitescript.controller.modes import REALISTIC, PowerTimes
+from elitescript.controller.safety_limits import SafetyLimits
+from elitescript.messages.motion import Six
+from elitescript.messages.plant import PlantConfig
+from elitescript.messages.profile import DEFAULT_FIRMWARE, Profile
+from elitescript.messages.signals import Value
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.models.model import RobotModel
+from elitescript.runtime.scheduler import WORK_PER_TICK
+from elitescript.wiring import EPOCH_S
+
+BUG_FIX: Final = 0
+BUILD: Final = 0
+"""Of the version that clients are told, besides the firmware profile (*assumed*)."""
+
+DEFAULT_CONFIGURATION: Final = "default.configuration"
+
+
+@dataclass(frozen=True, slots=True)
+class KernelConfig:
+    """One robot. Together with the inputs of every tick it determines everything that the robot does."""
+
+    model: str = "CS66"
+    firmware: str = DEFAULT_FIRMWARE
+    seed: int = 0
+    """Of the programs' random numbers."""
+    epoch_s: float = EPOCH_S
+    """The controller's clock at tick 0, seconds since 1970."""
+    joints: Six | None = None
+    """At the start, rad; the model's home if None."""
+    speed: float = 1.0
+    """Speed percentage at the start, as a fraction."""
+    power_on: bool = False
+    """Whether the arm has power at the start, its brakes open."""
+    power_times: PowerTimes = REALISTIC
+    remote: bool = True
+    """Whether clients may change the robot at the start."""
+    robot_id: str = "elitescript"
+    serial_number: str = "ES0000000001"
+    configuration: str = DEFAULT_CONFIGURATION
+    """Path of the configuration that is loaded at the start."""
+    contact: ContactConfig | None = None
+    safety: SafetyLimits | None = None
+    plant: PlantConfig | None = None
+    signals: tuple[tuple[str, Value], ...] = ()
+    """Levels at the start, by the names of `--set`."""
+    work_per_tick: int = WORK_PER_TICK
+    strict: bool = False
+    """Refuse what a Python 3 controller refuses, instead of warning."""
+
+
+def describe(config: KernelConfig, model: RobotModel, profile: Profile) -> RobotDescription:
+    """What never changes about the robot; the safety checksum is ours (*assumed*: it changes with the limits)."""
+    a, d, alpha = model.arm.modified_dh
+    ranges = model.joint_ranges
+    return RobotDescription(
+        model=model.name,
+        type_id=model.type_id,
+        serial_number=config.serial_number,
+        robot_id=config.robot_id,
+        firmware=(*profile.release, BUG_FIX, BUILD),
+        q_min=_six([low for low, _ in ranges]),
+        q_max=_six([high for _, high in ranges]),
+        qd_max=_six([joint.qd_max for joint in model.joints]),
+        qdd_max=_six([joint.qdd_max for joint in model.joints]),
+        default_joint_speed=model.default_joint_speed,
+        default_joint_acceleration=model.default_joint_acceleration,
+        default_tool_speed=model.default_tool_speed,
+        default_tool_acceleration=model.default_tool_acceleration,
+        equivalent_radius_m=model.equivalent_radius_m,
+        dh_a=a,
+        dh_d=d,
+        dh_alpha=alpha,
+        safety_checksum=crc32(repr((model.name, config.safety)).encode()),
+    )
+
+
+def _six(values: list[float]) -> Six:
+    a, b, c, d, e, f = values
+    return (a, b, c, d, e, f)

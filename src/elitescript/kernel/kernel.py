@@ -1,0 +1,287 @@
+"""One robot as a function: `Kernel.tick` applies what has come in, runs one tick and returns what there is to say.
+
+Nothing here knows a clock, a socket or a file of this computer. A kernel does the same whenever it is made with the
+same configuration and given the same inputs at the same ticks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final, Protocol
+
+from elitescript.controller.picture import Pictures
+from elitescript.controller.signal_view import Signals
+from elitescript.errors import ScriptError, UsageError
+from elitescript.kernel.config import KernelConfig, describe
+from elitescript.kernel.programs import Programs
+from elitescript.kernel.tasks import Tasks
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import Event, Popup, TaskStateChanged, TextMessage, Warned
+from elitescript.messages.inputs import (
+    AddLog,
+    ChannelClosed,
+    ChannelData,
+    ChannelOpened,
+    ClosePopup,
+    Do,
+    GetVariable,
+    Input,
+    Interpret,
+    InterpreterWord,
+    LoadConfiguration,
+    LoadTask,
+    PlayTask,
+    Query,
+    Reboot,
+    RunUnit,
+    SetRemote,
+    SetVariable,
+    ShowPopup,
+    VariablesArrived,
+)
+from elitescript.messages.machine import AskSafety, PowerOff, StopTask
+from elitescript.messages.outputs import ChannelRequest, Output, Reply
+from elitescript.messages.profile import profile
+from elitescript.messages.signals import SIGNALS
+from elitescript.messages.snapshot import TaskPicture
+from elitescript.models.model import load_model
+from elitescript.protocol.interpreter import INVALID_STATE, discarded, session_state
+from elitescript.protocol.outcomes import done, refused
+from elitescript.protocol.query import not_executed
+from elitescript.runtime.world import NoWorld, World
+from elitescript.wiring import Fittings, assemble
+
+UNLOCK: Final = "unlock_protective_stop"
+
+
+class Channels(Protocol):
+    """The outgoing connections of scripts, as a world may have them under `channels`."""
+
+    def take(self, answer: ChannelOpened | ChannelData | ChannelClosed) -> None:
+        """An answer from outside, before the threads of this tick run."""
+
+    def collect(self) -> Sequence[ChannelRequest]:
+        """Return what the threads of this tick have asked for, in order, and forget it."""
+
+
+class NoChannels:
+    """Stands in for a world without connections."""
+
+    __slots__ = ()
+
+    def take(self, answer: ChannelOpened | ChannelData | ChannelClosed) -> None:
+        """Nobody has asked."""
+
+    def collect(self) -> Sequence[ChannelRequest]:
+        """Nobody asks."""
+        return ()
+
+
+class Kernel:
+    """One robot.
+
+    Args:
+        config: what it is.
+        world: everything outside its programs: `files`, the task folder, and `channels` (see `Channels`).
+
+    Attributes:
+        description: what never changes about it.
+        overruns: ticks that began late, for the snapshots; whoever keeps time counts them.
+
+    Raises:
+        UsageError: a configuration that makes no sense.
+    """
+
+    __slots__ = (
+        "_channels",
+        "_configuration",
+        "_controller",
+        "_events",
+        "_host",
+        "_is_popup_blocking",
+        "_is_remote",
+        "_pictures",
+        "_popup",
+        "_programs",
+        "_replies",
+        "_tasks",
+        "description",
+        "overruns",
+    )
+
+    def __init__(self, config: KernelConfig, world: World | None = None) -> None:
+        model, firmware = load_model(config.model), profile(config.firmware)
+        world = NoWorld() if world is None else world
+        self.description = describe(config, model, firmware)
+        self.overruns = 0
+        self._events: list[Event] = []
+        self._replies: list[Reply] = []
+        self._popup = ""
+        self._is_popup_blocking = False
+        self._is_remote = config.remote
+        self._channels: Channels = getattr(world, "channels", None) or NoChannels()
+        fittings = Fittings(
+            epoch_s=config.epoch_s,
+            seed=config.seed,
+            joints=config.joints,
+            speed=config.speed,
+            work_per_tick=config.work_per_tick,
+            contact=config.contact,
+            safety=config.safety,
+            plant=config.plant,
+            is_powered=config.power_on,
+            power_times=config.power_times,
+            confirms_popups=False,
+        )
+        self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=world)
+        self._pictures = Pictures(self._controller)
+        self._programs = Programs(self._controller, self._host, is_strict=config.strict)
+        self._tasks = Tasks(self._controller, self._host, self._programs, world.files, config.configuration)
+        for name, value in config.signals:
+            Signals(self._controller)[name] = value
+
+    @property
+    def next_tick(self) -> int:
+        """Number of the tick that `tick` runs next."""
+        return self._controller.tick
+
+    def tick(self, inputs: Sequence[Input] = ()) -> Output:
+        """Run one tick.
+
+        Args:
+            inputs: what has come in since the last one, in order.
+
+        Returns:
+            What happened in it, and the machine as it is then.
+        """
+        controller = self._controller
+        controller.run_tick(lambda: self._take(inputs))
+        tick = controller.tick
+        snapshot = self._pictures.picture(
+            self._task_picture(), self._popup, is_remote=self._is_remote, overruns=self.overruns
+        )
+        requests = tuple(self._channels.collect())
+        output = Output(tick, tuple(self._events), requests, tuple(self._replies), snapshot)
+        self._events.clear()
+        self._replies.clear()
+        controller.leap(tick + 1)
+        return output
+
+    # ---------------------------------------------------------------- inputs
+
+    def _take(self, inputs: Sequence[Input]) -> None:
+        for item in inputs:
+            _HANDLERS[type(item)](self, item)
+
+    def _do(self, item: Do) -> None:
+        request = item.request
+        is_answered = isinstance(request, AskSafety) and request.action == UNLOCK
+        if isinstance(request, StopTask) and self._controller.task_state is TaskState.STOPPED:
+            return
+        try:
+            _check_point(request)
+            self._controller.request(request)
+        except (ScriptError, UsageError) as error:
+            hint = getattr(error, "hint", None)
+            why = f"{error}; {hint}" if hint else str(error)
+            self._emit(Warned(self._controller.tick, f"{type(request).__name__} refused: {why}"))
+            if is_answered:
+                self._reply(item.origin, refused(why))
+            return
+        if is_answered:
+            self._reply(item.origin, done())
+
+    def _run_unit(self, item: RunUnit) -> None:
+        self._programs.run(item)
+
+    def _task_input(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> None:
+        self._reply(item.origin, self._tasks.answer(item))
+
+    def _show_popup(self, item: ShowPopup) -> None:
+        self._emit(Popup(self._controller.tick, item.text, "", "info", False, False, "", 0))
+
+    def _close_popup(self, _item: ClosePopup) -> None:
+        self._popup = ""
+        self._is_popup_blocking = False
+        self._host.confirm_popup()
+
+    def _add_log(self, item: AddLog) -> None:
+        self._emit(TextMessage(self._controller.tick, item.text, "", 0))
+
+    def _set_remote(self, item: SetRemote) -> None:
+        self._is_remote = item.is_remote
+
+    def _reboot(self, _item: Reboot) -> None:
+        """What the real controller forgets besides is not known; signals, TCP and payload stay (*assumed*)."""
+        controller = self._controller
+        controller.request(PowerOff())
+        controller.request(AskSafety("restart_safety", "the controller was started anew"))
+        self._popup = ""
+        self._tasks.forget()
+
+    def _interpret(self, item: Interpret) -> None:
+        self._reply(item.origin, discarded(INVALID_STATE, item.text))
+
+    def _interpreter_word(self, item: InterpreterWord) -> None:
+        if item.word == "state":
+            self._reply(item.origin, session_state(False))
+
+    def _query(self, item: Query) -> None:
+        self._reply(item.origin, not_executed(item.ident))
+
+    def _arrived(self, item: VariablesArrived) -> None:
+        """Nobody watches them."""
+
+    def _channel(self, item: ChannelOpened | ChannelData | ChannelClosed) -> None:
+        self._channels.take(item)
+
+    # ---------------------------------------------------------------- outputs
+
+    def _event(self, event: Event) -> None:
+        self._events.append(event)
+        if isinstance(event, Popup):
+            self._popup, self._is_popup_blocking = event.text, event.is_blocking
+        elif isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED and self._is_popup_blocking:
+            # Nobody waits for it any more.
+            self._popup, self._is_popup_blocking = "", False
+
+    def _emit(self, event: Event) -> None:
+        self._controller.emit(event)
+
+    def _reply(self, origin: str, text: str) -> None:
+        self._replies.append(Reply(origin, text))
+
+    def _task_picture(self) -> TaskPicture:
+        return self._tasks.picture
+
+
+def _check_point(request: object) -> None:
+    """Let a request pass that names no point of the signal table, or one that exists.
+
+    Raises:
+        UsageError: it names another one.
+    """
+    name, index = getattr(request, "name", None), getattr(request, "index", None)
+    if name is None or index is None:
+        return
+    row = SIGNALS.get(name)
+    if row is None or not 0 <= index < row.size:
+        raise UsageError(f"there is no signal {name}[{index}]")
+
+
+_HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
+    Do: Kernel._do,
+    RunUnit: Kernel._run_unit,
+    **dict.fromkeys((LoadTask, LoadConfiguration, PlayTask, SetVariable, GetVariable), Kernel._task_input),
+    Interpret: Kernel._interpret,
+    InterpreterWord: Kernel._interpreter_word,
+    Query: Kernel._query,
+    VariablesArrived: Kernel._arrived,
+    ShowPopup: Kernel._show_popup,
+    ClosePopup: Kernel._close_popup,
+    AddLog: Kernel._add_log,
+    SetRemote: Kernel._set_remote,
+    Reboot: Kernel._reboot,
+    **dict.fromkeys((ChannelOpened, ChannelData, ChannelClosed), Kernel._channel),
+}
+"""Every kind of input and what handles it."""

@@ -1,0 +1,257 @@
+"""The kernel from outside: inputs in, outputs out."""
+
+from __future__ import annotations
+
+import pytest
+
+from elitescript.kernel import Kernel, KernelConfig
+from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.events import Alarm, Popup, RobotModeChanged, TextMessage, Warned
+from elitescript.messages.inputs import AddLog, ClosePopup, Do, Reboot, RunUnit, SetRemote, ShowPopup
+from elitescript.messages.machine import (
+    AskSafety,
+    PauseTask,
+    PowerOff,
+    PowerOn,
+    ReleaseBrakes,
+    ResumeTask,
+    SetSpeedScale,
+    StopTask,
+    WriteSignal,
+)
+from tests.kernel.machine import FOREVER, READY, Session, program
+
+
+class TestPower:
+    def test_it_starts_without(self):
+        assert Session().tick().snapshot.robot.robot_mode is RobotMode.POWER_OFF
+
+    def test_it_goes_up_in_steps_that_take_their_time(self):
+        session = Session()
+        session.do(PowerOn())
+        session.run(2.0)
+        session.do(ReleaseBrakes())
+        session.run(2.0)
+        modes = [(event.tick, event.mode.name) for event in session.events if isinstance(event, RobotModeChanged)]
+        assert modes == [(0, "POWER_ON"), (100, "BOOTING"), (300, "IDLE"), (751, "RUNNING")]
+
+    def test_releasing_the_brakes_of_an_arm_without_power_does_both(self):
+        session = Session()
+        session.do(ReleaseBrakes())
+        session.run(3.0)
+        assert session.last.snapshot.robot.robot_mode is RobotMode.RUNNING
+
+    def test_power_off_stops_the_program_and_the_arm(self):
+        session = Session(READY)
+        session.start("movej([1, -1.5, -1.5, -1.5, 1.5, 0], a=1, v=0.5)")
+        session.run(1.0)
+        session.do(PowerOff())
+        session.run(2.0)
+        robot = session.last.snapshot.robot
+        assert (robot.robot_mode, robot.task_state) == (RobotMode.POWER_OFF, TaskState.STOPPED)
+        assert not any(robot.qd_actual)
+
+    def test_power_off_in_the_middle_of_powering_on(self):
+        session = Session()
+        session.do(ReleaseBrakes())
+        session.run(0.6)
+        session.do(PowerOff())
+        session.run(3.0)
+        assert session.last.snapshot.robot.robot_mode is RobotMode.POWER_OFF
+
+    def test_a_refusal_says_what_to_do(self):
+        session = Session()
+        session.do(WriteSignal("emergency_stop", 0, True))
+        output = session.do(PowerOn())
+        (warning,) = [event for event in output.events if isinstance(event, Warned)]
+        assert "release it" in warning.text
+
+    def test_nothing_flows_without_power(self):
+        snapshot = Session().tick().snapshot
+        assert not any((*snapshot.joint_voltages, *snapshot.joint_currents, snapshot.robot_current))
+
+    def test_a_motion_without_power_is_an_alarm_that_says_what_to_do(self):
+        session = Session()
+        session.start("movej([1, -1.5, -1.5, -1.5, 1.5, 0])")
+        (alarm,) = session.of(Alarm)
+        assert (alarm.code, alarm.line) == ("R115", 2)
+        assert "release the brakes" in alarm.details["hint"]
+
+    def test_a_program_without_power_runs_and_may_stop_what_does_not_move(self):
+        session = Session()
+        session.start("stopj(8)", "end_freedrive_mode()", "end_force_mode()", "textmsg('on')")
+        assert session.texts == ["on"]
+
+    def test_a_program_from_before_moves_once_there_is_power(self):
+        session = Session()
+        session.start(
+            "while get_standard_digital_in(0) == False:\n    sync()\n  end\n  movej([1, -1.5, -1.5, -1.5, 1.5, 0])"
+        )
+        session.do(ReleaseBrakes())
+        session.run(3.0)
+        session.do(WriteSignal("standard_digital_in", 0, True))
+        session.run(6.0)
+        assert session.last.snapshot.robot.q_actual[0] == pytest.approx(1.0)
+
+
+class TestUnits:
+    def test_a_program_replaces_the_running_one_in_the_same_tick(self):
+        session = Session(READY)
+        session.start(FOREVER, name="first")
+        output = session.start("textmsg('second')", name="second")
+        assert [event.text for event in output.events if isinstance(event, TextMessage)] == ["second"]
+
+    def test_the_arm_brakes_when_its_program_is_replaced(self):
+        session = Session(READY)
+        session.start("movej([1, -1.5, -1.5, -1.5, 1.5, 0], a=1, v=0.5)")
+        session.run(1.0)
+        session.start("stopj(8)", "textmsg('still')")
+        session.run(1.0)
+        assert session.texts == ["still"]
+        assert not session.last.snapshot.robot.is_moving
+
+    def test_a_broken_program_is_an_alarm_and_leaves_the_running_one_alone(self):
+        session = Session()
+        session.start(FOREVER)
+        session.send(RunUnit("primary#1", "program", "def bad():\n  x = 1 +\nend\n"))
+        (alarm,) = session.of(Alarm)
+        assert (alarm.class_name, alarm.line, alarm.column > 0) == ("SyntaxError", 2, True)
+        assert session.last.snapshot.robot.task_state is TaskState.PLAYING
+
+    def test_a_line_runs_like_a_program(self):
+        session = Session()
+        session.send(RunUnit("primary#1", "line", "textmsg('line')"))
+        assert session.texts == ["line"]
+
+    def test_a_line_that_calls_what_does_not_exist_leaves_the_running_program_alone(self):
+        session = Session()
+        session.start(FOREVER)
+        session.send(RunUnit("primary#1", "line", "job()"))
+        (alarm,) = session.of(Alarm)
+        assert alarm.class_name == "NameError"
+        assert session.last.snapshot.robot.task_state is TaskState.PLAYING
+
+    def test_a_secondary_program_runs_beside_the_program(self):
+        session = Session()
+        session.start("global go\n  go = False\n  while not go:\n    sync()\n  end\n  textmsg('released')")
+        session.send(RunUnit("primary#1", "secondary", "sec s():\n  global go\n  go = True\nend\n"))
+        session.run(0.1)
+        assert session.texts == ["released"]
+
+    def test_a_broken_secondary_program_is_a_warning(self):
+        session = Session()
+        session.send(RunUnit("primary#1", "secondary", "sec s():\n  x = 1 +\nend\n"))
+        (warning,) = session.of(Warned)
+        assert warning.text.startswith("[SEC] Exception: SyntaxError")
+
+    def test_a_program_in_protective_stop_is_refused_with_its_reason(self):
+        session = Session(READY)
+        session.do(AskSafety("stop_protectively", "a test"))
+        session.start("textmsg('runs')")
+        assert session.texts == []
+        assert session.of(Alarm)[0].code == "R140"
+
+
+class TestTheTask:
+    def test_it_can_be_paused_resumed_and_stopped(self):
+        session = Session()
+        session.start(FOREVER)
+        states = []
+        for request in (PauseTask(), ResumeTask(), StopTask()):
+            session.do(request)
+            states.append(session.last.snapshot.robot.task_state.name)
+        assert states == ["PAUSED", "PLAYING", "STOPPED"]
+
+    def test_stopping_what_does_not_run_is_harmless(self):
+        assert Session().do(StopTask()).events == ()
+
+    def test_its_name_is_shown_while_it_runs(self):
+        session = Session()
+        session.start(FOREVER, name="job")
+        assert session.last.snapshot.task.running == "job"
+        session.do(StopTask())
+        assert session.last.snapshot.task.running == ""
+
+
+class TestSafety:
+    def test_unlocking_is_answered_to_whoever_asked(self):
+        session = Session(READY)
+        session.do(AskSafety("stop_protectively", "a test"))
+        session.run(1.0)
+        early = session.send(Do("dashboard#2/7", AskSafety("unlock_protective_stop")))
+        session.run(5.0)
+        late = session.send(Do("dashboard#2/8", AskSafety("unlock_protective_stop")))
+        assert early.replies[0].text.startswith("refused: ")
+        assert [(reply.origin, reply.text) for reply in late.replies] == [("dashboard#2/8", "done")]
+        assert late.snapshot.robot.safety_mode is SafetyMode.NORMAL
+
+    def test_an_unknown_action_or_point_is_a_warning(self):
+        session = Session()
+        session.do(AskSafety("dance"))
+        session.do(WriteSignal("standard_digital_in", 16, True))
+        session.do(WriteSignal("no_such", 0, True))
+        session.do(SetSpeedScale(2.0))
+        assert len(session.of(Warned)) == 4
+
+
+class TestWindows:
+    def test_a_blocking_popup_waits_until_it_is_closed(self):
+        session = Session()
+        session.start("popup('sure?', blocking=True)", "textmsg('confirmed')")
+        session.run(1.0)
+        assert (session.texts, session.last.snapshot.popup) == ([], "sure?")
+        session.send(ClosePopup("dashboard#1"))
+        assert (session.texts, session.last.snapshot.popup) == (["confirmed"], "")
+
+    def test_a_blocking_popup_goes_with_its_program(self):
+        session = Session()
+        session.start("popup('sure?', blocking=True)")
+        session.do(StopTask())
+        assert session.tick().snapshot.popup == ""
+
+    def test_one_can_be_shown_and_closed_from_outside(self):
+        session = Session()
+        shown = session.send(ShowPopup("dashboard#1", "hello"))
+        assert (shown.snapshot.popup, [event.text for event in shown.events]) == ("hello", ["hello"])
+        assert isinstance(shown.events[0], Popup)
+        assert session.send(ClosePopup("dashboard#1")).snapshot.popup == ""
+
+    def test_a_line_can_be_added_to_the_log(self):
+        session = Session()
+        session.send(AddLog("dashboard#1", "shift begins"))
+        assert session.texts == ["shift begins"]
+
+
+class TestTheController:
+    def test_remote_control_is_switched(self):
+        session = Session()
+        assert session.tick().snapshot.is_remote
+        assert not session.send(SetRemote("ctl", False)).snapshot.is_remote
+
+    def test_a_reboot_ends_everything(self):
+        session = Session(READY)
+        session.do(AskSafety("stop_protectively", "a test"))
+        session.send(ShowPopup("ctl", "hello"))
+        session.run(0.1)
+        session.send(Reboot("ctl"))
+        session.run(0.1)
+        snapshot = session.last.snapshot
+        assert (snapshot.robot.robot_mode, snapshot.robot.safety_mode) == (RobotMode.POWER_OFF, SafetyMode.NORMAL)
+        assert snapshot.popup == ""
+
+    def test_the_same_inputs_give_the_same_outputs(self):
+        def outputs():
+            session = Session(READY)
+            session.start("textmsg(random())", "movej([1, -1.5, -1.5, -1.5, 1.5, 0], v=0.5)", name="a")
+            found = [session.tick() for _ in range(200)]
+            return [session.first, *found, session.send(program(FOREVER)), session.do(PauseTask()), session.tick()]
+
+        assert outputs() == outputs()
+
+    def test_a_tick_is_numbered_and_its_snapshot_is_of_that_tick(self):
+        kernel = Kernel(KernelConfig())
+        assert [(output.tick, output.snapshot.robot.tick) for output in (kernel.tick(), kernel.tick())] == [
+            (0, 0),
+            (1, 1),
+        ]
+        assert kernel.next_tick == 2
