@@ -160,12 +160,22 @@ class ChannelData:
 
 
 @dataclass(frozen=True, slots=True)
+class ChannelCredit:
+    """So many bytes that the script sent have left: as many more may follow; see `outputs.CHANNEL_WINDOW`."""
+
+    channel: int
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
 class ChannelClosed:
-    """The peer has closed, or the connection broke."""
+    """The peer has closed, or the connection broke. Nothing of this channel comes any more."""
 
     channel: int
     reason: str = ""
 
+
+ChannelEvent = ChannelOpened | ChannelData | ChannelCredit | ChannelClosed
 
 Input = (
     RunUnit
@@ -186,5 +196,6 @@ Input = (
     | VariablesArrived
     | ChannelOpened
     | ChannelData
+    | ChannelCredit
     | ChannelClosed
 )

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from elitescript.messages.events import Event
 from elitescript.messages.snapshot import Snapshot
+
+CHANNEL_WINDOW: Final = 65_536
+"""Bytes that may be on their way in each direction of a channel; more only after credit for them.
+
+Whoever holds the connection reads no more from the peer than this and what `CreditChannel` has added since, and gives
+`ChannelCredit` for what it got rid of. So a script that does not read stops its peer, and the other way round.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +38,20 @@ class SendChannel:
 
 @dataclass(frozen=True, slots=True)
 class CloseChannel:
-    """Close the connection."""
+    """Close the connection, once what was sent before is on its way. No event of this channel is expected any more."""
 
     channel: int
 
 
-ChannelRequest = OpenChannel | SendChannel | CloseChannel
+@dataclass(frozen=True, slots=True)
+class CreditChannel:
+    """The script has taken so many bytes: the peer may send as many more."""
+
+    channel: int
+    size: int
+
+
+ChannelRequest = OpenChannel | SendChannel | CloseChannel | CreditChannel
 
 
 @dataclass(frozen=True, slots=True)
