@@ -20,7 +20,7 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import IntEnum
 from types import NoneType, UnionType
-from typing import Any, Final, TypeVar, cast, get_args, get_origin, get_type_hints
+from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints, overload
 
 from elitescript.errors import UsageError
 from elitescript.messages import machine, motion, outputs, snapshot, state, yielding
@@ -82,7 +82,7 @@ _BOUNDS: Final[dict[tuple[str, str], tuple[int, int]]] = {
     ("RobotState", "node"): (INT32_LOW, INT32_HIGH),
     ("LineMarked", "number"): (INT32_LOW, INT32_HIGH),
     ("OpenChannel", "port"): (0, 65535),
-    ("RobotDescription", "type_id"): (0, 255),
+    ("RobotDescription", "type_id"): (0, INT32_HIGH),
     ("RobotDescription", "firmware"): (0, INT32_HIGH),
     ("RobotDescription", "safety_checksum"): (0, 2**32 - 1),
 }
@@ -107,13 +107,19 @@ class Codec:
             raise ValueError("two classes of messages have the same name")
         self._shapes: dict[Any, Shape[Any]] = {}
 
-    def shape(self, kind: type[T] | UnionType) -> Shape[T]:
+    @overload
+    def shape(self, kind: type[T]) -> Shape[T]: ...
+
+    @overload
+    def shape(self, kind: UnionType) -> Shape[Any]: ...
+
+    def shape(self, kind: Any) -> Shape[Any]:
         """The shape of a registered class, or of a union of them.
 
         Raises:
             TypeError: there is none for that type.
         """
-        return cast("Shape[T]", self._shape(kind, (-INT_LIMIT, INT_LIMIT - 1)))
+        return self._shape(kind, (-INT_LIMIT, INT_LIMIT - 1))
 
     def _shape(self, kind: Any, bounds: tuple[int, int]) -> Shape[Any]:
         known = self._shapes.get((kind, bounds))
@@ -140,10 +146,10 @@ class Codec:
         raise TypeError(f"{kind!r} is not registered as a message")
 
     def _fields(self, kind: type) -> Shape[Any]:
-        """A frozen dataclass: the list of its fields."""
+        """A frozen dataclass: the list of the fields that its constructor takes."""
         assert is_dataclass(kind)
         name, hints = kind.__name__, get_type_hints(kind)
-        names = [field.name for field in fields(kind)]
+        names = [field.name for field in fields(kind) if field.init]
         shapes = [
             SIGNAL_IMAGE
             if (name, field) == ("Snapshot", "signals")
