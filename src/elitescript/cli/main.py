@@ -27,7 +27,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        if argv is None and arguments[:1] in (["run"], ["plot"], ["replay"]) and _needs_another_process(arguments):
+        if argv is None and arguments[:1] in (["run"], ["plot"], ["serve"]) and _needs_another_process(arguments):
             return _run_again(arguments)
         return _run_here(arguments)
     except KeyboardInterrupt:
@@ -73,6 +73,14 @@ def _dispatch(options: argparse.Namespace) -> int:
         from elitescript.cli.plot import plot
 
         return plot(options)
+    if options.command == "serve":
+        from elitescript.cli.serve import serve
+
+        return serve(options)
+    if options.command == "ctl":
+        from elitescript.cli.ctl import ctl
+
+        return ctl(options)
     if options.command == "replay":
         from elitescript.cli.replay import replay
 
@@ -125,6 +133,7 @@ def _parser() -> argparse.ArgumentParser:
     import argparse
 
     from elitescript import __version__
+    from elitescript.cli.serving_options import add_ctl, add_doctor, add_replay, add_serve
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 
     parser = argparse.ArgumentParser(
@@ -208,25 +217,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     plot.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
 
-    replay = subparsers.add_parser(
-        "replay",
-        help="play a recorded session of serve again",
-        description="Play a journal of serve --journal as fast as possible, print what the session printed, and check "
-        "that every tick comes out the same. Exit code 1 if one does not.",
-    )
-    replay.add_argument("file", metavar="FILE", help="the journal")
-    replay.add_argument("--until", type=float, metavar="SECONDS", help="stop after so much robot time")
-    replay.add_argument("--json", action="store_true", help="print one JSON object per line")
-    replay.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
-
-    doctor = subparsers.add_parser(
-        "doctor",
-        help="what this computer has that serving needs",
-        description="Say which layers of the jail are active, and why not; versions, ports, timers. Exit code 1 if "
-        "a layer is missing.",
-    )
-    doctor.add_argument("--instance", type=int, default=0, metavar="N", help="look at the ports of instance N")
-    doctor.add_argument("--json", action="store_true", help="print one JSON object")
+    add_serve(subparsers, firmware)
+    add_ctl(subparsers)
+    add_replay(subparsers)
+    add_doctor(subparsers)
 
     commands = subparsers.add_parser("commands", help="the catalogue of robot commands")
     commands.add_argument("name", nargs="?", metavar="NAME", help="one command; all if left out")

@@ -6,9 +6,10 @@ import sys
 import time
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Protocol, TextIO
+from typing import Any, Protocol
 
 from elitescript.cli import jsonlines
+from elitescript.cli.writable import Writable
 from elitescript.language.diagnostics import Diagnostic, render, to_json
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm, Event, Popup, Printed, SafetyModeChanged, TextMessage, Warned
@@ -45,7 +46,7 @@ class Report(Protocol):
 class JsonReport:
     """One JSON object per line; hints for people go to standard error."""
 
-    def __init__(self, out: TextIO) -> None:
+    def __init__(self, out: Writable) -> None:
         self._out = out
 
     def _write(self, record: dict[str, Any]) -> None:
@@ -150,7 +151,7 @@ _RECORDS = {
 class TextReport:
     """Lines for people: messages on standard output, everything about mistakes on standard error."""
 
-    def __init__(self, out: TextIO, err: TextIO) -> None:
+    def __init__(self, out: Writable, err: Writable) -> None:
         self._out = out
         self._err = err
         self._start_s = 0.0

@@ -23,8 +23,7 @@ from elitescript.messages.machine import (
     SetToolAnalogMode,
 )
 from elitescript.messages.signals import SIGNALS, signal_name
-from elitescript.messages.snapshot import Snapshot
-from elitescript.models.model import load_model
+from elitescript.messages.snapshot import RobotDescription, Snapshot
 
 ORIGIN: Final = "restart"
 
@@ -36,11 +35,14 @@ _SAFETY_ACTIONS: Final = {
 }
 
 
-def restored_config(config: KernelConfig, last: Snapshot, first_tick: int) -> KernelConfig:
+def restored_config(
+    config: KernelConfig, description: RobotDescription, last: Snapshot, first_tick: int
+) -> KernelConfig:
     """The configuration with which a robot goes on.
 
     Args:
         config: of the robot that ended.
+        description: of the robot that ended.
         last: its last picture.
         first_tick: number of the next tick.
     """
@@ -51,7 +53,7 @@ def restored_config(config: KernelConfig, last: Snapshot, first_tick: int) -> Ke
         for index, value in enumerate(last.signals[name])
         if value != row.default
     ]
-    ranges = load_model(config.model).joint_ranges
+    ranges = zip(description.q_min, description.q_max, strict=True)
     a, b, c, d, e, f = (min(max(q, low), high) for q, (low, high) in zip(state.q_actual, ranges, strict=True))
     return replace(
         config,

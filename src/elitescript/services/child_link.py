@@ -241,7 +241,7 @@ class ChildLink:
     def _go_on(self, tick: int) -> None:
         """Have a fresh child go on at this tick from the last picture."""
         assert self._snapshot is not None
-        self._begin(restored_config(self._config, self._snapshot, tick))
+        self._begin(restored_config(self._config, self.description, self._snapshot, tick))
         self._held[:0] = restored_inputs(self._snapshot)
         if self._journal is not None:
             self._journal.restart(tick, self._replaced_because, self._snapshot, self._lost)

@@ -118,7 +118,8 @@ class Replay:
                     return
                 if on_restart is not None:
                     on_restart(record["restart"], str(record["reason"]))
-                self._kernel = self._fresh(restored_config(self._reader.config, record["state"], record["restart"]))
+                config, description = self._reader.config, self._kernel.description
+                self._kernel = self._fresh(restored_config(config, description, record["state"], record["restart"]))
             elif "end" in record:
                 yield from self._run(record["end"] - 1)
             if self.difference is not None or (self._until is not None and self.last_tick >= self._until):
