@@ -30,11 +30,12 @@ from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
 from elitescript.run import EndState, Run, SignalRecord
 from elitescript.runtime.scheduler import WORK_PER_TICK
-from elitescript.runtime.world import World
+from elitescript.runtime.world import Channels, World
 from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
 from elitescript.worlds.cell import Cell, load_cell
 from elitescript.worlds.interrupts import interrupts_passed_to
 from elitescript.worlds.program_file import source_of
+from elitescript.worlds.real_channels import RealChannels
 
 TRACE_TICKS_MAX: Final = 10_000
 """Rows that are recorded before somebody may look at the clock or interrupt."""
@@ -92,6 +93,7 @@ class VirtualRobot:
         self._options = Options(strict=strict)
         self._on_event = on_event
         self._fixed_world = world
+        self._channels: Channels = RealChannels() if world is None else world.channels
         self._task_dir = None if task_dir is None else Path(task_dir)
         surroundings = Cell() if cell is None else load_cell(cell)
         fittings = Fittings(
@@ -291,10 +293,10 @@ class VirtualRobot:
         if folder is None:
             from elitescript.worlds.memory import MemoryWorld
 
-            return MemoryWorld()
+            return MemoryWorld(channels=self._channels)
         from elitescript.worlds.real import RealWorld
 
-        return RealWorld(folder)
+        return RealWorld(folder, self._channels)
 
     # ---------------------------------------------------------------- time
 
@@ -304,10 +306,12 @@ class VirtualRobot:
         Args:
             stays: go on up to `limit`, which is not run, though nothing happens any more.
         """
-        controller = self.controller
+        controller, channels = self.controller, self._channels
         while not (stays and limit is not None and controller.tick >= limit):
             if pace is not None:
                 pace(controller.tick)
+            for event in channels.arrivals(controller.tick):
+                self._host.channel_event(event)
             controller.run_tick()
             if self._listener_error is not None:
                 error, self._listener_error = self._listener_error, None
@@ -325,7 +329,11 @@ class VirtualRobot:
                     return
             if limit is not None and controller.tick >= limit:
                 return
-            due = controller.next_tick()
+            due, arrives = controller.next_tick(), channels.next_tick(controller.tick)
+            if arrives is not None:
+                due = arrives if due is None else min(due, arrives)
+                if run is not None and channels.is_real:
+                    run.is_paced = True
             if due is None and not stays:
                 if any(controller.joints().qd_target):
                     # A paused motion is not due again, but still brakes.

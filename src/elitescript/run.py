@@ -47,6 +47,7 @@ class Run:
         tcp_pose: target TCP pose at the end, base frame, m and rad.
         signals: every output and register that is not at its default; asked for any other, it gives the default.
         threads: script threads at the end of a program that did not end by itself: where each was.
+        is_paced: whether a connection to the outside held virtual time back to the wall clock.
     """
 
     __slots__ = (
@@ -54,6 +55,7 @@ class Run:
         "events",
         "events_dropped",
         "globals",
+        "is_paced",
         "joints",
         "log",
         "printed",
@@ -85,6 +87,7 @@ class Run:
         self.tcp_pose: Six | tuple[()] = ()
         self.signals = SignalRecord()
         self.threads: tuple[Any, ...] = ()
+        self.is_paced = False
 
     @property
     def is_over(self) -> bool:

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.context import Rule
 from elitescript.errors import InvalidValueError, ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import compose, pose_from_transform, transform_from_pose
@@ -98,6 +99,41 @@ class FakeMachine:
         return 1704067200.0 + self.tick * 0.004
 
 
+class FakeSockets:
+    """Connections that stand unless a test says otherwise.
+
+    Attributes:
+        received: what a read finds, for every name.
+        asked: every call, in order.
+    """
+
+    def __init__(self) -> None:
+        self.stands = True
+        self.received = bytearray()
+        self.asked: list[tuple[Any, ...]] = []
+
+    def open(self, address: str, port: int, name: str) -> bool:
+        self.asked.append(("open", address, port, name))
+        return self.stands
+
+    def close(self, name: str) -> None:
+        self.asked.append(("close", name))
+
+    def is_connected(self, name: str) -> bool:
+        self.asked.append(("is_connected", name))
+        return self.stands
+
+    def send(self, name: str, data: bytes) -> bool:
+        self.asked.append(("send", name, data))
+        return self.stands
+
+    def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
+        self.asked.append(("read", name, timeout_s))
+        value, used = rule(self.received, True)
+        del self.received[:used]
+        return value
+
+
 class FakeRobot:
     """The robot that a command sees; `asked` holds what it wanted, in order."""
 
@@ -110,6 +146,7 @@ class FakeRobot:
         self.refusal: ScriptError | None = None
         self.micro_lines: list[MicroLine] = []
         self.task_files: dict[str, bytes] = {}
+        self.sockets = FakeSockets()
         self._random = random.Random(7)
 
     def _ask(self, *what: Any) -> None:

@@ -11,6 +11,7 @@ from elitescript.messages.events import Alarm, Popup, Printed, TextMessage, Warn
 from elitescript.messages.machine import PauseTask, ResumeTask, SetLineMark, WriteSignal
 from elitescript.messages.profile import profile
 from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.world import NoWorld
 
 EPOCH_S = 1_704_067_200.0
 
@@ -79,6 +80,7 @@ class Bench:
         self.machine = FakeMachine(move_ticks)
         self.ends: list[str] = []
         self.host = ScriptHost(self.machine, profile=profile(firmware), on_end=self.ends.append, **options)
+        self.channels = (options.get("world") or NoWorld()).channels
         self.machine.host = self.host
         self.steps = steps
         self.ticks: list[int] = []
@@ -101,9 +103,12 @@ class Bench:
                 if end <= machine.tick:
                     host.motion_ended(number, True)
             self.ticks.append(machine.tick)
+            for event in self.channels.arrivals(machine.tick):
+                host.channel_event(event)
             host.run_tick(machine.tick)
             pending = [end for end in machine.moves.values() if end > machine.tick]
-            due = [tick for tick in (host.next_tick(machine.tick), *pending) if tick is not None]
+            arrives = self.channels.next_tick(machine.tick)
+            due = [tick for tick in (host.next_tick(machine.tick), arrives, *pending) if tick is not None]
             if not due:
                 break
             machine.tick = machine.tick + 1 if self.steps else max(min(due), machine.tick + 1)

@@ -80,6 +80,8 @@ class JsonReport:
         }
         if overruns is not None:
             record.update(paced=True, overruns=overruns)
+        elif run.is_paced:
+            record["paced"] = True
         if not run.is_reproducible:
             record["reproducible"] = False
         if run.state not in ("finished", "alarm"):

@@ -120,6 +120,33 @@ class Machine(Protocol):
         """Record what happened."""
 
 
+Rule = Callable[[bytearray, bool], tuple[Any, int]]
+"""Finds something at the begin of what a connection has received; see `socket_rules`.
+
+Its second argument says that no more will come; then there must be a result. It returns the result, or None if more
+is needed, and how many bytes are used up.
+"""
+
+
+class Sockets(Protocol):
+    """The TCP connections of a program, by name."""
+
+    def open(self, address: str, port: int, name: str) -> bool:
+        """Connect to a server, within 2 s; whether the connection stands."""
+
+    def close(self, name: str) -> None:
+        """Close a connection; no effect on an unknown one."""
+
+    def is_connected(self, name: str) -> bool:
+        """Whether a connection stands."""
+
+    def send(self, name: str, data: bytes) -> bool:
+        """Send bytes; whether the connection stands."""
+
+    def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
+        """Read what a rule finds, waiting at most that long for it; 0 and less wait for ever."""
+
+
 class Robot(Protocol):
     """Machine and program, as the calling script thread sees them."""
 
@@ -136,6 +163,10 @@ class Robot(Protocol):
     @property
     def task_path(self) -> str:
         """Virtual path of the task folder, ending in `/`."""
+
+    @property
+    def sockets(self) -> Sockets:
+        """The program's TCP connections."""
 
     @property
     def micro_lines(self) -> list[MicroLine]:

@@ -1,26 +1,35 @@
 """TCP connections of a program (manual 2.10 chapter 5.1).
 
 A connection has a name, `socket_0` unless the program gives another. What fails shows in the result, not as an alarm.
+Text goes out and comes in as UTF-8, of which ASCII is a part (*assumed*).
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Final
 
+from elitescript.commands import socket_rules as rules
+from elitescript.commands.context import Robot, Rule
 from elitescript.commands.quantities import Any_, Bool, Either, Integer, Number, Str, Text, TimeOut, Vector, Whole
 from elitescript.commands.registry import command
-from elitescript.errors import ArgumentRangeError, NotSimulatedError
+from elitescript.commands.strings import to_str
+from elitescript.errors import ArgumentRangeError, ArgumentTypeError
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 
-_NOT_YET: Final = "TCP sockets are not simulated yet"
 _DEFAULT_SOCKET: Final = "socket_0"
+_LINE_ENDS: Final = ("\n", "\r", "\r\n")
+_ANSWER_S: Final = 2.0
+"""How long `socket_get_var` waits."""
+_WRITTEN_BY_PYTHON: Final = (bytearray, bytes, complex, dict, frozenset, range, set)
 
 _NumberCount = Annotated[int, Integer(1, 30)]
 _Ints = Annotated[tuple[int, ...], Vector(Integer(), None)]
 
 
-@command(family="socket", manual="5.1.1", waits=True, is_simulated=False)
-def socket_open(address: Str, port: Annotated[int, Integer(0, 65535)], socket_name: Str = _DEFAULT_SOCKET) -> Bool:
+@command(family="socket", manual="5.1.1", waits=True)
+def socket_open(
+    robot: Robot, address: Str, port: Annotated[int, Integer(0, 65535)], socket_name: Str = _DEFAULT_SOCKET
+) -> Bool:
     """Connect to a TCP server, within 2 s.
 
     A connection of that name that still stands is kept; one that does not is opened anew.
@@ -33,21 +42,21 @@ def socket_open(address: Str, port: Annotated[int, Integer(0, 65535)], socket_na
     Returns:
         True if the connection stands.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return robot.sockets.open(address, port, socket_name or _DEFAULT_SOCKET)
 
 
-@command(family="socket", manual="5.1.2", is_simulated=False)
-def socket_close(socket_name: Str = _DEFAULT_SOCKET) -> None:
+@command(family="socket", manual="5.1.2")
+def socket_close(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> None:
     """Close a connection; one that is unknown or closed does no harm (*assumed*).
 
     Args:
         socket_name: name of the connection; empty for the usual one.
     """
-    raise NotSimulatedError(_NOT_YET)
+    robot.sockets.close(socket_name or _DEFAULT_SOCKET)
 
 
-@command(family="socket", since="2.14", manual="2.14: 7.1.3", is_simulated=False)
-def socket_is_connected(socket_name: Str = _DEFAULT_SOCKET) -> Bool:
+@command(family="socket", since="2.14", manual="2.14: 7.1.3")
+def socket_is_connected(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> Bool:
     """Whether a connection stands.
 
     Args:
@@ -56,11 +65,11 @@ def socket_is_connected(socket_name: Str = _DEFAULT_SOCKET) -> Bool:
     Returns:
         True if it does.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return robot.sockets.is_connected(socket_name or _DEFAULT_SOCKET)
 
 
-@command(family="socket", manual="5.1.3", waits=True, is_simulated=False)
-def socket_get_var(var_name: Str, socket_name: Str = _DEFAULT_SOCKET) -> Whole:
+@command(family="socket", manual="5.1.3", waits=True)
+def socket_get_var(robot: Robot, var_name: Str, socket_name: Str = _DEFAULT_SOCKET) -> Whole:
     """Ask the server for a variable: sends `GET <name>` and a line feed, waits 2 s for `<name> <int>`.
 
     Args:
@@ -70,12 +79,14 @@ def socket_get_var(var_name: Str, socket_name: Str = _DEFAULT_SOCKET) -> Whole:
     Returns:
         The value, brought into 32 bits; 0 also after a failure.
     """
-    raise NotSimulatedError(_NOT_YET)
+    if not _send(robot, f"GET {var_name}\n", socket_name):
+        return 0
+    return int(_read(robot, rules.variable(var_name), socket_name, _ANSWER_S))
 
 
-@command(family="socket", manual="5.1.4", waits=True, is_simulated=False)
+@command(family="socket", manual="5.1.4", waits=True)
 def socket_read_ascii_float(
-    number: _NumberCount, socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
+    robot: Robot, number: _NumberCount, socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
 ) -> Annotated[tuple[float, ...], Vector(Number(allows_non_finite=True), None)]:
     """Read numbers that are sent as text, such as `(3.14, 2.5)`; commas and blanks separate, empty fields are skipped.
 
@@ -87,11 +98,13 @@ def socket_read_ascii_float(
     Returns:
         How many arrived, then `number` values; those that are missing are nan.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return _counted(_read(robot, rules.floats(number), socket_name, timeout), number, float("nan"))
 
 
-@command(family="socket", manual="5.1.5", waits=True, is_simulated=False)
-def socket_read_binary_integer(number: _NumberCount, socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2) -> _Ints:
+@command(family="socket", manual="5.1.5", waits=True)
+def socket_read_binary_integer(
+    robot: Robot, number: _NumberCount, socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
+) -> _Ints:
     """Read signed numbers of 32 bits in network byte order.
 
     Args:
@@ -102,12 +115,12 @@ def socket_read_binary_integer(number: _NumberCount, socket_name: Str = _DEFAULT
     Returns:
         How many arrived, then `number` values; those that are missing are -1.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return _counted(_read(robot, rules.integers(number), socket_name, timeout), number, -1)
 
 
-@command(family="socket", manual="5.1.6", waits=True, is_simulated=False)
+@command(family="socket", manual="5.1.6", waits=True)
 def socket_read_byte_list(
-    number: Annotated[int, Integer(1, 512)], socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
+    robot: Robot, number: Annotated[int, Integer(1, 512)], socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
 ) -> _Ints:
     """Read bytes.
 
@@ -119,12 +132,12 @@ def socket_read_byte_list(
     Returns:
         How many arrived, then `number` values; those that are missing are -1.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return _counted(_read(robot, rules.octets(number), socket_name, timeout), number, -1)
 
 
-@command(family="socket", manual="5.1.7", is_simulated=False)
+@command(family="socket", manual="5.1.7")
 def socket_send_byte_list(
-    value: Annotated[tuple[int, ...], Vector(Integer(0, 255), None)], socket_name: Str = _DEFAULT_SOCKET
+    robot: Robot, value: Annotated[tuple[int, ...], Vector(Integer(0, 255), None)], socket_name: Str = _DEFAULT_SOCKET
 ) -> Annotated[int, Integer(unit="byte")]:
     """Send bytes.
 
@@ -135,12 +148,12 @@ def socket_send_byte_list(
     Returns:
         How many were sent.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return len(value) if robot.sockets.send(socket_name or _DEFAULT_SOCKET, bytes(value)) else 0
 
 
-@command(family="socket", manual="5.1.8", waits=True, is_simulated=False)
+@command(family="socket", manual="5.1.8", waits=True)
 def socket_read_string(
-    socket_name: Str = _DEFAULT_SOCKET, prefix: Str = "", suffix: Str = "", timeout: TimeOut = 2
+    robot: Robot, socket_name: Str = _DEFAULT_SOCKET, prefix: Str = "", suffix: Str = "", timeout: TimeOut = 2
 ) -> Str:
     """Read text, if wanted between two marks; at most 2047 bytes. What is not used up stays for the next call.
 
@@ -153,11 +166,13 @@ def socket_read_string(
     Returns:
         The text without its marks; empty when none came in time.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return str(_read(robot, rules.text(_mark(prefix, "prefix"), _mark(suffix, "suffix")), socket_name, timeout))
 
 
-@command(family="socket", manual="5.1.9", is_simulated=False)
-def socket_send_byte(value: Annotated[Any, Either(Integer(), Text())], socket_name: Str = _DEFAULT_SOCKET) -> Bool:
+@command(family="socket", manual="5.1.9")
+def socket_send_byte(
+    robot: Robot, value: Annotated[Any, Either(Integer(), Text())], socket_name: Str = _DEFAULT_SOCKET
+) -> Bool:
     """Send one byte.
 
     Args:
@@ -177,11 +192,14 @@ def socket_send_byte(value: Annotated[Any, Either(Integer(), Text())], socket_na
             value=value,
             limit="at most 1 character",
         )
-    raise NotSimulatedError(_NOT_YET)
+    codes = [ord(letter) for letter in value] if isinstance(value, str) else [value]
+    return robot.sockets.send(socket_name or _DEFAULT_SOCKET, bytes(code & 0xFF for code in codes))
 
 
-@command(family="socket", manual="5.1.10", is_simulated=False)
-def socket_send_int(value: Annotated[int, Integer(INT32_LOW, INT32_HIGH)], socket_name: Str = _DEFAULT_SOCKET) -> Bool:
+@command(family="socket", manual="5.1.10")
+def socket_send_int(
+    robot: Robot, value: Annotated[int, Integer(INT32_LOW, INT32_HIGH)], socket_name: Str = _DEFAULT_SOCKET
+) -> Bool:
     """Send a signed number of 32 bits in network byte order.
 
     Args:
@@ -191,12 +209,12 @@ def socket_send_int(value: Annotated[int, Integer(INT32_LOW, INT32_HIGH)], socke
     Returns:
         True if it was sent.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return robot.sockets.send(socket_name or _DEFAULT_SOCKET, value.to_bytes(4, "big", signed=True))
 
 
-@command(family="socket", manual="5.1.11", is_simulated=False)
+@command(family="socket", manual="5.1.11")
 def socket_send_line(
-    str: Str, linefeed_type: Annotated[int, Integer(0, 2)] = 0, socket_name: Str = _DEFAULT_SOCKET
+    robot: Robot, str: Str, linefeed_type: Annotated[int, Integer(0, 2)] = 0, socket_name: Str = _DEFAULT_SOCKET
 ) -> Bool:
     """Send a text and a line end.
 
@@ -208,11 +226,11 @@ def socket_send_line(
     Returns:
         True if it was sent.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return _send(robot, str + _LINE_ENDS[linefeed_type], socket_name)
 
 
-@command(family="socket", manual="5.1.12", is_simulated=False)
-def socket_send_string(str: Any_, socket_name: Str = _DEFAULT_SOCKET) -> Bool:
+@command(family="socket", manual="5.1.12")
+def socket_send_string(robot: Robot, str: Any_, socket_name: Str = _DEFAULT_SOCKET) -> Bool:
     """Send a text as it is.
 
     Args:
@@ -222,11 +240,11 @@ def socket_send_string(str: Any_, socket_name: Str = _DEFAULT_SOCKET) -> Bool:
     Returns:
         True if it was sent.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return _send(robot, _written(str), socket_name)
 
 
-@command(family="socket", manual="5.1.13", is_simulated=False)
-def socket_set_var(name: Str, value: Whole, socket_name: Str = _DEFAULT_SOCKET) -> None:
+@command(family="socket", manual="5.1.13")
+def socket_set_var(robot: Robot, name: Str, value: Whole, socket_name: Str = _DEFAULT_SOCKET) -> None:
     """Set a variable of the server: sends `SET <name> <value>` and a line feed.
 
     Args:
@@ -234,4 +252,49 @@ def socket_set_var(name: Str, value: Whole, socket_name: Str = _DEFAULT_SOCKET) 
         value: its new value.
         socket_name: name of the connection; empty for the usual one.
     """
-    raise NotSimulatedError(_NOT_YET)
+    _send(robot, f"SET {name} {value}\n", socket_name)
+
+
+def _read(robot: Robot, rule: Rule, socket_name: str, timeout_s: float) -> Any:
+    return robot.sockets.read(socket_name or _DEFAULT_SOCKET, rule, timeout_s)
+
+
+def _send(robot: Robot, words: str, socket_name: str) -> bool:
+    return robot.sockets.send(socket_name or _DEFAULT_SOCKET, words.encode("utf-8", "replace"))
+
+
+def _counted(values: list[Any], number: int, missing: Any) -> tuple[Any, ...]:
+    """The number of values, the values, and what stands for those that are missing."""
+    return (len(values), *values, *[missing] * (number - len(values)))
+
+
+def _mark(words: str, argument: str) -> bytes:
+    """A mark as it is sent.
+
+    Raises:
+        ArgumentRangeError: it is longer than what can be read at once.
+    """
+    mark = words.encode("utf-8", "replace")
+    if len(mark) > rules.TEXT_MAX:
+        limit = f"at most {rules.TEXT_MAX} bytes"
+        text = f"{argument} must have {limit}, got {len(mark)}"
+        raise ArgumentRangeError(text, argument=argument, value=words, limit=limit, unit="byte")
+    return mark
+
+
+def _written(value: Any) -> str:
+    """A value as it is sent.
+
+    Raises:
+        ArgumentTypeError: not a value of a built-in type.
+    """
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (int, float, list, tuple)):
+        return to_str(value)
+    if value is None or type(value) in _WRITTEN_BY_PYTHON:
+        return str(value)
+    kinds = "a value of a built-in type"
+    raise ArgumentTypeError(
+        f"str must be {kinds}, not {type(value).__name__}", argument="str", value=value, limit=kinds
+    )

@@ -7,7 +7,7 @@ same configuration and given the same inputs at the same ticks.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from elitescript.controller.picture import Pictures
 from elitescript.controller.signal_view import Signals
@@ -20,7 +20,9 @@ from elitescript.messages.events import Event, Popup, TaskStateChanged, TextMess
 from elitescript.messages.inputs import (
     AddLog,
     ChannelClosed,
+    ChannelCredit,
     ChannelData,
+    ChannelEvent,
     ChannelOpened,
     ClosePopup,
     Do,
@@ -40,7 +42,7 @@ from elitescript.messages.inputs import (
     VariablesArrived,
 )
 from elitescript.messages.machine import AskSafety, PowerOff, StopTask
-from elitescript.messages.outputs import ChannelRequest, Output, Reply
+from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import TaskPicture
@@ -48,33 +50,11 @@ from elitescript.models.model import load_model
 from elitescript.protocol.interpreter import INVALID_STATE, discarded, session_state
 from elitescript.protocol.outcomes import done, refused
 from elitescript.protocol.query import not_executed
-from elitescript.runtime.world import NoWorld, World
+from elitescript.runtime.world import FilesRefused, World
 from elitescript.wiring import Fittings, assemble
+from elitescript.worlds.request_channels import RequestWorld
 
 UNLOCK: Final = "unlock_protective_stop"
-
-
-class Channels(Protocol):
-    """The outgoing connections of scripts, as a world may have them under `channels`."""
-
-    def take(self, answer: ChannelOpened | ChannelData | ChannelClosed) -> None:
-        """An answer from outside, before the threads of this tick run."""
-
-    def collect(self) -> Sequence[ChannelRequest]:
-        """Return what the threads of this tick have asked for, in order, and forget it."""
-
-
-class NoChannels:
-    """Stands in for a world without connections."""
-
-    __slots__ = ()
-
-    def take(self, answer: ChannelOpened | ChannelData | ChannelClosed) -> None:
-        """Nobody has asked."""
-
-    def collect(self) -> Sequence[ChannelRequest]:
-        """Nobody asks."""
-        return ()
 
 
 class Kernel:
@@ -82,7 +62,7 @@ class Kernel:
 
     Args:
         config: what it is.
-        world: everything outside its programs: `files`, the task folder, and `channels` (see `Channels`).
+        world: everything outside its programs. Its network is not used: what programs ask of one is in the output.
 
     Attributes:
         description: what never changes about it.
@@ -111,7 +91,7 @@ class Kernel:
 
     def __init__(self, config: KernelConfig, world: World | None = None) -> None:
         model, firmware = load_model(config.model), profile(config.firmware)
-        world = NoWorld() if world is None else world
+        outside = RequestWorld(FilesRefused() if world is None else world.files)
         self.description = describe(config, model, firmware)
         self.overruns = 0
         self._events: list[Event] = []
@@ -119,7 +99,7 @@ class Kernel:
         self._popup = ""
         self._is_popup_blocking = False
         self._is_remote = config.remote
-        self._channels: Channels = getattr(world, "channels", None) or NoChannels()
+        self._channels = outside.channels
         fittings = Fittings(
             epoch_s=config.epoch_s,
             seed=config.seed,
@@ -133,10 +113,10 @@ class Kernel:
             power_times=config.power_times,
             confirms_popups=False,
         )
-        self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=world)
+        self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=outside)
         self._pictures = Pictures(self._controller)
         self._programs = Programs(self._controller, self._host, is_strict=config.strict)
-        self._tasks = Tasks(self._controller, self._host, self._programs, world.files, config.configuration)
+        self._tasks = Tasks(self._controller, self._host, self._programs, outside.files, config.configuration)
         for name, value in config.signals:
             Signals(self._controller)[name] = value
         if config.first_tick:
@@ -162,7 +142,7 @@ class Kernel:
         snapshot = self._pictures.picture(
             self._task_picture(), self._popup, is_remote=self._is_remote, overruns=self.overruns
         )
-        requests = tuple(self._channels.collect())
+        requests = self._channels.take()
         output = Output(tick, tuple(self._events), requests, tuple(self._replies), snapshot)
         self._events.clear()
         self._replies.clear()
@@ -234,8 +214,8 @@ class Kernel:
     def _arrived(self, item: VariablesArrived) -> None:
         """Nobody watches them."""
 
-    def _channel(self, item: ChannelOpened | ChannelData | ChannelClosed) -> None:
-        self._channels.take(item)
+    def _channel(self, item: ChannelEvent) -> None:
+        self._host.channel_event(item)
 
     # ---------------------------------------------------------------- outputs
 
@@ -284,6 +264,6 @@ _HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
     AddLog: Kernel._add_log,
     SetRemote: Kernel._set_remote,
     Reboot: Kernel._reboot,
-    **dict.fromkeys((ChannelOpened, ChannelData, ChannelClosed), Kernel._channel),
+    **dict.fromkeys((ChannelOpened, ChannelData, ChannelCredit, ChannelClosed), Kernel._channel),
 }
 """Every kind of input and what handles it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final, NoReturn, Protocol
+from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol
 
 from elitescript.commands.context import Machine
 from elitescript.errors import InvalidValueError, ScriptError, ScriptStateError
@@ -26,6 +26,9 @@ from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
 from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
 
+if TYPE_CHECKING:
+    from elitescript.runtime.sockets import Connection, Sockets
+
 RESUME: Final = "somebody to resume the program"
 """What the thread that called `pause()` waits for."""
 
@@ -43,6 +46,8 @@ class TaskPort(Protocol):
 
     movers: dict[int, list[Strand]]
     """Who waits for which move: its own thread, and threads that brake it."""
+    connections: dict[int, Connection]
+    """Every open TCP connection by its channel."""
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
         """Start a thread of the program."""
@@ -76,6 +81,7 @@ class Context:
         "_generator",
         "_partial_line",
         "_port",
+        "_sockets",
         "_warned",
         "_world",
         "machine",
@@ -103,6 +109,7 @@ class Context:
         self._port = port
         self._warned: set[str] = set()
         self._partial_line = ""
+        self._sockets: Sockets | None = None
         self.micro_lines: list[MicroLine] = []
 
     # ---------------------------------------------------------------- the caller
@@ -134,6 +141,20 @@ class Context:
     def task_files(self) -> Files:
         """The task folder."""
         return self._world.files
+
+    @property
+    def sockets(self) -> Sockets:
+        """The program's TCP connections."""
+        if self._sockets is None:
+            from elitescript.runtime.sockets import Sockets
+
+            self._sockets = Sockets(self._world.channels, self.scheduler, self._port.connections, self.warn_once)
+        return self._sockets
+
+    def close_sockets(self) -> None:
+        """Close every connection; the program is over."""
+        if self._sockets is not None:
+            self._sockets.close_all()
 
     def read_task_file(self, path: str, size_max: int) -> bytes:
         """See `commands.context.Robot.read_task_file`."""

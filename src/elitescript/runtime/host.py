@@ -8,7 +8,7 @@ end of the program to the callback of the constructor.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from elitescript.commands.context import Machine
 from elitescript.errors import ScriptStateError
@@ -24,6 +24,10 @@ from elitescript.runtime.scheduler import WORK_PER_TICK, Scheduler
 from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.strand import STOP, Strand
 from elitescript.runtime.world import NoWorld, World
+
+if TYPE_CHECKING:
+    from elitescript.messages.inputs import ChannelEvent
+    from elitescript.runtime.sockets import Connection
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -63,6 +67,7 @@ class ScriptHost:
         result: how the last program ended; empty while one runs and before the first.
         alarm: what ended it, if an alarm did.
         movers: which strands wait for which move.
+        connections: every open TCP connection by its channel.
     """
 
     __slots__ = (
@@ -78,6 +83,7 @@ class ScriptHost:
         "_seed",
         "_world",
         "alarm",
+        "connections",
         "movers",
         "result",
     )
@@ -107,6 +113,7 @@ class ScriptHost:
         self._ending = ""
         self._secondaries = Secondaries(self._scheduler, self._begin_secondary, self._warn_secondary)
         self.movers: dict[int, list[Strand]] = {}
+        self.connections: dict[int, Connection] = {}
         self.result = ""
         self.alarm: Alarm | None = None
 
@@ -262,6 +269,12 @@ class ScriptHost:
         """A move is over; the threads that wait for it go on at the next `run_tick`."""
         for strand in self.movers.get(move, ()):
             self._scheduler.wake(strand)
+
+    def channel_event(self, event: ChannelEvent) -> None:
+        """Something has happened on a channel; the threads that wait for it go on at the next `run_tick`."""
+        connection = self.connections.get(event.channel)
+        if connection is not None:
+            connection.take(event)
 
     def _settle(self) -> bool:
         """Do what must be done between two strands; whether there was anything."""

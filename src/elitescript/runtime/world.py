@@ -1,6 +1,6 @@
 """What lies outside a program, as an interface.
 
-A program reaches nothing by itself: files of its task folder today, and later sockets, serial lines, remote
+A program reaches nothing by itself: files of its task folder and TCP connections, and later serial lines, remote
 procedure calls and Modbus peers, each as one more part of `World`. A world is real (this computer), in memory
 (tests) or remote (a controller whose scripts run in a process of their own); programs cannot tell which.
 
@@ -10,9 +10,13 @@ that folder, with `/` between its parts and without `..`.
 
 from __future__ import annotations
 
-from typing import IO, Any, Final, Protocol
+from collections.abc import Sequence
+from typing import IO, TYPE_CHECKING, Any, Final, Protocol
 
 from elitescript.errors import ArgumentTypeError, ScriptPermissionError
+
+if TYPE_CHECKING:
+    from elitescript.messages.inputs import ChannelEvent
 
 TASK_PATH: Final = "/task/"
 """The task folder as scripts see it; ends in `/` because programs append names to it (*assumed*)."""
@@ -55,12 +59,46 @@ class Files(Protocol):
         """Make a folder in an existing one."""
 
 
+class Channels(Protocol):
+    """Connections to TCP servers, by number.
+
+    Nothing here waits: what comes of a request arrives as an event at a later tick. At most `CHANNEL_WINDOW` bytes are
+    on their way in each direction; see `messages.outputs`.
+    """
+
+    @property
+    def is_real(self) -> bool:
+        """Whether one leads to a peer that lives in wall-clock time."""
+
+    def open(self, address: str, port: int, timeout_s: float) -> int:
+        """Try to connect; return the channel, or 0 if there is nothing to connect to. Ends in `ChannelOpened`."""
+
+    def send(self, channel: int, data: bytes) -> None:
+        """Send bytes; `ChannelCredit` tells when they have left."""
+
+    def credit(self, channel: int, size: int) -> None:
+        """Let the peer send so many bytes more: as many have been taken."""
+
+    def close(self, channel: int) -> None:
+        """Close, once what was sent before is on its way; nothing of that channel arrives any more."""
+
+    def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
+        """What has happened; asked before each tick that is run, which for real channels is held back to its time."""
+
+    def next_tick(self, tick: int) -> int | None:
+        """The next tick at which something may arrive."""
+
+
 class World(Protocol):
     """Everything outside, in parts."""
 
     @property
     def files(self) -> Files:
         """The task folder."""
+
+    @property
+    def channels(self) -> Channels:
+        """Connections to TCP servers."""
 
 
 class FilesRefused:
@@ -97,13 +135,43 @@ class FilesRefused:
         return ScriptPermissionError(f"cannot open {name!r}: this run has no task folder")
 
 
+class NoChannels:
+    """The network of a world that has none."""
+
+    __slots__ = ()
+
+    is_real: Final = False
+
+    def open(self, address: str, port: int, timeout_s: float) -> int:
+        """There is nothing to connect to."""
+        return 0
+
+    def send(self, channel: int, data: bytes) -> None:
+        """There is no channel."""
+
+    def credit(self, channel: int, size: int) -> None:
+        """There is no channel."""
+
+    def close(self, channel: int) -> None:
+        """There is no channel."""
+
+    def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
+        """Nothing."""
+        return ()
+
+    def next_tick(self, tick: int) -> int | None:
+        """Never."""
+        return None
+
+
 class NoWorld:
     """A world in which there is nothing."""
 
-    __slots__ = ("files",)
+    __slots__ = ("channels", "files")
 
     def __init__(self) -> None:
         self.files: Files = FilesRefused()
+        self.channels: Channels = NoChannels()
 
 
 def relative_name(path: object) -> str:

@@ -1,10 +1,12 @@
-"""A task folder in memory: nothing of it outlives the world, and no two runs see each other."""
+"""A world in memory: nothing of its task folder outlives it, and no two runs see each other."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from io import BytesIO, TextIOWrapper
 from typing import IO, Any, Final
+
+from elitescript.runtime.world import Channels
 
 FOLDERS_MAX: Final = 1000
 """Folders that a program may make."""
@@ -15,15 +17,22 @@ class MemoryWorld:
 
     Args:
         files: content by name relative to the task folder.
+        channels: the network; nothing listens on any port if None.
 
     Attributes:
         files: the task folder, with `contents` to look into.
+        channels: the network.
     """
 
-    __slots__ = ("files",)
+    __slots__ = ("channels", "files")
 
-    def __init__(self, files: Mapping[str, bytes] | None = None) -> None:
+    def __init__(self, files: Mapping[str, bytes] | None = None, channels: Channels | None = None) -> None:
         self.files = MemoryFiles(files or {})
+        if channels is None:
+            from elitescript.worlds.memory_channels import MemoryChannels
+
+            channels = MemoryChannels()
+        self.channels = channels
 
 
 class MemoryFiles:

@@ -1,4 +1,4 @@
-"""A task folder on this computer."""
+"""A task folder and the network of this computer."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import IO, Any
 
 from elitescript.errors import ScriptPermissionError, UsageError
+from elitescript.runtime.world import Channels
+from elitescript.worlds.real_channels import RealChannels
 
 
 class RealWorld:
@@ -13,17 +15,19 @@ class RealWorld:
 
     Args:
         task_dir: folder that stands for the robot's task folder; nothing outside it is reached.
+        channels: the network; that of this computer if None.
 
     Raises:
         UsageError: there is no such folder.
     """
 
-    __slots__ = ("files",)
+    __slots__ = ("channels", "files")
 
-    def __init__(self, task_dir: Path) -> None:
+    def __init__(self, task_dir: Path, channels: Channels | None = None) -> None:
         if not task_dir.is_dir():
             raise UsageError(f"the task folder {str(task_dir)!r} does not exist")
         self.files = RealFiles(task_dir.resolve())
+        self.channels: Channels = RealChannels() if channels is None else channels
 
 
 class RealFiles:

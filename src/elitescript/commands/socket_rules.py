@@ -1,0 +1,137 @@
+"""What the reading commands of a socket look for in the bytes that have arrived.
+
+A rule gets all that is not read yet and whether that is all it will get; it returns what it found, or None as long as
+that is nothing yet, and how many bytes are used up. See `context.Rule`.
+"""
+
+from __future__ import annotations
+
+import codecs
+from typing import Any, Final
+
+from elitescript.commands.context import Rule
+from elitescript.messages.signals import INT32_HIGH, INT32_LOW
+
+TEXT_MAX: Final = 2047
+"""Bytes that `socket_read_string` returns at once."""
+
+_INT_SIZE: Final = 4
+_INT32_DIGITS: Final = 10
+_SEARCHED_MAX: Final = 16_384
+"""Bytes through which a mark is searched before those at the begin are given up."""
+
+
+def integers(number: int) -> Rule:
+    """Signed integers of 32 bits in network byte order; those that are complete when time is up."""
+
+    def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
+        count = min(number, len(data) // _INT_SIZE)
+        if count < number and not is_last:
+            return None, 0
+        ends = range(_INT_SIZE, _INT_SIZE * count + 1, _INT_SIZE)
+        values = [int.from_bytes(data[end - _INT_SIZE : end], "big", signed=True) for end in ends]
+        return values, _INT_SIZE * count
+
+    return rule
+
+
+def octets(number: int) -> Rule:
+    """Bytes; those that there are when time is up."""
+
+    def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
+        if len(data) < number and not is_last:
+            return None, 0
+        return list(data[:number]), min(number, len(data))
+
+    return rule
+
+
+def floats(number: int) -> Rule:
+    """Numbers as text in parentheses, between commas and blanks.
+
+    What stands before the parenthesis is skipped. A list that is shorter than `number` is all that comes, of a longer
+    one the rest is dropped, and one ends in front of what is no number (*assumed*). When time is up, the numbers of
+    an unfinished list count that have something behind them (*assumed*).
+    """
+
+    def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
+        begin = data.find(b"(")
+        if begin < 0:
+            return ([], 0) if is_last else (None, len(data) if len(data) > TEXT_MAX else 0)
+        end = data.find(b")", begin)
+        is_complete = end >= 0
+        if not is_complete:
+            if not is_last and len(data) - begin <= TEXT_MAX:
+                return None, begin
+            end = 1 + max(data.rfind(separator, begin) for separator in (b",", b" ", b"("))
+        words = data[begin + 1 : end].decode("latin-1").replace(",", " ").split()
+        return _numbers(words)[:number], end + is_complete
+
+    return rule
+
+
+def _numbers(words: list[str]) -> list[float]:
+    values = []
+    for word in words:
+        try:
+            # Python also takes digits in groups, which nobody else writes.
+            values.append(float(word.replace("_", "x")))
+        except ValueError:
+            break
+    return values
+
+
+def text(prefix: bytes, suffix: bytes) -> Rule:
+    """Text behind, in front of or between marks, or all there is without them; empty when time is up.
+
+    What stands before the prefix is skipped. A text that is too long comes in parts. Bytes that are not UTF-8 are
+    replaced; a character of which the last bytes have not arrived stays for the next time (*assumed*).
+    """
+
+    def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
+        begin = 0
+        if prefix:
+            begin = data.find(prefix)
+            if begin < 0:
+                return ("", 0) if is_last else (None, _surplus(data, prefix))
+            begin += len(prefix)
+        if suffix:
+            end = data.find(suffix, begin)
+            if 0 <= end <= begin + TEXT_MAX:
+                return data[begin:end].decode("utf-8", "replace"), end + len(suffix)
+            if end < 0 and len(data) < begin + TEXT_MAX + len(suffix):
+                return ("" if is_last else None), 0
+        part, used = codecs.utf_8_decode(data[begin : begin + TEXT_MAX], "replace", is_last)
+        if part or is_last:
+            return part, begin + used if part else 0
+        return None, 0
+
+    return rule
+
+
+def _surplus(data: bytearray, mark: bytes) -> int:
+    """Bytes at the begin that are given up: the mark is not in them."""
+    return 0 if len(data) <= _SEARCHED_MAX else len(data) - len(mark) + 1
+
+
+def variable(name: str) -> Rule:
+    """The number of a line `<name> <int>`, brought into 32 bits; 0 for any other line and when time is up."""
+    line = text(b"", b"\n")
+
+    def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
+        answer, used = line(data, is_last)
+        return (None if answer is None else _value_of(answer, name)), used
+
+    return rule
+
+
+def _value_of(answer: str, name: str) -> int:
+    words = answer.split()
+    if len(words) != 2 or words[0] != name:
+        return 0
+    digits = words[1].lstrip("+-")
+    if not (digits.isascii() and digits.isdigit()) or len(words[1]) - len(digits) > 1:
+        return 0
+    # Longer ones are out of range anyway, and Python does not read the longest.
+    value = int(digits[: _INT32_DIGITS + 1]) if len(digits.lstrip("0")) <= _INT32_DIGITS else INT32_HIGH + 1
+    return max(INT32_LOW, min(INT32_HIGH, -value if words[1].startswith("-") else value))

@@ -1,0 +1,325 @@
+"""The TCP connections of a program: by name, shared by all of its threads, in virtual time.
+
+A connection stands in a dict that the host shares among programs, by the number of its channel; the host hands it what
+arrives. What has arrived waits here until a thread reads it. No more than `CHANNEL_WINDOW` bytes do: the peer may send
+more when they are read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from elitescript.commands.context import Rule
+from elitescript.errors import ScriptStateError
+from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
+from elitescript.messages.outputs import CHANNEL_WINDOW
+from elitescript.messages.timing import TICKS_PER_S, seconds, ticks_for
+from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.strand import Stopped, Strand
+from elitescript.runtime.world import Channels
+
+CONNECT_TICKS: Final = 2 * TICKS_PER_S
+"""How long `socket_open` tries."""
+
+CONNECTIONS_MAX: Final = 64
+"""Names that one program may have in use (*assumed*)."""
+
+_OPENING: Final = "opening"
+_OPEN: Final = "open"
+_CLOSED: Final = "closed"
+
+_CREDIT_SIZE: Final = CHANNEL_WINDOW // 4
+"""Bytes read after which the peer hears of it."""
+
+NO_NETWORK: Final = "this run has no network"
+
+
+class Connection:
+    """One connection.
+
+    Args:
+        channel: its number.
+        channels: carry the bytes.
+        scheduler: of the threads that wait for it.
+
+    Attributes:
+        reason: why it is closed; empty if the peer or the program did it.
+        received: what has arrived and is not read.
+    """
+
+    __slots__ = (
+        "_channels",
+        "_outgoing",
+        "_room",
+        "_scheduler",
+        "_state",
+        "_taken",
+        "_waiting",
+        "channel",
+        "queued",
+        "reason",
+        "received",
+        "sent",
+    )
+
+    def __init__(self, channel: int, channels: Channels, scheduler: Scheduler) -> None:
+        self.channel = channel
+        self.reason = ""
+        self.received = bytearray()
+        self.queued = 0
+        """Bytes that the program has sent so far."""
+        self.sent = 0
+        """How many of them are handed over."""
+        self._channels = channels
+        self._scheduler = scheduler
+        self._state = _OPENING
+        self._outgoing = bytearray()
+        self._room = CHANNEL_WINDOW
+        self._taken = 0
+        self._waiting: list[Strand] = []
+
+    @property
+    def is_opening(self) -> bool:
+        """Whether the attempt to connect is under way."""
+        return self._state is _OPENING
+
+    @property
+    def is_open(self) -> bool:
+        """Whether bytes can come and go."""
+        return self._state is _OPEN
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether it is over; what arrived before can still be read."""
+        return self._state is _CLOSED
+
+    # ---------------------------------------------------------------- what arrives
+
+    def take(self, event: ChannelEvent) -> None:
+        """Take note of what has happened on the channel, and let the threads that wait for it look."""
+        if isinstance(event, ChannelData):
+            if len(self.received) + len(event.data) + self._taken > CHANNEL_WINDOW:
+                self._channels.close(self.channel)
+                self._end(f"the peer sent more than {CHANNEL_WINDOW} bytes that nobody has read")
+            else:
+                self.received += event.data
+        elif isinstance(event, ChannelCredit):
+            self._room += event.size
+            self._push()
+        elif isinstance(event, ChannelOpened) and event.is_open:
+            self._state = _OPEN
+        elif isinstance(event, ChannelOpened | ChannelClosed):
+            self._end(event.reason)
+        self._wake()
+
+    def wait(self, reason: str, until: int | None) -> bool:
+        """Let the calling thread wait until something happens here, or until a tick; whether something did.
+
+        Raises:
+            Stopped: the thread was stopped.
+        """
+        strand = self._scheduler.current
+        assert strand is not None
+        self._waiting.append(strand)
+        try:
+            return self._scheduler.wait(reason, until)
+        finally:
+            self._waiting.remove(strand)
+
+    def _wake(self) -> None:
+        for strand in self._waiting:
+            self._scheduler.wake(strand)
+
+    # ---------------------------------------------------------------- what the program does
+
+    def drop(self, size: int) -> None:
+        """Forget bytes that are read; the peer may send as many more."""
+        del self.received[:size]
+        self._taken += size
+        if self._taken >= _CREDIT_SIZE and self.is_open:
+            self._channels.credit(self.channel, self._taken)
+            self._taken = 0
+
+    def send(self, data: bytes) -> None:
+        """Queue bytes for the peer and hand over as many as there is room for."""
+        self._outgoing += data
+        self.queued += len(data)
+        self._push()
+
+    def _push(self) -> None:
+        size = min(self._room, len(self._outgoing))
+        if size:
+            self._channels.send(self.channel, bytes(self._outgoing[:size]))
+            del self._outgoing[:size]
+            self._room -= size
+            self.sent += size
+
+    def close(self, reason: str = "") -> None:
+        """Close it from this side, whatever is under way."""
+        if self._state is not _CLOSED:
+            if self._outgoing:
+                self._channels.send(self.channel, bytes(self._outgoing))
+            self._channels.close(self.channel)
+            self._end(reason)
+            self._wake()
+
+    def _end(self, reason: str) -> None:
+        self._state = _CLOSED
+        self.reason = reason
+        self._outgoing.clear()
+
+
+class Sockets:
+    """Implements `commands.context.Sockets` for one program.
+
+    Args:
+        channels: carry the bytes.
+        scheduler: runs the threads.
+        connections: of every program of the host, by channel.
+        warn_once: records a warning, once for each key.
+    """
+
+    __slots__ = ("_by_name", "_channels", "_connections", "_is_over", "_scheduler", "_warn_once")
+
+    def __init__(
+        self,
+        channels: Channels,
+        scheduler: Scheduler,
+        connections: dict[int, Connection],
+        warn_once: Callable[[str, str], None],
+    ) -> None:
+        self._channels = channels
+        self._scheduler = scheduler
+        self._connections = connections
+        self._warn_once = warn_once
+        self._by_name: dict[str, Connection] = {}
+        self._is_over = False
+
+    def open(self, address: str, port: int, name: str) -> bool:
+        """Connect to a server, within 2 s; a connection of that name that stands is kept.
+
+        A thread that opens a name while another one does waits for the attempt of that one (*assumed*).
+
+        Raises:
+            ScriptStateError: too many are open.
+            Stopped: the thread was stopped.
+        """
+        if self._caller.is_dying or self._is_over:
+            raise Stopped
+        connection = self._by_name.get(name)
+        if connection is not None and connection.is_open:
+            return True
+        is_own = connection is None or not connection.is_opening
+        if is_own:
+            self.close(name)
+            connection = self._begin(address, port, name)
+        try:
+            until = self._scheduler.now + CONNECT_TICKS
+            while connection is not None and connection.is_opening:
+                if not connection.wait(f"{address}:{port} to accept a connection", until) and is_own:
+                    connection.close(f"no answer within {seconds(CONNECT_TICKS):g} s")
+        finally:
+            if connection is not None and connection.is_opening and is_own:
+                connection.close("its thread was stopped")
+        if connection is None or not connection.is_open:
+            reason = NO_NETWORK if connection is None else connection.reason or "closed at once"
+            self._warn_once(f"socket {name} {reason}", f"socket {name!r} cannot connect to {address}:{port}: {reason}")
+            return False
+        return True
+
+    def _begin(self, address: str, port: int, name: str) -> Connection | None:
+        if len(self._by_name) >= CONNECTIONS_MAX:
+            for closed in [known for known, one in self._by_name.items() if one.is_closed]:
+                self.close(closed)
+        if len(self._by_name) >= CONNECTIONS_MAX:
+            hint = "close those that are done with"
+            raise ScriptStateError(f"{CONNECTIONS_MAX} sockets are open already", value=name, hint=hint)
+        channel = self._channels.open(address, port, seconds(CONNECT_TICKS))
+        if not channel:
+            return None
+        connection = Connection(channel, self._channels, self._scheduler)
+        self._by_name[name] = self._connections[channel] = connection
+        return connection
+
+    def close(self, name: str) -> None:
+        """Close a connection and forget it with all that is not read; no effect on an unknown one."""
+        connection = self._by_name.pop(name, None)
+        if connection is not None:
+            connection.close()
+            self._connections.pop(connection.channel, None)
+
+    def close_all(self) -> None:
+        """The program is over: close everything."""
+        self._is_over = True
+        for name in list(self._by_name):
+            self.close(name)
+
+    def is_connected(self, name: str) -> bool:
+        """Whether a connection stands."""
+        connection = self._by_name.get(name)
+        return connection is not None and connection.is_open
+
+    def send(self, name: str, data: bytes) -> bool:
+        """Send bytes, waiting for room if the peer takes none; whether the connection stands.
+
+        A thread that unwinds does not wait: what it sends goes out as soon as there is room.
+
+        Raises:
+            Stopped: the thread was stopped.
+        """
+        connection = self._by_name.get(name)
+        if connection is None or not connection.is_open:
+            return False
+        if self._caller.is_dying and connection.queued - connection.sent > CHANNEL_WINDOW:
+            return False
+        connection.send(data)
+        end = connection.queued
+        while connection.sent < end and not self._caller.is_dying:
+            connection.wait(f"room to send on socket {name!r}", None)
+            if connection.is_closed:
+                return False
+        return True
+
+    def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
+        """Read what a rule finds, waiting for it as long as the connection stands.
+
+        A secondary program does not wait. A read that fails because the connection does not stand takes one tick, so
+        that a loop around it lets time go by (*assumed*).
+
+        Args:
+            name: of the connection.
+            rule: finds something in what has arrived.
+            timeout_s: longest time to wait; 0 and less wait for ever.
+
+        Raises:
+            Stopped: the thread was stopped.
+        """
+        connection = self._by_name.get(name)
+        strand = self._caller
+        reason = f"data on socket {name!r}"
+        until = self._scheduler.now + max(1, ticks_for(timeout_s)) if timeout_s > 0.0 else None
+        is_last = strand.is_secondary
+        while connection is not None:
+            value, used = rule(connection.received, is_last)
+            connection.drop(used)
+            if value is not None:
+                return value
+            if not connection.is_open:
+                break
+            if used == 0:
+                is_last = not connection.wait(reason, until)
+        if not strand.is_secondary:
+            self._scheduler.wait(reason, self._scheduler.now + 1)
+        if connection is None:
+            return rule(bytearray(), True)[0]
+        value, used = rule(connection.received, True)
+        connection.drop(used)
+        return value
+
+    @property
+    def _caller(self) -> Strand:
+        strand = self._scheduler.current
+        if strand is None:
+            raise Stopped
+        return strand

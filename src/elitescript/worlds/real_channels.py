@@ -1,0 +1,83 @@
+"""TCP connections of this computer, looked at between two ticks.
+
+While one is open, ticks are held back to the wall clock, so that time-outs and polling mean what they say to the peer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from time import perf_counter, sleep
+from typing import TYPE_CHECKING
+
+from elitescript.messages.timing import PERIOD_S
+
+if TYPE_CHECKING:
+    from elitescript.messages.inputs import ChannelEvent
+    from elitescript.worlds.tcp_channel import TcpChannel
+
+
+class RealChannels:
+    """Implements `runtime.world.Channels` with the network of this computer."""
+
+    __slots__ = ("_first_tick", "_last", "_open", "_start_s")
+
+    def __init__(self) -> None:
+        self._last = 0
+        self._open: dict[int, TcpChannel] = {}
+        self._first_tick = -1
+        self._start_s = 0.0
+
+    @property
+    def is_real(self) -> bool:
+        """Whether a connection is open, or being opened."""
+        return bool(self._open)
+
+    def open(self, address: str, port: int, timeout_s: float) -> int:
+        """Begin to connect."""
+        # Most programs open none, and the network takes its time to load.
+        from elitescript.worlds.tcp_channel import TcpChannel
+
+        self._last += 1
+        self._open[self._last] = TcpChannel(self._last, address, port)
+        return self._last
+
+    def send(self, channel: int, data: bytes) -> None:
+        """Send what the connection takes now, the rest between later ticks."""
+        if channel in self._open:
+            self._open[channel].send(data)
+
+    def credit(self, channel: int, size: int) -> None:
+        """See `runtime.world.Channels.credit`."""
+        if channel in self._open:
+            self._open[channel].room += size
+
+    def close(self, channel: int) -> None:
+        """See `runtime.world.Channels.close`."""
+        open_channel = self._open.pop(channel, None)
+        if open_channel is not None:
+            open_channel.close()
+
+    def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
+        """Wait for the time of a tick and look at every connection."""
+        if not self._open:
+            self._first_tick = -1
+            return ()
+        self._hold(tick)
+        events: list[ChannelEvent] = []
+        for number, channel in list(self._open.items()):
+            events += channel.poll()
+            if channel.is_over:
+                del self._open[number]
+        return events
+
+    def next_tick(self, tick: int) -> int | None:
+        """Every tick while one is open."""
+        return tick + 1 if self._open else None
+
+    def _hold(self, tick: int) -> None:
+        now_s = perf_counter()
+        if self._first_tick < 0:
+            self._first_tick, self._start_s = tick, now_s
+        due_s = self._start_s + (tick - self._first_tick) * PERIOD_S
+        if now_s < due_s:
+            sleep(due_s - now_s)

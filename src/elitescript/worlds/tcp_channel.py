@@ -1,0 +1,180 @@
+"""One TCP connection of this computer that is never waited for."""
+
+from __future__ import annotations
+
+import socket
+from contextlib import suppress
+from os import strerror
+from threading import Thread
+from typing import Any, Final
+
+from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
+from elitescript.messages.outputs import CHANNEL_WINDOW
+
+CLOSING_S: Final = 2.0
+"""How long a connection that is closed may take to get rid of what was sent."""
+
+_UNREAD_MAX: Final = 1 << 20
+"""Bytes that are read and dropped before a connection is closed: unread ones would make the peer lose the last text."""
+
+
+class TcpChannel:
+    """A connection to a server, under way from the beginning.
+
+    Args:
+        channel: its number.
+        address: name or number of the computer.
+        port: port of the server.
+
+    Attributes:
+        room: bytes that the peer may send.
+        is_over: whether nothing will come any more; the connection is closed then.
+    """
+
+    __slots__ = (
+        "_address",
+        "_channel",
+        "_failure",
+        "_found",
+        "_is_open",
+        "_left",
+        "_outgoing",
+        "_socket",
+        "is_over",
+        "room",
+    )
+
+    def __init__(self, channel: int, address: str, port: int) -> None:
+        self._channel = channel
+        self._address = address, port
+        self._socket: socket.socket | None = None
+        self._found: list[Any] | None = None
+        self._failure = ""
+        self._is_open = False
+        self._outgoing = bytearray()
+        self._left = 0
+        self.room = CHANNEL_WINDOW
+        self.is_over = False
+        try:
+            self._look_up(socket.AI_NUMERICHOST)
+        except (OSError, ValueError):
+            # A name: whoever knows it may take seconds to answer.
+            Thread(target=self._look_up_name, name=f"look up {address!r:.40}", daemon=True).start()
+
+    # ---------------------------------------------------------------- connecting
+
+    def _look_up(self, flags: int) -> None:
+        address, port = self._address
+        found = socket.getaddrinfo(address, port, type=socket.SOCK_STREAM, flags=flags)
+        # Most servers listen on IPv4 alone, whatever the computer likes better.
+        self._found = sorted(found, key=lambda entry: entry[0] != socket.AF_INET)
+
+    def _look_up_name(self) -> None:
+        try:
+            self._look_up(0)
+        except (OSError, ValueError):
+            self._failure = "the address is not known"
+
+    def _connect(self) -> None:
+        if self._socket is None:
+            if self._found is None:
+                return
+            family, kind, protocol, _, address = self._found[0]
+            self._socket = connection = socket.socket(family, kind, protocol)
+            connection.setblocking(False)
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            connection.connect_ex(address)
+        error = self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+        if error:
+            self._failure = strerror(error).lower()
+            return
+        with suppress(OSError):
+            self._is_open = bool(self._socket.getpeername())
+        if self._is_open and self._socket.getpeername() == self._socket.getsockname():
+            # Nobody listens, but the system has chosen that very port for this end.
+            self._failure = "connection refused"
+
+    # ---------------------------------------------------------------- bytes
+
+    def send(self, data: bytes) -> None:
+        """Send what the connection takes now, the rest at a later `poll`."""
+        self._outgoing += data
+        with suppress(OSError):
+            self._flush()
+
+    def _flush(self) -> None:
+        assert self._socket is not None
+        while self._outgoing:
+            try:
+                size = self._socket.send(self._outgoing)
+            except BlockingIOError:
+                return
+            del self._outgoing[:size]
+            self._left += size
+
+    def poll(self) -> list[ChannelEvent]:
+        """Go on with what is under way; return what has happened."""
+        events: list[ChannelEvent] = []
+        if not self._is_open:
+            try:
+                self._connect()
+            except OSError as error:
+                self._failure = _words(error)
+            if self._failure:
+                self._end()
+                return [ChannelOpened(self._channel, False, self._failure)]
+            if not self._is_open:
+                return []
+            events.append(ChannelOpened(self._channel, True))
+        try:
+            self._flush()
+            is_closed = self._receive(events)
+            reason = ""
+        except OSError as error:
+            is_closed, reason = True, _words(error)
+        if self._left:
+            events.append(ChannelCredit(self._channel, self._left))
+            self._left = 0
+        if is_closed:
+            self._end()
+            events.append(ChannelClosed(self._channel, reason))
+        return events
+
+    def _receive(self, events: list[ChannelEvent]) -> bool:
+        """Take what has arrived; whether the peer has closed."""
+        assert self._socket is not None
+        while self.room > 0:
+            try:
+                data = self._socket.recv(self.room)
+            except BlockingIOError:
+                return False
+            if not data:
+                return True
+            self.room -= len(data)
+            events.append(ChannelData(self._channel, data))
+        return False
+
+    # ---------------------------------------------------------------- the end
+
+    def close(self) -> None:
+        """Close the connection, once what was sent has left."""
+        if self._socket is not None and self._is_open:
+            with suppress(OSError):
+                if self._outgoing:
+                    self._socket.settimeout(CLOSING_S)
+                    self._socket.sendall(self._outgoing)
+                    self._socket.setblocking(False)
+                self._socket.shutdown(socket.SHUT_WR)
+                unread = _UNREAD_MAX
+                while unread > 0 and (data := self._socket.recv(CHANNEL_WINDOW)):
+                    unread -= len(data)
+        self._end()
+
+    def _end(self) -> None:
+        self.is_over = True
+        if self._socket is not None:
+            self._socket.close()
+
+
+def _words(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()
