@@ -12,11 +12,9 @@ from typing import Any
 
 from elitescript import __version__
 from elitescript.cli import jsonlines
-from elitescript.errors import ElitescriptError
-from elitescript.kernel import KernelConfig
-from elitescript.services.child_link import ChildLink
 from elitescript.services.cycle import Cycle
-from elitescript.services.jail import Layer
+from elitescript.services.jail import is_complete
+from elitescript.services.robots import probe_jail
 from elitescript.services.table import port_numbers
 
 _CYCLES = 50
@@ -30,12 +28,12 @@ def doctor(options: argparse.Namespace) -> int:
         "greenlet": _greenlet_version(),
         "system": f"{platform.system()} {platform.release()} on {platform.machine()}",
     }
-    layers, trouble = asyncio.run(_jail())
+    layers, trouble = asyncio.run(probe_jail())
     ports = port_numbers(options.instance, {})
     busy = {name: number for name, number in ports.items() if not _is_free(number)}
     lateness = asyncio.run(_lateness())
     clock_ns = time.get_clock_info("monotonic").resolution * 1e9
-    is_jailed = bool(layers) and all(layer.is_active for layer in layers)
+    is_jailed = is_complete(layers)
     if options.json:
         record: dict[str, Any] = {
             "type": "doctor",
@@ -64,18 +62,6 @@ def doctor(options: argparse.Namespace) -> int:
     late = f"{lateness['p50']:.2f} ms late (median), {lateness['max']:.2f} ms at worst"
     print(f"time:         clock resolution {clock_ns:.0f} ns; ticks begin {late}")
     return 0 if is_jailed and not trouble else 1
-
-
-async def _jail() -> tuple[tuple[Layer, ...], str]:
-    """The layers as a child finds them, and what went wrong."""
-    link = ChildLink(KernelConfig())
-    try:
-        await link.open()
-    except ElitescriptError as error:
-        return link.layers, str(error)
-    finally:
-        await link.close()
-    return link.layers, ""
 
 
 async def _lateness() -> dict[str, float]:

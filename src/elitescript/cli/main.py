@@ -27,7 +27,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        if argv is None and arguments[:1] in (["run"], ["plot"], ["serve"]) and _needs_another_process(arguments):
+        if (
+            argv is None
+            and arguments[:1] in (["run"], ["plot"], ["serve"], ["replay"])
+            and _needs_another_process(arguments)
+        ):
             return _run_again(arguments)
         return _run_here(arguments)
     except KeyboardInterrupt:

@@ -57,6 +57,16 @@ def add_serve(
     serve.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
     serve.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
     serve.add_argument(
+        "--no-jail",
+        action="store_true",
+        help="do not lock the robots' processes in: programs can then do whatever you can",
+    )
+    serve.add_argument(
+        "--journal",
+        metavar="FILE",
+        help="write the session down for `elitescript replay`; of further robots to files with a number in their names",
+    )
+    serve.add_argument(
         "--lockstep",
         choices=["rtsi"],
         help="robot time goes on only when the RTSI clients have answered their packages (implies --in-process)",

@@ -22,7 +22,8 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.services import frames
 from elitescript.services.config_codec import full_codec
 from elitescript.services.jail import enter_jail
-from elitescript.services.remote_files import RemoteWorld
+from elitescript.services.remote_files import RemoteFiles
+from elitescript.worlds.request_channels import RequestWorld
 
 
 def serve(line: frames.BlockingLine) -> None:
@@ -47,7 +48,7 @@ def serve(line: frames.BlockingLine) -> None:
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
         elif letter == frames.BEGIN:
             config = codec.shape(KernelConfig).decode(data)
-            kernel = Kernel(config, RemoteWorld(ask))
+            kernel = Kernel(config, RequestWorld(RemoteFiles(ask)))
             line.send(frames.DESCRIBED, to_text(codec.shape(RobotDescription).encode(kernel.description)))
         else:
             raise UsageError(f"no message {letter!r} is expected here")

@@ -83,7 +83,8 @@ def enter_jail(readable: Iterable[str] | None = None, memory_max: int = MEMORY_M
 
 def is_complete(layers: Iterable[Layer]) -> bool:
     """Whether what is locked in can reach nothing: all layers are there."""
-    return all(layer.is_active for layer in layers)
+    found = tuple(layers)
+    return bool(found) and all(layer.is_active for layer in found)
 
 
 def own_modules() -> list[str]:

@@ -200,19 +200,6 @@ class RemoteFiles:
         _value(self._ask(["make_folder", name]))
 
 
-class RemoteWorld:
-    """A world that is reached through questions.
-
-    Args:
-        ask: gets a question answered.
-    """
-
-    __slots__ = ("files",)
-
-    def __init__(self, ask: Ask) -> None:
-        self.files: Files = RemoteFiles(ask)
-
-
 def _value(answer: Answer) -> Any:
     if answer[0] == "ok":
         return answer[1]

@@ -15,7 +15,8 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.runtime.world import Files
 from elitescript.services.config_codec import full_codec
 from elitescript.services.journal import Digest, Journal, JournalReader
-from elitescript.services.remote_files import FileDesk, RemoteWorld
+from elitescript.services.remote_files import FileDesk, RemoteFiles
+from elitescript.worlds.request_channels import RequestWorld
 
 
 class RecordedRobot:
@@ -33,7 +34,7 @@ class RecordedRobot:
         self._journal = journal
         self._desk = FileDesk(files)
         self._answers: list[Any] = []
-        self._kernel = Kernel(config, RemoteWorld(self._ask))
+        self._kernel = Kernel(config, RequestWorld(RemoteFiles(self._ask)))
 
     @property
     def description(self) -> RobotDescription:
@@ -126,7 +127,7 @@ class Replay:
                 return
 
     def _fresh(self, config: KernelConfig) -> Kernel:
-        return Kernel(config, RemoteWorld(self._ask))
+        return Kernel(config, RequestWorld(RemoteFiles(self._ask)))
 
     def _ask(self, question: list[Any]) -> list[Any]:
         if not self._answers:
