@@ -21,6 +21,7 @@ from elitescript.messages.machine import (
     SetPayload,
     SetTcp,
     SetToolAnalogMode,
+    WriteSignal,
 )
 from elitescript.messages.signals import SIGNALS, signal_name
 from elitescript.messages.snapshot import RobotDescription, Snapshot
@@ -81,6 +82,13 @@ def restored_inputs(last: Snapshot) -> tuple[Input, ...]:
             if name in SIGNALS
             for index, domain in enumerate(domains)
         ),
+    ]
+    # Changing a domain changes the level.
+    requests += [
+        WriteSignal(name, index, value)
+        for name in last.domains
+        if name in SIGNALS
+        for index, value in enumerate(last.signals[name])
     ]
     if state.robot_mode in _POWERED:
         requests.append(PowerOn())

@@ -186,7 +186,10 @@ class ChildProcess:
         if self._is_over:
             return
         self._release()
-        if self._process.poll() not in (None, 0, 1):
+        with suppress(subprocess.TimeoutExpired):
+            # Its socket is closed a moment before it is gone.
+            self._process.wait(0.02)
+        if self._process.returncode not in (None, 0, 1):
             reason += f" (exit code {self._process.returncode})"
         self._on_end(reason)
 

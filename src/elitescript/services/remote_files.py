@@ -49,7 +49,7 @@ class FileDesk:
         Raises:
             CodecError: that is no question.
         """
-        if type(question) is not list or not question or question[0] not in _VERBS:
+        if type(question) is not list or not question or type(question[0]) is not str or question[0] not in _VERBS:
             raise CodecError("a question about files is expected")
         kinds, act = _VERBS[question[0]]
         arguments = question[1:]
