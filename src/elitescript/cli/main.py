@@ -27,7 +27,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        if argv is None and arguments[:1] in (["run"], ["plot"], ["serve"]) and _needs_another_process(arguments):
+        if (
+            argv is None
+            and arguments[:1] in (["run"], ["plot"], ["serve"], ["replay"])
+            and _needs_another_process(arguments)
+        ):
             return _run_again(arguments)
         return _run_here(arguments)
     except KeyboardInterrupt:
@@ -81,6 +85,14 @@ def _dispatch(options: argparse.Namespace) -> int:
         from elitescript.cli.ctl import ctl
 
         return ctl(options)
+    if options.command == "replay":
+        from elitescript.cli.replay import replay
+
+        return replay(options)
+    if options.command == "doctor":
+        from elitescript.cli.doctor import doctor
+
+        return doctor(options)
     from elitescript.cli.commands import commands
 
     return commands(options)
@@ -125,7 +137,7 @@ def _parser() -> argparse.ArgumentParser:
     import argparse
 
     from elitescript import __version__
-    from elitescript.cli.serving_options import add_ctl, add_serve
+    from elitescript.cli.serving_options import add_ctl, add_doctor, add_replay, add_serve
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 
     parser = argparse.ArgumentParser(
@@ -211,6 +223,8 @@ def _parser() -> argparse.ArgumentParser:
 
     add_serve(subparsers, firmware)
     add_ctl(subparsers)
+    add_replay(subparsers)
+    add_doctor(subparsers)
 
     commands = subparsers.add_parser("commands", help="the catalogue of robot commands")
     commands.add_argument("name", nargs="?", metavar="NAME", help="one command; all if left out")

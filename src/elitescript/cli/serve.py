@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import gc
+import os
 import signal
 import sys
 import time
@@ -17,15 +18,15 @@ from elitescript.cli.settings import parse_joints, parse_settings
 from elitescript.cli.terminal import PatientStream, TaggedStream
 from elitescript.cli.writable import Writable
 from elitescript.errors import UsageError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import KernelConfig
 from elitescript.messages.events import Event
 from elitescript.messages.timing import seconds
-from elitescript.services.robot_link import InProcessLink, RobotLink
+from elitescript.services.jail import is_complete
+from elitescript.services.robot_link import RobotLink
+from elitescript.services.robots import journal_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
 from elitescript.services.station import Note, Station
 from elitescript.services.table import NAMES, port_numbers
-from elitescript.worlds.memory import MemoryWorld
-from elitescript.worlds.real import RealWorld
 
 ROBOTS_MAX: Final = 32
 ALL: Final = "all"
@@ -54,7 +55,8 @@ async def _serve(
     _on_signals(stop)
     is_lockstep = options.lockstep is not None
     stations = [
-        Station(config.robot_id, make_link(options, config), log.take, is_lockstep=is_lockstep) for config in configs
+        Station(config.robot_id, make_link(options, config, index), log.take, is_lockstep=is_lockstep)
+        for index, config in enumerate(configs)
     ]
     server = Server(stations, options.host, numbers, options.instance)
     await server.open()
@@ -69,10 +71,20 @@ async def _serve(
     log.end()
 
 
-def make_link(options: argparse.Namespace, config: KernelConfig) -> RobotLink:
+def make_link(options: argparse.Namespace, config: KernelConfig, index: int) -> RobotLink:
     """The way to a robot."""
-    world = MemoryWorld() if options.task_dir is None else RealWorld(Path(options.task_dir))
-    return InProcessLink(Kernel(config, world))
+    return robot_link(
+        config,
+        task_dir=None if options.task_dir is None else Path(options.task_dir),
+        in_process=is_in_process(options),
+        is_jailed=not options.no_jail,
+        journal=None if options.journal is None else journal_path(Path(options.journal), index),
+    )
+
+
+def is_in_process(options: argparse.Namespace) -> bool:
+    """Whether the robots are in this process: asked for, needed for lockstep, or the only way on this system."""
+    return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
 
 
 def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
@@ -140,16 +152,36 @@ def chosen_ports(texts: list[str]) -> dict[str, int]:
 def _check_host(options: argparse.Namespace) -> None:
     if is_loopback(options.host):
         return
+    why = _why_not_jailed(options)
+    if not why:
+        print(
+            f"WARNING: every computer that reaches {options.host} can run programs on the robots",
+            file=sys.stderr,
+            flush=True,
+        )
+        return
     if not options.trust_network:
         raise UsageError(
             f"--host {options.host} lets other computers run programs on this one, and no jail is active that would "
-            "keep them away from its files and network. Insist with --trust-network"
+            f"keep them away from its files and network ({why}). Insist with --trust-network"
         )
     print(
         f"WARNING: every computer that reaches {options.host} can run programs here, and no jail is active",
         file=sys.stderr,
         flush=True,
     )
+
+
+def _why_not_jailed(options: argparse.Namespace) -> str:
+    """Why programs are not locked in; empty if they are."""
+    if is_in_process(options):
+        return "the robots are in this process"
+    if options.no_jail:
+        return "--no-jail"
+    layers, trouble = asyncio.run(probe_jail())
+    if trouble or is_complete(layers):
+        return trouble
+    return "; ".join(f"{layer.name}: {layer.detail}" for layer in layers if not layer.is_active)
 
 
 def _on_signals(stop: asyncio.Event) -> None:

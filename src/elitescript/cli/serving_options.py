@@ -57,6 +57,16 @@ def add_serve(
     serve.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
     serve.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
     serve.add_argument(
+        "--no-jail",
+        action="store_true",
+        help="do not lock the robots' processes in: programs can then do whatever you can",
+    )
+    serve.add_argument(
+        "--journal",
+        metavar="FILE",
+        help="write the session down for `elitescript replay`; of further robots to files with a number in their names",
+    )
+    serve.add_argument(
         "--lockstep",
         choices=["rtsi"],
         help="robot time goes on only when the RTSI clients have answered their packages (implies --in-process)",
@@ -75,3 +85,29 @@ def add_ctl(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     ctl.add_argument("--json", action="store_true", help="print one JSON object")
     ctl.add_argument("verb", metavar="VERB")
     ctl.add_argument("arguments", nargs="*", metavar="ARGUMENT")
+
+
+def add_replay(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add `replay`."""
+    replay = subparsers.add_parser(
+        "replay",
+        help="play a recorded session of serve again",
+        description="Play a journal of serve --journal as fast as possible, print what the session printed, and check "
+        "that every tick comes out the same. Exit code 1 if one does not.",
+    )
+    replay.add_argument("file", metavar="FILE", help="the journal")
+    replay.add_argument("--until", type=float, metavar="SECONDS", help="stop after so much robot time")
+    replay.add_argument("--json", action="store_true", help="print one JSON object per line")
+    replay.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
+
+
+def add_doctor(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add `doctor`."""
+    doctor = subparsers.add_parser(
+        "doctor",
+        help="what this computer has that serving needs",
+        description="Say which layers of the jail are active, and why not; versions, ports, timers. Exit code 1 if "
+        "a layer is missing.",
+    )
+    doctor.add_argument("--instance", type=int, default=0, metavar="N", help="look at the ports of instance N")
+    doctor.add_argument("--json", action="store_true", help="print one JSON object")
