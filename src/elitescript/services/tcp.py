@@ -138,11 +138,12 @@ class Client(asyncio.BufferedProtocol):
         except Exception:
             self._fail()
             return
+        has_answered = False
         if inputs:
             hub.post(inputs)
             if self.owes_input and any(isinstance(item, VariablesArrived) for item in inputs):
                 self.owes_input = False
-                hub.wake()
+                has_answered = True
         self._write()
         spent_ns = time.perf_counter_ns() - start_ns
         self._spent_ns += spent_ns
@@ -151,6 +152,8 @@ class Client(asyncio.BufferedProtocol):
             self._finish()
         elif connection.is_busy or self._spent_ns > SLICE_NS or hub.reading_ns > SLICES_NS:
             self._pause()
+        if has_answered:
+            hub.wake()
 
     def eof_received(self) -> bool:
         self._end_of_input()
