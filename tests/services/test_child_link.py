@@ -1,4 +1,4 @@
-"""Robots in child processes. Those of the first class are fakes; the others are real, and take as long as processes do."""
+"""Robots in child processes: fakes in the first class; then real ones, which take as long as processes do."""
 
 import asyncio
 import os
@@ -170,6 +170,24 @@ class TestLink:
 
         with_link(body)
 
+    def test_a_caller_that_does_not_pace_itself_waits_for_room(self, children, monkeypatch):
+        monkeypatch.setattr(child_link, "UNANSWERED_MAX", 4)
+
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            for _ in range(4):
+                await link.tick(())
+            waiting = asyncio.get_running_loop().create_task(link.tick(()))
+            await asyncio.sleep(0)
+            assert not waiting.done()
+            for _ in range(4):
+                children[0].answer()
+            await waiting
+            assert [letter for letter, _ in children[0].told].count(frames.TICK) == 6
+
+        with_link(body)
+
     def test_connections_of_a_dead_child_are_closed(self, children):
         async def body(link):
             await link.tick(())
@@ -259,7 +277,6 @@ def test_a_child_gets_a_clean_environment(monkeypatch):
     assert set(environment) <= {
         "PYTHONHASHSEED",
         "PYTHONUTF8",
-        "PYTHONDONTWRITEBYTECODE",
         "PYTHONPATH",
         "PYTHONHOME",
         "LD_LIBRARY_PATH",
@@ -413,9 +430,12 @@ class TestChild:
                 assert loop.time() - began_s < 20.0
                 found = await link.tick(())
             assert "exit code -9" in found.events[0].text
+            cycle = Cycle()
             while found.snapshot.robot.tick != found.tick:
                 assert loop.time() - began_s < 20.0
+                await cycle.next()
                 found = await link.tick(())
+            cycle.close()
 
         served(body)
 

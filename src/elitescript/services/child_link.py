@@ -34,6 +34,8 @@ from elitescript.services.remote_files import FileDesk
 
 PATIENCE_S: Final = 0.7
 """Silence after which a child is given up."""
+FIRST_PATIENCE_S: Final = 3.0
+"""The same before the first output of a fresh child, which has its robot to make."""
 PATIENCE_TICKS: Final = 20
 """Ticks that have gone by as well: whoever was away himself has no reason to complain."""
 GRACE_S: Final = 0.0025
@@ -193,12 +195,19 @@ class ChildLink:
         """
         tick, self._next = self._next, self._next + 1
         self._hold(inputs)
-        if self._child is not None and self._is_locked_in and len(self._unanswered) < UNANSWERED_MAX:
+        if len(self._unanswered) >= UNANSWERED_MAX:
+            # Only who does not pace its calls gets here.
+            room = UNANSWERED_MAX // 2
+            await self._wait_until(lambda: len(self._unanswered) < room or bool(self._end_reason), self._patience_s)
+        if self._child is not None and self._is_locked_in and not self._end_reason:
             if not self._is_describing:
                 self._go_on(tick)
             self._send_tick(tick)
         if self._unanswered or self._snapshot is None:
             await self._wait_until(lambda: not self._unanswered or bool(self._end_reason), self._grace_of(tick))
+        else:
+            # Who calls without a pause must not keep a fresh child from being heard.
+            await asyncio.sleep(0)
         if self._snapshot is None:
             # The first tick of all: there is no picture yet to show instead.
             await self._wait_until(lambda: self._snapshot is not None or bool(self._end_reason), BOOT_S)
@@ -313,6 +322,7 @@ class ChildLink:
                 self._channels.discard(request.channel)
         if self._journal is not None:
             self._journal.tick(sent.tick, sent.inputs, sent.answers, text)
+            self._events += self._journal.take_warning(sent.tick)
 
     def _take_question(self, text: bytes) -> None:
         assert self._child is not None
@@ -336,7 +346,8 @@ class ChildLink:
             return
         oldest, now_s = self._unanswered[0], time.monotonic()
         silent_s = now_s - oldest.sent_s
-        if silent_s < self._patience_s or tick - oldest.tick < PATIENCE_TICKS:
+        patience_s = max(self._patience_s, FIRST_PATIENCE_S) if self._boots else self._patience_s
+        if silent_s < patience_s or tick - oldest.tick < PATIENCE_TICKS:
             return
         if not self._given_up_s:
             self._given_up_s = now_s
@@ -391,6 +402,9 @@ class ChildLink:
     async def _wait_until(self, is_over: Callable[[], bool], longest_s: float) -> None:
         """Return when something is so, or after a time."""
         loop = asyncio.get_running_loop()
+        if longest_s <= 0.0:
+            await asyncio.sleep(0)
+            return
         until_s = loop.time() + longest_s
         while not is_over() and loop.time() < until_s:
             changed = self._changed = loop.create_future()
