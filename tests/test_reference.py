@@ -13,4 +13,4 @@ def test_reference_page_is_up_to_date(name: str) -> None:
     written = path.read_text(encoding="utf-8") if path.exists() else ""
     # A plain comparison, not `==` in the assertion: the difference would be the whole page.
     is_same = written == write_reference.PAGES[name]()
-    assert is_same, f"docs/reference/{name} is out of date; run `{write_reference.COMMAND}` and look at the difference"
+    assert is_same, f"docs/reference/{name} is out of date; run `make reference` and look at the difference"

@@ -91,9 +91,17 @@ def assemble(
         on_end=ended,
         confirms_popups=fittings.confirms_popups,
         work_per_tick=fittings.work_per_tick,
+        is_rtsi_input=_is_rtsi_input,
     )
     controller.attach(host)
     return controller, host
+
+
+def _is_rtsi_input(name: str) -> bool:
+    # Few programs watch one; the others need not pay for the import.
+    from elitescript.protocol.rtsi_inputs import INPUTS
+
+    return name in INPUTS
 
 
 def _checked_joints(model: RobotModel, joints: Six) -> Six:

@@ -207,6 +207,18 @@ class FakeRobot:
     def mark(self, number: int, label: str) -> None:
         self._ask("mark", number, label)
 
+    def enter_interpreter(self, *, clears_queue: bool, clears_at_end: bool) -> None:
+        self._ask("enter_interpreter", clears_queue, clears_at_end)
+
+    def end_interpreter(self) -> None:
+        self._ask("end_interpreter")
+
+    def clear_interpreter(self) -> None:
+        self._ask("clear_interpreter")
+
+    def watch(self, variable: str, frequency_hz: float, action: str) -> None:
+        self._ask("watch", variable, frequency_hz, action)
+
 
 @pytest.fixture
 def robot() -> FakeRobot:

@@ -59,7 +59,6 @@ def test_pose_along_path_is_the_target_pose(call: Any) -> None:
         "path_offset_get(3)",
         "path_offset_set_max_offset(0.01, 0.1)",
         "path_offset_set_alpha_filter(0.5)",
-        "ft_rtsi_input_enable(True)",
     ],
 )
 def test_what_is_out_of_scope_says_so(script: Any, text: str) -> None:

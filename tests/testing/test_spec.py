@@ -34,7 +34,7 @@ error: E001 line 2
 ```python
 ignored = True
 ```
-```elite needs=sockets
+```elite needs=modbus
 x
 ```
 ```expect
@@ -73,7 +73,7 @@ class TestPages:
         assert text.sent == 'def job():\r\n  textmsg("# no heading")\r\nend\r\n'
 
     def test_a_case_tells_what_it_needs(self):
-        assert [case.needs for case in parse_page(PAGE)] == ["", "sockets"]
+        assert [case.needs for case in parse_page(PAGE)] == ["", "modbus"]
 
     def test_facts_keep_their_line_in_the_page(self):
         facts = parse_page(PAGE)[0].expectations[0].facts
@@ -162,3 +162,33 @@ class TestComparison:
     )
     def test_does_not_hold(self, expect, changes):
         assert differences(outcome(**changes), expectation(expect)) != []
+
+
+class TestConversations:
+    PAGE = """# Page
+
+### Talk
+
+```elite query
+> req 1 2 + 2
+< {reply}
+```
+```expect
+state: running
+```
+"""
+
+    def differences(self, reply):
+        from elitescript.testing.spec_run import run_case
+
+        (case,) = parse_page(self.PAGE.replace("{reply}", reply))
+        return run_case(case, case.expectations[0])
+
+    def test_what_is_heard_is_compared(self):
+        assert self.differences("1 success : 4") == []
+        assert self.differences("1 success : ...") == []
+        assert self.differences("1 success : 5") == ["heard '1 success : 4', expected '1 success : 5'"]
+
+    def test_what_nobody_says_is_missed_and_what_nobody_expects_is_told(self):
+        assert self.differences("1 success : 4\n< more") == ["heard '', expected 'more'"]
+        assert self.differences("1 success : 4\n> req 2 5") == ["heard '2 success : 5\\n' besides"]

@@ -230,5 +230,25 @@ class Robot(Protocol):
     def halt(self) -> None:
         """Stop the task; does not return."""
 
+    def enter_interpreter(self, *, clears_queue: bool, clears_at_end: bool) -> None:
+        """Run statements of clients until the session ends.
+
+        Raises:
+            ScriptStateError: not the main thread, or a session runs already.
+        """
+
+    def end_interpreter(self) -> None:
+        """End the session of interpreter mode, if one runs."""
+
+    def clear_interpreter(self) -> None:
+        """Throw away the statements that wait, and forget what statements have defined."""
+
+    def watch(self, variable: str, frequency_hz: float, action: str) -> None:
+        """Watch an RTSI input until the program ends.
+
+        Raises:
+            InvalidValueError: there is no such input.
+        """
+
     def mark(self, number: int, label: str) -> None:
         """Note the node of the program tree that was reached."""

@@ -26,7 +26,7 @@ from elitescript.commands.quantities import (
 from elitescript.commands.registry import command
 from elitescript.errors import InvalidValueError, NotSimulatedError
 from elitescript.kinematics.pose import frame_from_points
-from elitescript.messages.machine import SetOption
+from elitescript.messages.machine import SetClientSensor, SetOption
 from elitescript.messages.motion import MoveP
 
 if TYPE_CHECKING:
@@ -189,8 +189,9 @@ def path_offset_set_alpha_filter(a: Real) -> None:
     raise NotSimulatedError(_NO_PATH_OFFSET)
 
 
-@command(family="observed", evidence="observed", is_simulated=False)
+@command(family="observed", evidence="observed")
 def ft_rtsi_input_enable(
+    robot: Robot,
     enable: Bool,
     sensor_mass: Annotated[float, Number("kg", 0.0)] = 0,
     sensor_measuring_offset: _Vector3 = (0, 0, 0),
@@ -198,10 +199,13 @@ def ft_rtsi_input_enable(
 ) -> None:
     """Take force readings from RTSI inputs instead of the arm's sensor; the vendor's SDK calls it.
 
+    Readings are taken along the axes of the flange and as free of the weight of sensor and tool; so mass and centre of
+    gravity have no effect (*assumed*).
+
     Args:
         enable: True for readings from RTSI.
         sensor_mass: mass of the sensor.
         sensor_measuring_offset: where the sensor measures, in the flange frame.
         sensor_cog: centre of gravity of the sensor, in the flange frame.
     """
-    raise NotSimulatedError("force sensing is not simulated yet")
+    robot.request(SetClientSensor(enable, sensor_mass, sensor_measuring_offset, sensor_cog))

@@ -16,7 +16,6 @@ TEXT_MAX: Final = 2047
 """Bytes that `socket_read_string` returns at once."""
 
 _INT_SIZE: Final = 4
-_INT32_DIGITS: Final = 10
 _SEARCHED_MAX: Final = 16_384
 """Bytes through which a mark is searched before those at the begin are given up."""
 
@@ -132,6 +131,4 @@ def _value_of(answer: str, name: str) -> int:
     digits = words[1].lstrip("+-")
     if not (digits.isascii() and digits.isdigit()) or len(words[1]) - len(digits) > 1:
         return 0
-    # Longer ones are out of range anyway, and Python does not read the longest.
-    value = int(digits[: _INT32_DIGITS + 1]) if len(digits.lstrip("0")) <= _INT32_DIGITS else INT32_HIGH + 1
-    return max(INT32_LOW, min(INT32_HIGH, -value if words[1].startswith("-") else value))
+    return max(INT32_LOW, min(INT32_HIGH, int(words[1])))

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.quantities import Bool, Choice, Number, Seconds, Str, signal_index
 from elitescript.commands.registry import command
-from elitescript.errors import NotSimulatedError
 from elitescript.messages.machine import PowerDown, WriteSignal
 from elitescript.messages.timing import PERIOD_S, ticks_for
 
@@ -84,8 +83,9 @@ def controller_timestamp(robot: Robot) -> Seconds:
     return robot.machine.timestamp_s()
 
 
-@command(family="system", manual="6.4.5", is_simulated=False)
+@command(family="system", manual="6.4.5")
 def rtsi_set_watchdog(
+    robot: Robot,
     variable: Str,
     frequency: Annotated[float, Number("Hz", 0.0, is_low_open=True)],
     action: Annotated[str, Choice("ignore", "pause", "stop")],
@@ -96,8 +96,11 @@ def rtsi_set_watchdog(
         variable: name of the RTSI input.
         frequency: lowest rate that is acceptable.
         action: what happens below it: `"ignore"`, `"pause"` or `"stop"` the program.
+
+    Raises:
+        InvalidValueError: no RTSI input has that name.
     """
-    raise NotSimulatedError("the RTSI interface is not simulated yet")
+    robot.watch(variable, frequency, action)
 
 
 @command(family="system", manual="6.4.7")

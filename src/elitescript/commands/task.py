@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from elitescript.commands.quantities import Bool
 from elitescript.commands.registry import command
-from elitescript.errors import NotSimulatedError
 
 if TYPE_CHECKING:
     from elitescript.commands.context import Robot
-
-_NO_INTERPRETER: Final = "interpreter mode is not simulated yet"
 
 
 @command(family="task", since="2.14", manual="2.14: 9.2.1", waits=True, works_in_sec=False)
@@ -26,8 +23,8 @@ def halt(robot: Robot) -> None:
     robot.halt()
 
 
-@command(family="task", since="2.11", manual="2.14: 2.3", waits=True, works_in_sec=False, is_simulated=False)
-def interpreter_mode(clearQueueOnEnter: Bool = True, clearOnEnd: Bool = True) -> None:
+@command(family="task", since="2.11", manual="2.14: 2.3", waits=True, works_in_sec=False)
+def interpreter_mode(robot: Robot, clearQueueOnEnter: Bool = True, clearOnEnd: Bool = True) -> None:
     """Run statements that arrive on the interpreter port until `end_interpreter`.
 
     Only the main thread may call it, and not inside itself.
@@ -36,16 +33,16 @@ def interpreter_mode(clearQueueOnEnter: Bool = True, clearOnEnd: Bool = True) ->
         clearQueueOnEnter: True drops statements that arrived before, False runs them first.
         clearOnEnd: True forgets functions that statements defined, False keeps them for the next time.
     """
-    raise NotSimulatedError(_NO_INTERPRETER)
+    robot.enter_interpreter(clears_queue=bool(clearQueueOnEnter), clears_at_end=bool(clearOnEnd))
 
 
-@command(family="task", since="2.11", manual="2.14: 2.4", is_simulated=False)
-def end_interpreter() -> None:
+@command(family="task", since="2.11", manual="2.14: 2.4")
+def end_interpreter(robot: Robot) -> None:
     """Let the waiting `interpreter_mode` return after the command that runs."""
-    raise NotSimulatedError(_NO_INTERPRETER)
+    robot.end_interpreter()
 
 
-@command(family="task", since="2.11", manual="2.14: 2.5", is_simulated=False)
-def clear_interpreter() -> None:
+@command(family="task", since="2.11", manual="2.14: 2.5")
+def clear_interpreter(robot: Robot) -> None:
     """Drop the statements that wait and forget the functions that statements defined."""
-    raise NotSimulatedError(_NO_INTERPRETER)
+    robot.clear_interpreter()

@@ -4,6 +4,9 @@ All wrenches are what the surroundings exert on the arm: an arm that presses dow
 `force_mode` counts the other way round, what the arm exerts on its surroundings. (*Assumed*: the manual calls the one
 the external force at the TCP and the other the force on the environment.)
 
+A program can have the readings of a client's sensor taken instead (`ft_rtsi_input_enable`); they are believed, also by
+force control.
+
 The sensor is ideal. What `set_payload` declares is what hangs on the flange (*assumed*), so that the compensated wrench
 is exactly what touches the TCP.
 """
@@ -36,13 +39,15 @@ class WrenchSensor:
         contact: what the TCP can touch.
     """
 
-    __slots__ = ("_arm", "_setup", "_signals", "contact", "zero")
+    __slots__ = ("_arm", "_setup", "_signals", "client_offset", "contact", "zero")
 
     def __init__(self, arm: Arm, setup: Setup, signals: SignalImage, contact: ContactConfig) -> None:
         self._arm = arm
         self._setup = setup
         self._signals = signals
         self.contact = contact
+        self.client_offset: Vector3 | None = None
+        """Where a client's sensor measures, flange frame, m; None while the arm's own is read."""
         self.zero: Six = ZERO_SIX
         """What `compensated` leaves out, TCP frame."""
 
@@ -54,10 +59,25 @@ class WrenchSensor:
 
     def external(self, q: Six, qd: Six) -> Six:
         """Return everything that touches the TCP for actual joints (rad, rad/s), in the base frame."""
+        if self.client_offset is not None:
+            return self._client_reading(q, self.client_offset)
         T_flange_tcp = self._setup.T_flange_tcp
         p = position_of(self._arm.forward_tcp(q, T_flange_tcp))
         v = tcp_twist(self._arm, q, qd, T_flange_tcp)[:3]
         return self.contact.wrench(p, v, self.external_wrench)
+
+    def _client_reading(self, q: Six, offset: Vector3) -> Six:
+        """What a client's sensor reads, along the axes of the base frame, with moments about the TCP.
+
+        Its axes are those of the flange, and what it sends is free of the weight of tool and sensor (*assumed*).
+        """
+        reading = [float(self._signals.read("external_force_torque", index)) for index in range(6)]
+        T_base_tcp = self._arm.forward_tcp(q, self._setup.T_flange_tcp)
+        R_base_flange = rotation_of(self._arm.forward(q))
+        force, moment = rotate(R_base_flange, reading[:3]), rotate(R_base_flange, reading[3:])
+        lever = _minus(position_of(self._arm.forward_tcp(q, (*IDENTITY[:9], *offset))), position_of(T_base_tcp))
+        mx, my, mz = [about + swing for about, swing in zip(moment, _cross(lever, force), strict=True)]
+        return (*force, mx, my, mz)
 
     def compensated(self, q: Six, qd: Six) -> Six:
         """Return the wrench without the payload and less the zero, in the TCP frame."""
@@ -71,6 +91,8 @@ class WrenchSensor:
 
     def raw(self, q: Six, qd: Six, qdd: Six) -> Six:
         """Return the wrench with weight and inertia of the payload, not tared, in the TCP frame."""
+        if self.client_offset is not None:
+            return self._untared(q, qd)
         load = self._payload_wrench(q, qd, qdd)
         a, b, c, d, e, f = [x + y for x, y in zip(self._untared(q, qd), load, strict=True)]
         return (a, b, c, d, e, f)

@@ -16,7 +16,7 @@ from elitescript.controller.wrench_sensor import WrenchSensor
 from elitescript.controller.yielding import Body, Caller, YieldingCorrection
 from elitescript.errors import MotionError
 from elitescript.messages.events import Event, Warned, YieldingChanged
-from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
+from elitescript.messages.machine import SetClientSensor, SetForceDamping, SetForceGain, ZeroForceSensor
 from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
 from elitescript.messages.state import JointState
 from elitescript.messages.yielding import EndForceMode, EndFreedrive, ForceMode, Freedrive, YieldRequest
@@ -185,6 +185,10 @@ class YieldControl:
         """Counts from the next force mode on."""
         self._force.damping = request.damping
 
+    def set_client_sensor(self, request: SetClientSensor, _joints: JointState) -> None:
+        """Read a client's sensor, or the arm's again."""
+        self.sensor.client_offset = request.offset if request.is_enabled else None
+
     def zero_sensor(self, _request: ZeroForceSensor, joints: JointState) -> None:
         """The present wrench becomes zero."""
         self.sensor.tare(joints.q_actual, joints.qd_actual)
@@ -205,5 +209,6 @@ YIELD_SETTINGS: Final[dict[type, Callable[[YieldControl, Any, JointState], None]
     SetForceGain: YieldControl.set_gain,
     SetForceDamping: YieldControl.set_damping,
     ZeroForceSensor: YieldControl.zero_sensor,
+    SetClientSensor: YieldControl.set_client_sensor,
 }
 """Every request that only sets something about forces, and what handles it."""

@@ -13,6 +13,7 @@ from elitescript.controller.picture import Pictures
 from elitescript.controller.signal_view import Signals
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.config import KernelConfig, describe
+from elitescript.kernel.conversations import Conversations
 from elitescript.kernel.programs import Programs
 from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
@@ -47,9 +48,7 @@ from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.models.model import load_model
-from elitescript.protocol.interpreter import INVALID_STATE, discarded, session_state
 from elitescript.protocol.outcomes import done, refused
-from elitescript.protocol.query import not_executed
 from elitescript.runtime.world import FilesRefused, World
 from elitescript.wiring import Fittings, assemble
 from elitescript.worlds.request_channels import RequestWorld
@@ -74,8 +73,8 @@ class Kernel:
 
     __slots__ = (
         "_channels",
-        "_configuration",
         "_controller",
+        "_conversations",
         "_events",
         "_host",
         "_is_popup_blocking",
@@ -114,6 +113,7 @@ class Kernel:
             confirms_popups=False,
         )
         self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=outside)
+        self._conversations = Conversations(self._host, self._reply)
         self._pictures = Pictures(self._controller)
         self._programs = Programs(self._controller, self._host, is_strict=config.strict)
         self._tasks = Tasks(self._controller, self._host, self._programs, outside.files, config.configuration)
@@ -153,7 +153,7 @@ class Kernel:
 
     def _take(self, inputs: Sequence[Input]) -> None:
         for item in inputs:
-            _HANDLERS[type(item)](self, item)
+            HANDLERS[type(item)](self, item)
 
     def _do(self, item: Do) -> None:
         request = item.request
@@ -201,18 +201,8 @@ class Kernel:
         self._popup = ""
         self._tasks.forget()
 
-    def _interpret(self, item: Interpret) -> None:
-        self._reply(item.origin, discarded(INVALID_STATE, item.text))
-
-    def _interpreter_word(self, item: InterpreterWord) -> None:
-        if item.word == "state":
-            self._reply(item.origin, session_state(False))
-
-    def _query(self, item: Query) -> None:
-        self._reply(item.origin, not_executed(item.ident))
-
     def _arrived(self, item: VariablesArrived) -> None:
-        """Nobody watches them."""
+        self._host.watchdogs.arrived(item.names, self._controller.tick)
 
     def _channel(self, item: ChannelEvent) -> None:
         self._host.channel_event(item)
@@ -251,13 +241,13 @@ def _check_point(request: object) -> None:
         raise UsageError(f"there is no signal {name}[{index}]")
 
 
-_HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
+HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
     Do: Kernel._do,
     RunUnit: Kernel._run_unit,
     **dict.fromkeys((LoadTask, LoadConfiguration, PlayTask, SetVariable, GetVariable), Kernel._task_input),
-    Interpret: Kernel._interpret,
-    InterpreterWord: Kernel._interpreter_word,
-    Query: Kernel._query,
+    Interpret: lambda kernel, item: kernel._conversations.interpret(item),
+    InterpreterWord: lambda kernel, item: kernel._conversations.word(item),
+    Query: lambda kernel, item: kernel._conversations.query(item),
     VariablesArrived: Kernel._arrived,
     ShowPopup: Kernel._show_popup,
     ClosePopup: Kernel._close_popup,

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import CodeType
 from typing import Final
@@ -29,10 +30,12 @@ __all__ = [
     "MAIN",
     "CompiledUnit",
     "Options",
+    "Statement",
     "check_unit",
     "column_of",
     "compile_expression",
     "compile_parsed",
+    "compile_statement",
     "compile_unit",
 ]
 
@@ -118,6 +121,55 @@ def compile_expression(source: SourceFile) -> CodeType:
                 problems.append(_syntax_problem(error, parsed.source))
             except (RecursionError, MemoryError, ValueError, OverflowError):
                 problems.append(diagnostic("E001", 1, 1, "the expression is nested too deeply to be compiled"))
+    raise ProgramError(in_order(problems))
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """A line of interpreter mode that can run.
+
+    Attributes:
+        source: the text.
+        code: module code; its names are looked up where it is executed.
+        calls: names that it calls, anywhere.
+    """
+
+    source: SourceFile
+    code: CodeType
+    calls: frozenset[str]
+
+
+def compile_statement(source: SourceFile, has_global: Callable[[str], bool]) -> Statement:
+    """Compile a line of interpreter mode: one or more statements, blocks closed by `end` on the same line.
+
+    Args:
+        source: the line.
+        has_global: whether a program global exists; `global` makes no new ones.
+
+    Raises:
+        ProgramError: it is none.
+    """
+    parsed = parse(source, Options(kind=LINE, one_line_blocks=True))
+    problems = list(parsed.diagnostics)
+    if parsed.is_complete and not parsed.has_errors:
+        census = Census(parsed.tree)
+        problems += review(parsed.source, census)
+        for node in census.of(ast.Global):
+            problems += [
+                diagnostic("E001", node.lineno, 1, f"there is no program global {name!r}, and none can be made here")
+                for name in node.names
+                if not has_global(name)
+            ]
+        calls = frozenset(node.func.id for node in census.of(ast.Call) if isinstance(node.func, ast.Name))
+        if first_too_deep(census) is None and not any(problem.is_error for problem in problems):
+            insert_checkpoints(census)
+            guard_formats(parsed.tree, census)
+            try:
+                return Statement(source, _named(_python(parsed.tree, "exec"), source.name, ""), calls)
+            except SyntaxError as error:
+                problems.append(_syntax_problem(error, parsed.source))
+            except (RecursionError, MemoryError, ValueError, OverflowError):
+                problems.append(diagnostic("E001", 1, 1, "the statement is nested too deeply to be compiled"))
     raise ProgramError(in_order(problems))
 
 

@@ -206,6 +206,18 @@ class ZeroForceSensor:
 
 
 @dataclass(frozen=True, slots=True)
+class SetClientSensor:
+    """Read forces from a client's sensor (signals `external_force_torque`) instead of the arm's, or no more."""
+
+    is_enabled: bool
+    mass_kg: float = 0.0
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where it measures, flange frame, m."""
+    cog: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Its centre of gravity, flange frame, m."""
+
+
+@dataclass(frozen=True, slots=True)
 class AskSafety:
     """An action of the safety system that people and clients ask for."""
 
@@ -243,6 +255,7 @@ MachineRequest = (
     | SetForceGain
     | SetForceDamping
     | ZeroForceSensor
+    | SetClientSensor
 )
 
 Request = MotionRequest | MachineRequest

@@ -145,7 +145,10 @@ def place_of(trace: TracebackType | None, builtins: dict[str, Any], sources: Map
 
 
 def _inner_place(trace: TracebackType) -> str:
-    return f"line {trace.tb_lineno} of the text that {trace.tb_frame.f_code.co_filename[1:5]} ran"
+    file = trace.tb_frame.f_code.co_filename
+    if file.startswith("<interpreter"):
+        return "in a statement of interpreter mode"
+    return f"line {trace.tb_lineno} of the text that {file[1:5]} ran"
 
 
 def _position(code: CodeType, instruction: int, line: int) -> tuple[int, int | None]:

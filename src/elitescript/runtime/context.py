@@ -27,7 +27,9 @@ from elitescript.runtime.strand import Stopped, Strand
 from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
 
 if TYPE_CHECKING:
+    from elitescript.runtime.interpreter import Interpreter
     from elitescript.runtime.sockets import Connection, Sockets
+    from elitescript.runtime.watchdogs import Watchdogs
 
 RESUME: Final = "somebody to resume the program"
 """What the thread that called `pause()` waits for."""
@@ -35,6 +37,10 @@ RESUME: Final = "somebody to resume the program"
 
 POPUP: Final = "somebody to confirm a popup"
 """What a thread behind a blocking popup waits for."""
+
+
+MOVE_END: Final = "the end of its move"
+"""What a thread waits for in `movej` and its like."""
 
 
 _NAMES_SHOWN: Final = 3
@@ -60,6 +66,12 @@ class TaskPort(Protocol):
 
     def thread_failed(self, error: BaseException) -> None:
         """An exception left a thread."""
+
+    interpreter: Interpreter
+    """Interpreter mode."""
+
+    watchdogs: Watchdogs
+    """RTSI inputs that the program watches."""
 
     def wait_for_confirmation(self) -> bool:
         """Whether a blocking popup is confirmed at once; otherwise wait until somebody confirms it."""
@@ -201,7 +213,7 @@ class Context:
         elif isinstance(request, SpeedJ | SpeedL):
             reason = "its speed" if request.t_s is None else "the time of its speed"
         else:
-            reason = "the end of its move"
+            reason = MOVE_END
         self._wait_for_move(request, reason)
 
     def track(self, request: TrackRequest) -> None:
@@ -362,6 +374,22 @@ class Context:
         self._port.halt()
         self.scheduler.kill(self.strand)
         raise Stopped
+
+    def enter_interpreter(self, *, clears_queue: bool, clears_at_end: bool) -> None:
+        """Run statements of clients until the session ends; see `runtime.interpreter`."""
+        self._port.interpreter.run(clears_queue=clears_queue, clears_at_end=clears_at_end)
+
+    def end_interpreter(self) -> None:
+        """End the session of interpreter mode, if one runs."""
+        self._port.interpreter.end()
+
+    def clear_interpreter(self) -> None:
+        """Throw away the statements that wait, and forget what statements have defined."""
+        self._port.interpreter.clear()
+
+    def watch(self, variable: str, frequency_hz: float, action: str) -> None:
+        """Watch an RTSI input until the program ends."""
+        self._port.watchdogs.set(variable, frequency_hz, action)
 
     def leave(self, name: str) -> NoReturn:
         """`exit()` and its like: end the program like `halt()`, and say so."""

@@ -8,21 +8,23 @@ end of the program to the callback of the constructor.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.context import Machine
 from elitescript.errors import ScriptStateError
 from elitescript.language.compiler import CompiledUnit
-from elitescript.language.modules import COPIED
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
-from elitescript.messages.timing import seconds
 from elitescript.runtime.alarms import summary_of
-from elitescript.runtime.context import POPUP
+from elitescript.runtime.context import MOVE_END, POPUP
+from elitescript.runtime.interpreter import Interpreter
 from elitescript.runtime.program import Program
+from elitescript.runtime.queries import Queries
 from elitescript.runtime.scheduler import WORK_PER_TICK, Scheduler
 from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.strand import STOP, Strand
+from elitescript.runtime.thread_state import ThreadState, state_of
+from elitescript.runtime.watchdogs import Watchdogs
 from elitescript.runtime.world import NoWorld, World
 
 if TYPE_CHECKING:
@@ -34,20 +36,6 @@ ALARM: Final = "alarm"
 STOPPED: Final = "stopped"
 
 SECONDARY_WARNING: Final = "[SEC] Exception: "
-
-
-class ThreadState(NamedTuple):
-    """Where a script thread is."""
-
-    name: str
-    line: int
-    waits_for: str
-    """In plain words; empty while it runs."""
-
-    @property
-    def doing(self) -> str:
-        """What it does, as half a sentence."""
-        return f"waiting for {self.waits_for}" if self.waits_for else "running"
 
 
 class ScriptHost:
@@ -62,12 +50,15 @@ class ScriptHost:
         confirms_popups: whether a popup that blocks is confirmed at once, because nobody is there to press its
             button; if not, `confirm_popup` does it.
         work_per_tick: checkpoints that a thread may pass in one tick.
+        is_rtsi_input: whether clients can send an input of that name.
 
     Attributes:
         result: how the last program ended; empty while one runs and before the first.
         alarm: what ended it, if an alarm did.
+        interpreter: statements of interpreter mode.
         movers: which strands wait for which move.
         connections: every open TCP connection by its channel.
+        watchdogs: RTSI inputs that the program watches.
     """
 
     __slots__ = (
@@ -78,14 +69,17 @@ class ScriptHost:
         "_on_end",
         "_profile",
         "_program",
+        "_queries",
         "_scheduler",
         "_secondaries",
         "_seed",
         "_world",
         "alarm",
         "connections",
+        "interpreter",
         "movers",
         "result",
+        "watchdogs",
     )
 
     def __init__(
@@ -98,6 +92,7 @@ class ScriptHost:
         on_end: Callable[[str], None] = lambda state: None,
         confirms_popups: bool = True,
         work_per_tick: int = WORK_PER_TICK,
+        is_rtsi_input: Callable[[str], bool] = lambda name: True,
     ) -> None:
         self._machine = machine
         self._profile = profile
@@ -112,6 +107,9 @@ class ScriptHost:
         self._main: Strand | None = None
         self._ending = ""
         self._secondaries = Secondaries(self._scheduler, self._begin_secondary, self._warn_secondary)
+        self._queries = Queries(self._scheduler, self._namespace, self._spawn)
+        self.interpreter = Interpreter(self._scheduler, profile.interpreter_queue_limit)
+        self.watchdogs = Watchdogs(machine, is_rtsi_input)
         self.movers: dict[int, list[Strand]] = {}
         self.connections: dict[int, Connection] = {}
         self.result = ""
@@ -140,6 +138,7 @@ class ScriptHost:
         self.result, self.alarm, self._ending = "", None, ""
         self._main = self._spawn(program, "main", program.body_of(unit))
         program.main = self._main
+        self.interpreter.begin_program(program)
 
     def start_secondary(self, unit: CompiledUnit, *, world: World | None = None) -> None:
         """Run a secondary program as soon as those before it are over.
@@ -155,6 +154,25 @@ class ScriptHost:
             self._world = world
         self._secondaries.put(unit)
 
+    def query(self, text: str, answer: Callable[[str | None], None]) -> None:
+        """Work out the value of an expression, as a secondary program would.
+
+        Args:
+            text: the expression.
+            answer: called once, in this tick or a later one, with the value as `repr` writes it; None if it has none.
+
+        Raises:
+            ProgramError: it is no expression.
+            ScriptStateError: too many wait.
+        """
+        self._queries.ask(text, answer)
+
+    def abort_move(self) -> None:
+        """End the move that a thread waits for."""
+        for move, strands in list(self.movers.items()):
+            if any(strand.waits_for == MOVE_END for strand in strands):
+                self._machine.cancel_move(move)
+
     def pause(self) -> None:
         """Let no thread of the program go on. Virtual time does, and their waits last longer by it."""
         if self.is_running:
@@ -163,6 +181,7 @@ class ScriptHost:
     def resume(self) -> None:
         """Let the threads go on."""
         self._scheduler.resume()
+        self.watchdogs.restart(self._machine.tick)
 
     def stop(self, reason: str) -> None:
         """End the program in the `run_tick` that runs or in the next one; secondary programs go on.
@@ -220,7 +239,7 @@ class ScriptHost:
     @property
     def is_idle(self) -> bool:
         """Whether nothing is left to run."""
-        return self._main is None and self._secondaries.is_idle
+        return self._main is None and self._secondaries.is_idle and self._queries.is_idle
 
     @property
     def line(self) -> int:
@@ -238,7 +257,7 @@ class ScriptHost:
 
     def threads(self) -> tuple[ThreadState, ...]:
         """Every script thread, the main one first: where it is and what it waits for."""
-        return tuple(ThreadState(strand.name, strand.line, _wait_of(strand)) for strand in self._scheduler.strands)
+        return tuple(map(state_of, self._scheduler.strands))
 
     # ---------------------------------------------------------------- time
 
@@ -246,6 +265,8 @@ class ScriptHost:
         """Run every thread that is due, until each waits or has used up its work of this tick."""
         scheduler = self._scheduler
         scheduler.begin_tick(tick)
+        if not self.is_paused:
+            self.watchdogs.look(tick)
         try:
             self._settle()
             while True:
@@ -261,9 +282,9 @@ class ScriptHost:
             return tick + 1
         due = self._scheduler.next_tick(tick)
         due_secondary = self._secondaries.next_tick(tick)
-        if due is None or due_secondary is None:
-            return due_secondary if due is None else due
-        return min(due, due_secondary)
+        due_query = self._queries.next_tick(tick)
+        due_watch = None if self.is_paused else self.watchdogs.next_tick()
+        return min((at for at in (due, due_secondary, due_query, due_watch) if at is not None), default=None)
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
         """A move is over; the threads that wait for it go on at the next `run_tick`."""
@@ -284,7 +305,8 @@ class ScriptHost:
         if self._ending and self._program is not None:
             self._end_program(self._program)
             has_changed = True
-        return self._secondaries.settle() or has_changed
+        has_secondary, has_query = self._secondaries.settle(), self._queries.settle()
+        return has_secondary or has_query or has_changed
 
     # ---------------------------------------------------------------- the life of a program
 
@@ -330,6 +352,8 @@ class ScriptHost:
         for strand in [strand for strand in self._scheduler.strands if not strand.is_secondary]:
             self._scheduler.kill(strand)
         self._scheduler.forget_pause()
+        self.interpreter.end_program()
+        self.watchdogs.clear()
         if main is not None:
             program.close()
         self.result, self._ending = self._ending, ""
@@ -340,6 +364,7 @@ class ScriptHost:
             self._end(STOPPED if strand.is_dying else FINISHED)
         else:
             self._secondaries.ended(strand)
+            self._queries.ended(strand)
 
     def _strand_abandoned(self, strand: Strand) -> None:
         self._machine.emit(
@@ -373,11 +398,15 @@ class ScriptHost:
 
     # ---------------------------------------------------------------- secondary programs
 
+    def _namespace(self) -> tuple[Program, Program | None]:
+        """The running program, or an empty one; that one twice."""
+        if self._program is not None and self._main is not None:
+            return self._program, None
+        own = self._new_program({})
+        return own, own
+
     def _begin_secondary(self, unit: CompiledUnit) -> tuple[Strand, Program | None]:
-        own = None
-        program = self._program
-        if program is None or self._main is None:
-            program = own = self._new_program({})
+        program, own = self._namespace()
         name = f"sec {unit.name}" if unit.name else "sec"
         return self._spawn(program, name, program.body_of(unit), is_secondary=True), own
 
@@ -417,16 +446,3 @@ class ScriptHost:
     def wait_for_confirmation(self) -> bool:
         """Whether a popup that blocks is confirmed at once."""
         return self._confirms_popups
-
-
-def _wait_of(strand: Strand) -> str:
-    """What a strand waits for, with the call of the standard library in which it does."""
-    reason = strand.waits_for
-    if not reason:
-        return ""
-    if strand.until is not None:
-        reason = f"{reason}, until {seconds(strand.until):.3f} s"
-    frame = strand.called_from_script()
-    if frame is not None and frame.f_globals.get("__name__") in COPIED:
-        return f"{reason} in {frame.f_globals['__name__']}.{frame.f_code.co_qualname}()"
-    return reason

@@ -5,13 +5,20 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from types import BuiltinFunctionType, FunctionType, ModuleType
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.context import Machine
 from elitescript.errors import ProgramError, ScriptPermissionError
-from elitescript.language.compiler import MAIN, CompiledUnit, Options, compile_expression, compile_unit
+from elitescript.language.compiler import (
+    MAIN,
+    CompiledUnit,
+    Options,
+    Statement,
+    compile_expression,
+    compile_unit,
+)
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile
@@ -58,6 +65,7 @@ class Program:
         "_files",
         "_generator",
         "_identities",
+        "_injected",
         "_main",
         "_processes",
         "_profile",
@@ -86,6 +94,7 @@ class Program:
         self.context = Context(machine, scheduler, profile, self._generator, world, port)
         self._files = OpenFiles(world)
         self._identities = Identities()
+        self._injected: set[str] = set()
         self._sources: dict[str, SourceFile] = {}
         self._main: Strand | None = None
         self._processes: ProcessTable | None = None
@@ -126,8 +135,44 @@ class Program:
         return {
             name: value
             for name, value in self.globals.items()
-            if not name.startswith(("__", "@")) and not isinstance(value, _NOT_SHOWN)
+            if not name.startswith(("__", "@")) and name not in self._injected and not isinstance(value, _NOT_SHOWN)
         }
+
+    # ---------------------------------------------------------------- what comes from outside while it runs
+
+    def has_global(self, name: str) -> bool:
+        """Whether a program global of that name exists."""
+        return name in self.globals and name not in self._injected
+
+    def execute(self, statement: Statement, names: Any) -> None:
+        """Run a statement of interpreter mode; `names` maps its variables."""
+        self._sources[statement.source.name] = statement.source
+        exec(statement.code, self.globals, names)
+
+    def inject(self, name: str, value: object) -> None:
+        """A statement has assigned to a program global, or to a name that exists from now on until it is cleared."""
+        if name not in self.globals:
+            self._injected.add(name)
+        self.globals[name] = value
+
+    def remove_injected(self, name: str) -> None:
+        """`del` in a statement."""
+        if name not in self._injected:
+            raise NameError(f"name {name!r} is not defined by a statement", name=name)
+        self._injected.discard(name)
+        del self.globals[name]
+
+    def forget_injected(self) -> None:
+        """What statements have defined exists no more."""
+        for name in self._injected:
+            self.globals.pop(name, None)
+        self._injected.clear()
+
+    def value_of(self, code: CodeType) -> Any:
+        """Evaluate an expression that was compiled; it sees the program globals and changes none by assignment."""
+        names = _Scope(self.globals, {})
+        dict.__setitem__(names, "__builtins__", self.builtins)
+        return eval(code, names)
 
     def alarm(self, error: BaseException, strand: Strand) -> Alarm:
         """The alarm that an uncaught exception makes."""

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import Final
+from typing import Final, Generic, TypeVar
 
 from elitescript.errors import ScriptStateError
-from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.program import Program
 from elitescript.runtime.scheduler import Scheduler
@@ -19,26 +18,47 @@ LIMIT_TICKS: Final = TICKS_PER_S
 QUEUE_MAX: Final = 64
 """Secondary programs that may wait."""
 
-Begin = Callable[[CompiledUnit], tuple[Strand, Program | None]]
-"""Starts one: its strand, and the program that was made for it alone, if there is no running one."""
+Item = TypeVar("Item")
 
 
-class Secondaries:
-    """The secondary programs of a host.
+class Secondaries(Generic[Item]):
+    """What a host runs beside its program, one after the other: secondary programs, or queries.
 
     Args:
         scheduler: runs them.
-        begin: starts one.
+        begin: starts one; returns its strand, and the program that was made for it alone, if there is no running one.
         warn: tells what went wrong with one.
+        limit_ticks: virtual time that one may take.
+        queue_max: how many may wait.
     """
 
-    __slots__ = ("_begin", "_deadline", "_own_program", "_queue", "_scheduler", "_strand", "_warn")
+    __slots__ = (
+        "_begin",
+        "_deadline",
+        "_limit_ticks",
+        "_own_program",
+        "_queue",
+        "_queue_max",
+        "_scheduler",
+        "_strand",
+        "_warn",
+    )
 
-    def __init__(self, scheduler: Scheduler, begin: Begin, warn: Callable[[str, Strand], None]) -> None:
+    def __init__(
+        self,
+        scheduler: Scheduler,
+        begin: Callable[[Item], tuple[Strand, Program | None]],
+        warn: Callable[[str, Strand], None],
+        *,
+        limit_ticks: int = LIMIT_TICKS,
+        queue_max: int = QUEUE_MAX,
+    ) -> None:
         self._scheduler = scheduler
         self._begin = begin
         self._warn = warn
-        self._queue: deque[CompiledUnit] = deque()
+        self._limit_ticks = limit_ticks
+        self._queue_max = queue_max
+        self._queue: deque[Item] = deque()
         self._strand: Strand | None = None
         self._own_program: Program | None = None
         self._deadline = 0
@@ -48,15 +68,15 @@ class Secondaries:
         """Whether none runs and none waits."""
         return self._strand is None and not self._queue
 
-    def put(self, unit: CompiledUnit) -> None:
+    def put(self, item: Item) -> None:
         """Have one run as soon as those before it are over.
 
         Raises:
             ScriptStateError: too many wait.
         """
-        if len(self._queue) >= QUEUE_MAX:
-            raise ScriptStateError(f"{QUEUE_MAX} secondary programs wait already")
-        self._queue.append(unit)
+        if len(self._queue) >= self._queue_max:
+            raise ScriptStateError(f"{self._queue_max} secondary programs wait already")
+        self._queue.append(item)
 
     def next_tick(self, tick: int) -> int | None:
         """Earliest tick after `tick` at which one begins or has run too long."""
@@ -69,12 +89,12 @@ class Secondaries:
         has_changed = False
         strand = self._strand
         if strand is not None and self._scheduler.now >= self._deadline:
-            self._warn(f"TimeoutError: stopped after {seconds(LIMIT_TICKS):g} s, it must be short", strand)
+            self._warn(f"TimeoutError: stopped after {seconds(self._limit_ticks):g} s, it must be short", strand)
             self._scheduler.kill(strand)
             has_changed = True
         if self._strand is None and self._queue:
             self._strand, self._own_program = self._begin(self._queue.popleft())
-            self._deadline = self._scheduler.now + LIMIT_TICKS
+            self._deadline = self._scheduler.now + self._limit_ticks
             has_changed = True
         return has_changed
 

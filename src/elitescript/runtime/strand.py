@@ -37,7 +37,7 @@ STOP: Final = GreenletExit
 UNCATCHABLE: Final = (GreenletExit, KeyboardInterrupt)
 """What every `try` of a script lets pass: the end of a strand, and the user's interrupt."""
 
-INNER_TEXTS: Final = ("<eval", "<exec")
+INNER_TEXTS: Final = ("<eval", "<exec", "<interpreter")
 """How the names of texts begin that a program makes while it runs; places are told in its own text."""
 
 

@@ -14,7 +14,9 @@ from elitescript.errors import UsageError
 
 FENCE: Final = "```"
 
-TEXT_WORDS: Final = frozenset({"stream", "close", "bare", "crlf", "cr", "bom", "at", "needs"})
+SERVED: Final = frozenset({"port", "interpreter", "query"})
+"""Words of texts that a served robot takes, through its ports."""
+TEXT_WORDS: Final = frozenset({"stream", "close", "bare", "crlf", "cr", "bom", "at", "needs", "idle"}) | SERVED
 EXPECT_WORDS: Final = frozenset({"strict", "firmware", "until"})
 LISTS: Final = ("out", "print", "error", "alarm", "refused", "global")
 """Facts of which all must be listed, in order."""
@@ -99,6 +101,11 @@ class Case:
         return next((text.words["needs"] for text in self.texts if "needs" in text.words), "")
 
     @property
+    def is_served(self) -> bool:
+        """Whether a served robot takes it, through its ports."""
+        return not SERVED.isdisjoint(self.texts[0].words)
+
+    @property
     def is_stream(self) -> bool:
         """Whether the texts arrive on the script port."""
         return any("stream" in text.words for text in self.texts)
@@ -117,6 +124,8 @@ class Outcome:
     signals: list[str] = field(default_factory=list)
     node: str = ""
     moves: int = 0
+    wrong_replies: list[str] = field(default_factory=list)
+    """What a client heard that it should not have, or the other way round."""
 
 
 def parse_page(page: str) -> list[Case]:
@@ -224,7 +233,7 @@ def _inputs(first_line: int, body: str) -> Iterator[tuple[float, str, float]]:
 
 def differences(outcome: Outcome, expectation: Expectation) -> list[str]:
     """What the outcome lacks or has too much of; empty when the expectation holds."""
-    found: list[str] = []
+    found = list(outcome.wrong_replies)
     for key in LISTS:
         wanted, had = expectation.values(key), outcome.lists[key]
         if key == "global" and not wanted and not _has(expectation, "no globals"):

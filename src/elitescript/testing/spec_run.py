@@ -13,22 +13,13 @@ from elitescript.language.options import SECONDARY, Options
 from elitescript.language.source import SourceFile
 from elitescript.language.units import Refusal, Unit, UnitSplitter
 from elitescript.lint.engine import check_source
-from elitescript.messages.enums import TaskState
-from elitescript.messages.events import (
-    Alarm,
-    Event,
-    LineMarked,
-    MotionStarted,
-    Printed,
-    TaskStateChanged,
-    TextMessage,
-    Warned,
-)
+from elitescript.messages.events import Event
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
-from elitescript.messages.timing import PERIOD_S, seconds
+from elitescript.messages.timing import PERIOD_S
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
 from elitescript.testing.spec import Case, Expectation, Outcome, Text, differences
+from elitescript.testing.spec_events import note_event
 
 FILE_LIMIT_S: Final = 100_000.0
 """Virtual time after which a program of a page is cut; a simulated day passes in milliseconds."""
@@ -38,6 +29,10 @@ STREAM_S: Final = 3.0
 
 def run_case(case: Case, expectation: Expectation) -> list[str]:
     """Run a case under the conditions of one expectation; return the differences."""
+    if case.is_served:
+        from elitescript.testing.spec_session import run_session
+
+        return differences(run_session(case, expectation), expectation)
     robot = _Observed(case, expectation)
     if case.is_stream:
         robot.converse(case.texts)
@@ -142,19 +137,4 @@ class _Observed:
         self.outcome.signals = [f"{name} = {value!r}" for name, value in signals.items()]
 
     def _event(self, event: Event) -> None:
-        outcome = self.outcome
-        if isinstance(event, TextMessage) and event.level != "warning":
-            outcome.lists["out"].append(event.text)
-        elif isinstance(event, Printed):
-            outcome.lists["print"].append(event.text.removesuffix("\n"))
-        elif isinstance(event, TextMessage | Warned):
-            outcome.log_warnings.append(event.text)
-        elif isinstance(event, Alarm):
-            if event.code != "R130":
-                outcome.lists["alarm"].append(f"{event.code} {event.class_name} line {event.line}")
-        elif isinstance(event, LineMarked):
-            outcome.node = f"{event.number} {event.label}"
-        elif isinstance(event, MotionStarted):
-            outcome.moves += 1
-        elif isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
-            outcome.time_s = seconds(event.tick)
+        note_event(self.outcome, event)

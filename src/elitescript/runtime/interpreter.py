@@ -1,0 +1,307 @@
+"""Interpreter mode: a program stands still in `interpreter_mode()` and runs statements that clients send.
+
+Statements are numbered from 1 in each program and run in the order in which they came, in the main thread, in the
+place of the call. They read and change the variables of the function that has made the call and the program globals.
+What else they define, functions and variables, is visible to later statements and to the program until it is cleared.
+
+Evidence: queue, numbers, words and clearing are *documented* (manual 2.14, interpreter mode). *Assumed*: how many
+statements run in a tick, that names which are neither local nor global can be used until they are cleared, what is
+thrown away when a session ends with `clearOnEnd=False` (nothing), and that the number of the last cleared statement is
+that of the last one that was accepted by then.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import deque
+from collections.abc import Callable
+from types import FrameType
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
+
+from elitescript.errors import ProgramError, ScriptStateError
+from elitescript.language.compiler import Statement, compile_statement
+from elitescript.language.source import SourceFile
+from elitescript.runtime.scheduler import Scheduler
+
+if TYPE_CHECKING:
+    from elitescript.runtime.program import Program
+
+STATEMENT: Final = "a statement of interpreter mode"
+"""What the main thread waits for."""
+
+STATEMENTS_PER_TICK: Final = 50
+"""Statements that run in one tick if they take no time (*assumed*)."""
+
+FILE: Final = "<interpreter>"
+"""File of a statement, as places in its code show it."""
+
+COMPILE_ERROR: Final = "compile error"
+INVALID_STATE: Final = "invalid state"
+TOO_MANY: Final = "too many"
+CLEARED_BEFORE: Final = "cleared before"
+CLEARED_AT_END: Final = "cleared at end"
+CLEARED: Final = "cleared"
+
+
+class Answers(Protocol):
+    """Tells clients what has become of their statements."""
+
+    def accepted(self, origin: str, number: int, text: str) -> None:
+        """It will run, under that number."""
+
+    def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
+        """It will not run; `reason` is one of the constants above."""
+
+
+class NoAnswers:
+    """Nobody listens."""
+
+    __slots__ = ()
+
+    def accepted(self, origin: str, number: int, text: str) -> None:
+        """Nobody listens."""
+
+    def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
+        """Nobody listens."""
+
+
+class _Waiting(NamedTuple):
+    origin: str
+    number: int
+    text: str
+    statement: Statement
+
+
+class Interpreter:
+    """The statements of one host.
+
+    Args:
+        scheduler: runs the main thread.
+        limit: statements that may wait.
+
+    Attributes:
+        answers: hears what has become of each statement.
+        is_running: whether a session runs.
+        last_accepted: number of the last statement that was accepted.
+        last_executed: number of the one that is being executed or was last.
+        last_cleared: number of the last one that was cleared.
+    """
+
+    __slots__ = (
+        "_held",
+        "_is_clearing",
+        "_is_ending",
+        "_limit",
+        "_program",
+        "_queue",
+        "_scheduler",
+        "_skipped",
+        "answers",
+        "is_running",
+        "last_accepted",
+        "last_cleared",
+        "last_executed",
+    )
+
+    def __init__(self, scheduler: Scheduler, limit: int) -> None:
+        self._scheduler = scheduler
+        self._limit = limit
+        self._program: Program | None = None
+        self._queue: deque[_Waiting] = deque()
+        self._held: deque[tuple[str, str]] = deque()
+        self._skipped = 0
+        self._is_clearing = False
+        self._is_ending = False
+        self.answers: Answers = NoAnswers()
+        self.is_running = False
+        self.last_accepted = self.last_executed = self.last_cleared = 0
+
+    # ---------------------------------------------------------------- what clients send
+
+    def submit(self, origin: str, text: str) -> None:
+        """Take a statement: answer it, and have it run when its turn comes.
+
+        After `clear_interpreter()` was accepted, further statements wait unanswered until it has been executed.
+        """
+        if self._program is None:
+            self.answers.discarded(origin, INVALID_STATE, text)
+        elif len(self._queue) + len(self._held) >= self._limit:
+            self.answers.discarded(origin, TOO_MANY, text)
+        elif self._is_clearing:
+            self._held.append((origin, text))
+        else:
+            self._accept(self._program, origin, text)
+
+    def skip(self) -> None:
+        """Throw away every statement that waits now; each is still counted until its turn would come."""
+        self._skipped = len(self._queue)
+
+    @property
+    def unexecuted(self) -> int:
+        """Accepted statements that have not begun."""
+        return len(self._queue)
+
+    def _accept(self, program: Program, origin: str, text: str) -> None:
+        try:
+            statement = compile_statement(SourceFile(FILE, text), program.has_global)
+        except ProgramError as error:
+            first = next(problem for problem in error.problems if problem.is_error)
+            self.answers.discarded(origin, COMPILE_ERROR, text, f"line 1, column {first.column}, {first.text}")
+            return
+        if "start_thread" in statement.calls:
+            self.answers.discarded(origin, COMPILE_ERROR, text, "a statement may not start threads")
+            return
+        self._is_clearing = "clear_interpreter" in statement.calls
+        self.last_accepted += 1
+        self._queue.append(_Waiting(origin, self.last_accepted, text, statement))
+        self.answers.accepted(origin, self.last_accepted, text)
+        self._wake()
+
+    def _wake(self) -> None:
+        program = self._program
+        if self.is_running and program is not None and program.main.waits_for == STATEMENT:
+            self._scheduler.wake(program.main)
+
+    # ---------------------------------------------------------------- the life of a program
+
+    def begin_program(self, program: Program) -> None:
+        """A program begins: numbers begin anew."""
+        self._program = program
+        self.last_accepted = self.last_executed = self.last_cleared = 0
+
+    def end_program(self) -> None:
+        """The program is over, and so is the session."""
+        self._discard_queue(CLEARED_AT_END)
+        self._program = None
+        held, self._held = self._held, deque()
+        for origin, text in held:
+            self.answers.discarded(origin, INVALID_STATE, text)
+        self._is_clearing = self.is_running = False
+
+    # ---------------------------------------------------------------- what programs call
+
+    def run(self, *, clears_queue: bool, clears_at_end: bool) -> None:
+        """Run statements until one of them, or another thread, ends the session.
+
+        Raises:
+            ScriptStateError: not the main thread, or a session runs already.
+        """
+        program, scheduler = self._program, self._scheduler
+        strand = scheduler.current
+        if program is None or strand is not program.main:
+            raise ScriptStateError("only the main thread of a program may enter interpreter mode")
+        if self.is_running:
+            raise ScriptStateError("interpreter mode is entered already")
+        if clears_queue:
+            self._discard_queue(CLEARED_BEFORE)
+            self._release_held()
+        self._is_ending = False
+        self.is_running = True
+        frame = strand.script_frame()
+        assert frame is not None
+        names = _Names(frame, program)
+        tick, count = scheduler.now, 0
+        try:
+            while not self._is_ending:
+                if scheduler.now != tick:
+                    tick, count = scheduler.now, 0
+                waiting = self._next()
+                if waiting is None:
+                    scheduler.wait(STATEMENT)
+                elif count >= STATEMENTS_PER_TICK:
+                    self._queue.appendleft(waiting)
+                    scheduler.wait("the next tick", scheduler.now + 1)
+                else:
+                    count += 1
+                    self._execute(program, waiting, names)
+        finally:
+            self.is_running = False
+        if clears_at_end:
+            self._discard_queue(CLEARED_AT_END)
+            self._forget(program)
+
+    def end(self) -> None:
+        """End the session after the statement that runs; without one there is nothing to end."""
+        if self.is_running:
+            self._is_ending = True
+            self._wake()
+
+    def clear(self) -> None:
+        """Throw away the statements that wait, and forget what statements have defined."""
+        if self._program is not None:
+            self._discard_queue(CLEARED)
+            self._forget(self._program)
+
+    def _next(self) -> _Waiting | None:
+        while self._skipped and self._queue:
+            self._skipped -= 1
+            self._queue.popleft()
+        return self._queue.popleft() if self._queue else None
+
+    def _execute(self, program: Program, waiting: _Waiting, names: _Names) -> None:
+        self.last_executed = waiting.number
+        program.execute(waiting.statement, names)
+        if "clear_interpreter" in waiting.statement.calls:
+            self._release_held()
+
+    def _forget(self, program: Program) -> None:
+        self.last_cleared = self.last_accepted
+        program.forget_injected()
+        self._release_held()
+
+    def _release_held(self) -> None:
+        """Answer the statements that were held back, up to the next one that clears."""
+        self._is_clearing = False
+        while self._held and not self._is_clearing and self._program is not None:
+            self._accept(self._program, *self._held.popleft())
+
+    def _discard_queue(self, reason: str) -> None:
+        queue, self._queue = self._queue, deque()
+        skipped, self._skipped = self._skipped, 0
+        for waiting in list(queue)[skipped:]:
+            self.answers.discarded(waiting.origin, reason, waiting.text)
+
+
+class _Names:
+    """Names of statements: variables of the function that has entered interpreter mode, then those of the program."""
+
+    __slots__ = ("_frame", "_program", "_variables")
+
+    def __init__(self, frame: FrameType, program: Program) -> None:
+        code = frame.f_code
+        self._frame = frame
+        self._program = program
+        self._variables = frozenset((*code.co_varnames, *code.co_cellvars, *code.co_freevars))
+
+    def __getitem__(self, name: str) -> Any:
+        if name in self._variables:
+            return self._frame.f_locals[name]
+        raise KeyError(name)
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        if name not in self._variables:
+            self._program.inject(name, value)
+            return
+        self._frame.f_locals[name] = value
+        _store_variables(self._frame)
+
+    def __delitem__(self, name: str) -> None:
+        if name in self._variables:
+            raise ScriptStateError(f"a statement cannot delete {name!r}, a variable of the program")
+        self._program.remove_injected(name)
+
+
+def _store() -> Callable[[FrameType], None]:
+    if sys.version_info >= (3, 13):
+        # There, the mapping of a frame's variables writes through.
+        return lambda frame: None
+
+    def store(frame: FrameType) -> None:
+        from ctypes import c_int, py_object, pythonapi
+
+        pythonapi.PyFrame_LocalsToFast(py_object(frame), c_int(0))
+
+    return store
+
+
+_store_variables: Final = _store()

@@ -1,0 +1,82 @@
+"""Queries: expressions that clients ask for the value of, by the rules of secondary programs (*documented*)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import CodeType
+from typing import Final, NamedTuple
+
+from elitescript.language.compiler import compile_expression
+from elitescript.language.source import SourceFile
+from elitescript.messages.timing import TICKS_PER_S
+from elitescript.runtime.alarms import without_addresses
+from elitescript.runtime.program import Program
+from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.secondary import Secondaries
+from elitescript.runtime.strand import Strand, is_stop
+
+LIMIT_TICKS: Final = TICKS_PER_S // 10
+"""Virtual time that a query may take (*assumed*: only quick functions are allowed)."""
+
+QUEUE_MAX: Final = 1000
+"""Queries that may wait."""
+
+VALUE_MAX: Final = 65536
+"""Characters of a value."""
+
+
+class Query(NamedTuple):
+    """An expression that waits for its turn."""
+
+    code: CodeType
+    answer: Callable[[str | None], None]
+    """Gets the value as `repr` writes it; None if there is none."""
+
+
+class Queries(Secondaries[Query]):
+    """The queries of a host, one after the other.
+
+    Args:
+        scheduler: runs them.
+        namespace: gives the running program, or an empty one that is made for a query alone; that one twice.
+        spawn: starts a strand of a program.
+    """
+
+    __slots__ = ("_namespace", "_spawn")
+
+    def __init__(
+        self,
+        scheduler: Scheduler,
+        namespace: Callable[[], tuple[Program, Program | None]],
+        spawn: Callable[..., Strand],
+    ) -> None:
+        super().__init__(
+            scheduler, self._begin_query, lambda text, strand: None, limit_ticks=LIMIT_TICKS, queue_max=QUEUE_MAX
+        )
+        self._namespace = namespace
+        self._spawn = spawn
+
+    def ask(self, text: str, answer: Callable[[str | None], None]) -> None:
+        """See `ScriptHost.query`."""
+        self.put(Query(compile_expression(SourceFile("<query>", text)), answer))
+
+    def _begin_query(self, query: Query) -> tuple[Strand, Program | None]:
+        program, own = self._namespace()
+        return self._spawn(program, "query", _body_of(query, program), is_secondary=True), own
+
+
+def _body_of(query: Query, program: Program) -> Callable[[], None]:
+    """What a strand runs: it works the value out and answers exactly once, also if it is stopped."""
+
+    def body() -> None:
+        value: str | None = None
+        try:
+            shown = without_addresses(repr(program.value_of(query.code)))
+            value = shown if len(shown) <= VALUE_MAX else None
+        except BaseException as error:
+            if is_stop(error) or isinstance(error, KeyboardInterrupt):
+                raise
+        finally:
+            query.answer(value)
+
+    return body

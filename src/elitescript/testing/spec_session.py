@@ -1,0 +1,133 @@
+"""Cases that a served robot takes: texts for its script port, talks with interpreter mode and with the query port."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from elitescript.kernel import Kernel, KernelConfig
+from elitescript.language.source import SourceFile
+from elitescript.language.units import Refusal, UnitSplitter
+from elitescript.lint.engine import check_source
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import Alarm
+from elitescript.messages.inputs import Input, RunUnit
+from elitescript.messages.outputs import Output
+from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
+from elitescript.messages.timing import ticks_for
+from elitescript.protocol.connection import Connection
+from elitescript.protocol.interpreter import InterpreterConnection
+from elitescript.protocol.query import QueryConnection
+from elitescript.testing.spec import Case, Expectation, Outcome
+from elitescript.testing.spec_events import note_event
+
+WATCHED_S: Final = 5.0
+"""Virtual time for which a robot is watched after the last text."""
+
+HOST: Final = """def host():
+  global g
+  g = 1
+  interpreter_mode(clearQueueOnEnter=True, clearOnEnd=True)
+  textmsg("left ", g)
+end
+"""
+"""The program of conversations with interpreter mode."""
+ENDLESS: Final = """def endless():
+  while True:
+    sync()
+  end
+end
+"""
+"""The program of conversations with the query port."""
+
+
+def run_session(case: Case, expectation: Expectation) -> Outcome:
+    """Run a case; return what was seen."""
+    session = _Session(expectation.words.get("firmware", DEFAULT_FIRMWARE))
+    text = case.texts[0]
+    if "port" in text.words:
+        session.stream(text.sent)
+    elif "query" in text.words:
+        session.stream(ENDLESS)
+        session.converse(text.sent, QueryConnection("query#1", session.kernel.description))
+    else:
+        if "idle" not in text.words:
+            session.stream(HOST)
+        session.converse(text.sent, InterpreterConnection("interpreter#1", session.kernel.description))
+    session.wait(float(expectation.words.get("until", WATCHED_S)))
+    return session.outcome
+
+
+class _Session:
+    """A kernel, and what was seen of it."""
+
+    def __init__(self, firmware: str) -> None:
+        self.kernel = Kernel(KernelConfig(firmware=firmware, power_on=True))
+        self.outcome = Outcome()
+        self._profile = profile(firmware)
+        self._last = self._tick()
+
+    def stream(self, text: str) -> None:
+        """A text arrives on the script port, and its client closes the connection."""
+        for problem in check_source(SourceFile("<page>", text), self._profile, strict=False):
+            word = "finding" if problem.is_error else "warn"
+            self.outcome.findings.append(f"{word}: {problem.code} line {problem.line}")
+        splitter = UnitSplitter()
+        for part in [*splitter.receive(text.encode()), *splitter.close()]:
+            if isinstance(part, Refusal):
+                self._note_refusal(part)
+            else:
+                self._tick(RunUnit("primary#1", part.kind, part.text, part.first_line))
+
+    def _note_refusal(self, refusal: Refusal) -> None:
+        self.outcome.lists["error"] += [f"{problem.code} line {problem.line}" for problem in refusal.problems]
+
+    def converse(self, text: str, connection: Connection) -> None:
+        """Lines with `>` are sent, those with `<` must be heard next; `...` in them stands for any text."""
+        heard = b""
+        for line in text.splitlines():
+            mark, _, words = line.partition(" ")
+            if mark == ">":
+                self._tick(*connection.receive(words.encode() + b"\n", self._last))
+            ticks = ticks_for(WATCHED_S)
+            while mark == "<" and b"\n" not in heard and ticks:
+                heard += b"".join(connection.take())
+                if b"\n" not in heard:
+                    self._tick()
+                    ticks -= 1
+                    connection.publish(self._last)
+            if mark == ">":
+                connection.publish(self._last)
+                heard += b"".join(connection.take())
+            else:
+                reply, _, heard = heard.partition(b"\n")
+                if not _is_like(reply.decode(), words):
+                    self.outcome.wrong_replies.append(f"heard {reply.decode()!r}, expected {words!r}")
+        if heard:
+            self.outcome.wrong_replies.append(f"heard {heard.decode()!r} besides")
+
+    def wait(self, duration_s: float) -> None:
+        """Watch until the program is over or that time has passed."""
+        for _ in range(ticks_for(duration_s)):
+            if self._last.snapshot.robot.task_state is TaskState.STOPPED:
+                break
+            self._tick()
+        is_running = self._last.snapshot.robot.task_state is not TaskState.STOPPED
+        self.outcome.state = "running" if is_running else ""
+
+    def _tick(self, *inputs: Input) -> Output:
+        self._last = output = self.kernel.tick(inputs)
+        for event in output.events:
+            if isinstance(event, Alarm) and not event.thread:
+                key = "error" if event.code.startswith("E") else "refused"
+                place = f"{event.code} line {event.line}" if key == "error" else event.class_name
+                self.outcome.lists[key].append(place)
+            else:
+                note_event(self.outcome, event)
+        return output
+
+
+def _is_like(had: str, wanted: str) -> bool:
+    before, dots, after = wanted.partition("...")
+    if not dots:
+        return had == wanted
+    return had.startswith(before) and had.endswith(after) and len(had) >= len(before) + len(after)

@@ -1,0 +1,232 @@
+"""Interpreter mode and the query port through a kernel."""
+
+from __future__ import annotations
+
+import pytest
+
+from elitescript.kernel import KernelConfig
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import Alarm
+from elitescript.messages.inputs import Interpret, InterpreterWord, Query, RunUnit
+from elitescript.messages.machine import PauseTask, ResumeTask, StopTask
+from tests.kernel.machine import FOREVER, READY, Session
+
+HOST = ("global g", "g = 1", "x = 10", "interpreter_mode()", "textmsg('left ', g, ' ', x)")
+
+
+class Talk(Session):
+    """A session with a program in interpreter mode."""
+
+    def __init__(self, *lines: str, config: KernelConfig = READY) -> None:
+        super().__init__(config)
+        if lines:
+            self.start(*lines)
+
+    def say(self, *lines: str) -> list[str]:
+        """Send lines in one tick; return what is answered in this tick and the next."""
+        before = len(self.replies)
+        self.send(*(Interpret("interpreter#1", line) for line in lines))
+        self.tick()
+        return self.replies[before:]
+
+    def word(self, word: str) -> str:
+        """Send a word; return its answer."""
+        return "".join(reply.text for reply in self.send(InterpreterWord("interpreter#1", word)).replies)
+
+
+class TestStatements:
+    def test_they_read_and_change_globals_and_the_variables_of_the_caller(self):
+        talk = Talk(*HOST)
+        talk.say("g = g + 1", "x = x + g", "end_interpreter()")
+        assert talk.texts == ["left 2 12"]
+
+    def test_what_is_new_is_seen_by_later_statements_until_it_is_cleared(self):
+        talk = Talk(*HOST)
+        talk.say("y = 5", "textmsg(y)", "clear_interpreter()", "textmsg(y)")
+        assert talk.texts == ["5"]
+        assert talk.of(Alarm)[0].class_name == "NameError"
+
+    def test_new_names_are_no_globals_of_the_program(self):
+        talk = Talk("global g", "g = 1", "interpreter_mode(clearOnEnd=False)", "sync()")
+        assert talk.say("global z; z = 1")[0].startswith("discard: Compile error:line 1, column 1, ")
+
+    def test_a_function_uses_globals_and_other_functions(self):
+        talk = Talk(*HOST)
+        talk.say("def a(n): ; global g ; g = n ; end", "def b(): ; a(7) ; end", "b()", "end_interpreter()")
+        assert talk.texts == ["left 7 10"]
+
+    def test_the_program_can_call_an_injected_function_while_it_exists(self):
+        kept = Talk("interpreter_mode(clearOnEnd=False)", "f()")
+        kept.say("def f(): ; textmsg('called') ; end", "end_interpreter()")
+        gone = Talk("interpreter_mode()", "f()")
+        gone.say("def f(): ; textmsg('called') ; end", "end_interpreter()")
+        assert (kept.texts, gone.texts) == (["called"], [])
+        assert gone.of(Alarm)[0].class_name == "NameError"
+
+    def test_a_failing_statement_is_an_alarm_of_the_program_at_the_call(self):
+        talk = Talk(*HOST)
+        talk.say("1 / 0")
+        (alarm,) = talk.of(Alarm)
+        assert (alarm.class_name, alarm.line) == ("ZeroDivisionError", 5)
+        assert "statement of interpreter mode" in alarm.text
+
+    @pytest.mark.parametrize("line", ["start_thread(f, ())", "def a():", "end", "return 1", "f.__globals__"])
+    def test_what_cannot_be_a_statement_is_discarded(self, line):
+        assert Talk(*HOST).say(line)[0].startswith("discard: Compile error:")
+
+    def test_one_moves_the_arm_and_the_next_waits_for_it(self):
+        talk = Talk(*HOST)
+        talk.say("movej([0.2, -1.5, -1.5, -1.5, 1.5, 0])", "textmsg('there')")
+        assert talk.texts == []
+        talk.run(5.0)
+        assert talk.texts == ["there"]
+        assert talk.last.snapshot.robot.q_actual[0] == pytest.approx(0.2)
+
+    def test_many_take_several_ticks(self):
+        talk = Talk(*HOST)
+        talk.send(*(Interpret("interpreter#1", "g = g + 1") for _ in range(120)))
+        assert talk.word("stateunexecuted") == "state: 70: stateunexecuted"
+        talk.tick()
+        assert talk.word("statelastexecuted") == "state: 120: statelastexecuted"
+
+
+class TestQueue:
+    def test_what_came_before_the_session_is_cleared_when_it_begins(self):
+        talk = Talk("sleep(1)", "interpreter_mode()")
+        assert talk.say("textmsg(1)") == ["ack: 1: textmsg(1)"]
+        talk.run(1.0)
+        assert talk.replies[-1] == "discard: Cleaned up before interpretation: textmsg(1)"
+
+    def test_or_runs(self):
+        talk = Talk("sleep(1)", "interpreter_mode(clearQueueOnEnter=False)")
+        talk.say("textmsg(1)")
+        talk.run(1.0)
+        assert talk.texts == ["1"]
+
+    def test_what_waits_at_the_end_is_cleared(self):
+        talk = Talk(*HOST)
+        assert talk.say("end_interpreter()", "g = 3")[-1] == "discard: Cleaned up after end: g = 3"
+        assert talk.texts == ["left 1 10"]
+
+    def test_what_waits_when_somebody_else_clears_is_discarded(self):
+        talk = Talk(*HOST)
+        talk.say("sleep(1)", "g = 3")
+        talk.send(RunUnit("primary#1", "secondary", "sec s():\n  clear_interpreter()\nend\n"))
+        assert talk.replies[-1] == "discard: Cleaned up: g = 3"
+
+    def test_nothing_is_answered_between_a_clearing_and_its_execution(self):
+        talk = Talk(*HOST)
+        assert talk.say("sleep(1)", "clear_interpreter()", "g = 3") == [
+            "ack: 1: sleep(1)",
+            "ack: 2: clear_interpreter()",
+        ]
+        talk.run(1.1)
+        assert talk.replies[-1] == "ack: 3: g = 3"
+
+    def test_it_is_bounded(self):
+        talk = Talk("sleep(100)", config=KernelConfig(firmware="2.14"))
+        talk.send(*(Interpret("interpreter#1", "0") for _ in range(8501)))
+        assert talk.replies[-1] == "discard: Too many interpreted messages: 0"
+        assert talk.replies[-2] == "ack: 8500: 0"
+
+    def test_numbers_begin_anew_with_each_program(self):
+        talk = Talk(*HOST)
+        talk.say("g = 2")
+        talk.start(*HOST)
+        assert talk.say("g = 2") == ["ack: 1: g = 2"]
+
+    def test_the_end_of_the_program_answers_what_waits(self):
+        talk = Talk(*HOST)
+        talk.say("sleep(5)", "g = 2", "clear_interpreter()", "g = 3")
+        talk.do(StopTask())
+        assert talk.replies[-3:] == [
+            "discard: Cleaned up after end: g = 2",
+            "discard: Cleaned up after end: clear_interpreter()",
+            "discard: Task is in an invalid state: g = 3",
+        ]
+
+
+class TestSessions:
+    def test_pause_and_resume_act_on_it(self):
+        talk = Talk(*HOST)
+        talk.do(PauseTask())
+        talk.say("textmsg('on')")
+        talk.run(0.1)
+        assert talk.texts == []
+        talk.do(ResumeTask())
+        talk.tick()
+        assert talk.texts == ["on"]
+
+    def test_a_thread_can_end_it(self):
+        talk = Talk("def t():\n    sleep(0.5)\n    end_interpreter()\n  end", "start_thread(t, ())", *HOST)
+        talk.run(1.0)
+        assert talk.texts == ["left 1 10"]
+
+    def test_it_cannot_be_nested(self):
+        talk = Talk(*HOST)
+        talk.say("interpreter_mode()")
+        assert talk.of(Alarm)[0].code == "R115"
+
+    def test_another_session_may_follow(self):
+        talk = Talk("interpreter_mode()", "interpreter_mode()", "textmsg('over')")
+        assert talk.say("end_interpreter()") == ["ack: 1: end_interpreter()"]
+        talk.say("end_interpreter()")
+        assert talk.texts == ["over"]
+
+
+class TestWords:
+    def test_state(self):
+        talk = Talk()
+        assert talk.word("state") == "state: 0: stopped: state"
+        talk.start(*HOST)
+        assert talk.word("state") == "state: 0: running: state"
+
+    def test_abort_ends_the_move_and_the_program_goes_on(self):
+        talk = Talk("movej([1, -1.5, -1.5, -1.5, 1.5, 0], v=0.1)", "textmsg('on')")
+        talk.run(1.0)
+        talk.word("abort")
+        talk.run(1.0)
+        assert talk.texts == ["on"]
+        assert talk.last.snapshot.robot.q_actual[0] < 0.5
+
+    def test_cleared_statements_are_numbered(self):
+        talk = Talk(*HOST)
+        talk.say("g = 2", "clear_interpreter()")
+        assert talk.word("statelastcleared") == "state: 2: statelastcleared"
+
+
+class TestQueries:
+    def ask(self, session: Session, text: str) -> list[str]:
+        before = len(session.replies)
+        session.send(Query("query#1", "7", text))
+        session.run(0.2)
+        return session.replies[before:]
+
+    @pytest.mark.parametrize(
+        ("text", "reply"),
+        [
+            ("1 + 2", "7 success : 3"),
+            ("get_standard_digital_in(0)", "7 success : False"),
+            ("[get_steptime(), 'a']", "7 success : [0.004, 'a']"),
+            ("no_such_name", "7 failure : execute failed"),
+            ("sleep(1)", "7 failure : execute failed"),
+            ("movej([0, 0, 0, 0, 0, 0])", "7 failure : execute failed"),
+            ("[0 for i in iter(int, 1)]", "7 failure : execute failed"),
+            ("halt()", "7 failure : execute failed"),
+            ("1 +", "7 failure : parse failed"),
+            ("x = 1", "7 failure : parse failed"),
+        ],
+    )
+    def test_each_gets_one_answer(self, text, reply):
+        assert self.ask(Session(), text) == [reply]
+
+    def test_it_is_answered_in_the_tick_in_which_it_came(self):
+        assert [reply.text for reply in Session().send(Query("query#1", "7", "1")).replies] == ["7 success : 1"]
+
+    def test_it_reads_the_globals_of_the_running_program_and_does_not_disturb_it(self):
+        session = Session()
+        session.start("global g", "g = [1, 2]", FOREVER)
+        assert self.ask(session, "g") == ["7 success : [1, 2]"]
+        self.ask(session, "(h := 1)")
+        assert self.ask(session, "h") == ["7 failure : execute failed"]
+        assert session.last.snapshot.robot.task_state is TaskState.PLAYING

@@ -1,0 +1,171 @@
+"""Connections of this computer, with real servers on a port of the system's choice."""
+
+from __future__ import annotations
+
+import socket
+import time
+from contextlib import suppress
+
+import pytest
+
+from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened
+from elitescript.messages.outputs import CHANNEL_WINDOW
+from elitescript.robot import VirtualRobot
+from elitescript.worlds.real_channels import RealChannels
+
+PATIENCE_TICKS = 2500
+"""Far more than a computer under load needs."""
+
+
+@pytest.fixture
+def server():
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        listening.settimeout(10)
+        yield listening
+
+
+def port_of(listening):
+    return listening.getsockname()[1]
+
+
+class Bench:
+    """Channels, and the tick that comes next."""
+
+    def __init__(self):
+        self.channels = RealChannels()
+        self.tick = 0
+
+    def until(self, is_enough):
+        """Everything that happens until it is enough."""
+        events = []
+        for _ in range(PATIENCE_TICKS):
+            events += self.channels.arrivals(self.tick)
+            self.tick += 1
+            if is_enough(events):
+                return events
+        raise AssertionError(f"only {events}")
+
+    def opened(self, listening, address="127.0.0.1"):
+        channel = self.channels.open(address, port_of(listening), 2.0)
+        assert self.until(bool) == [ChannelOpened(channel, True)]
+        peer, _ = listening.accept()
+        peer.settimeout(10)
+        return channel, peer
+
+
+@pytest.fixture
+def bench():
+    bench = Bench()
+    yield bench
+    for channel in range(1, 10):
+        bench.channels.close(channel)
+
+
+@pytest.mark.parametrize("address", ["127.0.0.1", "localhost"])
+def test_bytes_go_both_ways(bench, server, address):
+    channel, peer = bench.opened(server, address)
+    with peer:
+        bench.channels.send(channel, b"hello")
+        assert peer.recv(100) == b"hello"
+        assert bench.until(bool) == [ChannelCredit(channel, 5)]
+        peer.sendall(b"world")
+        assert bench.until(bool) == [ChannelData(channel, b"world")]
+        assert bench.channels.is_real
+        bench.channels.close(channel)
+        assert peer.recv(100) == b""
+    assert not bench.channels.is_real
+
+
+def test_the_end_of_the_peer_comes_after_its_last_bytes(bench, server):
+    channel, peer = bench.opened(server)
+    peer.sendall(b"last")
+    peer.close()
+    events = bench.until(lambda events: any(isinstance(event, ChannelClosed) for event in events))
+    assert events == [ChannelData(channel, b"last"), ChannelClosed(channel)]
+    assert bench.channels.next_tick(5) is None
+
+
+@pytest.mark.parametrize(
+    ("address", "reason"),
+    [("127.0.0.1", "connection refused"), ("", "not known"), ("a..b", "not known"), ("a\0b", "not known")],
+)
+def test_what_cannot_be_reached_says_why(bench, server, address, reason):
+    port = port_of(server)
+    server.close()
+    channel = bench.channels.open(address, port, 2.0)
+    (event,) = bench.until(bool)
+    assert (event.channel, event.is_open) == (channel, False)
+    assert reason in event.reason
+    assert not bench.channels.is_real
+
+
+def test_no_more_is_read_than_there_is_room_for(bench, server):
+    channel, peer = bench.opened(server)
+    with peer:
+        peer.setblocking(False)
+        with suppress(BlockingIOError):
+            while True:
+                peer.send(bytes(65536))
+
+        def size(events):
+            return sum(len(event.data) for event in events)
+
+        bench.until(lambda events: size(events) >= CHANNEL_WINDOW)
+        assert size(bench.channels.arrivals(bench.tick)) == 0
+        bench.channels.credit(channel, 10)
+        assert size(bench.until(bool)) == 10
+
+
+def test_credit_comes_only_for_what_has_left(bench, server):
+    channel, peer = bench.opened(server)
+    with peer:
+        total = 0
+        while True:
+            bench.channels.send(channel, bytes(1 << 20))
+            total += 1 << 20
+            credited = sum(event.size for event in bench.channels.arrivals(bench.tick))
+            bench.tick += 1
+            if credited < 1 << 20:
+                break
+        received = 0
+        peer.setblocking(False)
+        left = 0
+        while received < total:
+            with suppress(BlockingIOError):
+                received += len(peer.recv(1 << 20))
+            left += sum(event.size for event in bench.channels.arrivals(bench.tick))
+            bench.tick += 1
+        assert left > 0
+
+
+def test_closing_sends_what_waits_and_does_not_lose_it_for_unread_bytes(bench, server):
+    channel, peer = bench.opened(server)
+    with peer:
+        peer.sendall(b"nobody reads this")
+        bench.channels.send(channel, b"goodbye")
+        bench.channels.close(channel)
+        assert peer.recv(100) == b"goodbye"
+        assert peer.recv(100) == b""
+
+
+def test_a_free_run_is_held_back_to_the_wall_clock_while_a_connection_is_open(server):
+    program = f"""
+def main():
+  socket_open("127.0.0.1", {port_of(server)})
+  sleep(0.06)
+  socket_close()
+  sleep(3600)
+  textmsg("done")
+end
+"""
+    start_s = time.perf_counter()
+    run = VirtualRobot().run(program)
+    taken_s = time.perf_counter() - start_s
+    assert run.log == ["done"]
+    assert run.is_paced
+    assert 0.05 < taken_s < 30
+
+
+def test_a_run_that_connects_to_nobody_is_not_paced():
+    run = VirtualRobot().run('def main():\n  socket_read_string("none")\n  sleep(60)\nend\n')
+    assert not run.is_paced
