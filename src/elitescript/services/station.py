@@ -26,6 +26,8 @@ from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
 from elitescript.services.tcp import Listener, bind
 
 RTSI: Final = "rtsi"
+PENDING_MAX: Final = 10_000
+"""Inputs that may wait while time stands still."""
 BUSY_STEPS: Final = 64
 """Ticks in lockstep after which everybody else is served."""
 
@@ -60,6 +62,7 @@ class Station:
         "_listen",
         "_news",
         "_pending",
+        "_relief",
         "_stepped",
         "_task",
         "broker",
@@ -83,6 +86,7 @@ class Station:
         self._listen = listen
         self._is_lockstep = is_lockstep
         self._pending: list[Input] = []
+        self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
         self._cycle: Cycle | None = None
@@ -176,6 +180,8 @@ class Station:
             self._task.cancel()
             with contextlib.suppress(asyncio.CancelledError, Exception):
                 await self._task
+        if self._relief is not None:
+            self._relief.cancel()
         for listener in self.listeners.values():
             await listener.close()
         self.broker.close_all()
@@ -198,6 +204,7 @@ class Station:
         cycle = self._cycle
         assert cycle is not None
         steps = 0
+        self._relieve()
         while True:
             found = self._gate()
             self.waits_for = found.waits_for
@@ -215,6 +222,15 @@ class Station:
             else:
                 self._news.clear()
                 await self._news.wait()
+
+    def _relieve(self) -> None:
+        """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
+        self.reading_ns = 0
+        for listener in self.listeners.values():
+            for client in list(listener.clients.values()):
+                if len(self._pending) < PENDING_MAX or client.origin == self.waits_for:
+                    client.read_on()
+        self._relief = asyncio.get_running_loop().call_later(PERIOD_S, self._relieve)
 
     def _gate(self) -> Gate:
         return gate(self.listeners[RTSI].clients)

@@ -196,7 +196,6 @@ class Client(asyncio.BufferedProtocol):
         if inputs:
             self._listener.hub.post(inputs)
         self._write()
-        self._spent_ns = 0
         if self._deadline is not None:
             if output.tick >= self._deadline:
                 self.abort()
@@ -204,9 +203,15 @@ class Client(asyncio.BufferedProtocol):
             self._finish()
         elif self._stalled_since is not None and output.tick - self._stalled_since > STALLED_TICKS:
             self._cut_off(f"has read nothing for {STALLED_TICKS // TICKS_PER_S} s")
-        elif self._is_paused and not connection.is_busy and not self.is_behind:
+        else:
+            self.read_on()
+
+    def read_on(self) -> None:
+        """A new slice of time for what the client sends."""
+        self._spent_ns = 0
+        if self._is_paused and self.connection is not None and not self.connection.is_busy and not self.is_behind:
             self._is_paused = False
-            if self._transport is not None:
+            if self._transport is not None and not self._transport.is_closing():
                 self._transport.resume_reading()
 
     def close(self) -> None:
