@@ -24,6 +24,7 @@ from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpene
 from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChannel, Output, Reply
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.messages.timing import PERIOD_S
 from elitescript.runtime.world import Files, FilesRefused
 from elitescript.services import frames
 from elitescript.services.child_process import ChildProcess
@@ -38,8 +39,10 @@ FIRST_PATIENCE_S: Final = 3.0
 """The same before the first output of a fresh child, which has its robot to make."""
 PATIENCE_TICKS: Final = 20
 """Ticks that have gone by as well: whoever was away himself has no reason to complain."""
-GRACE_S: Final = 0.0025
-"""How long an output is waited for in its own period."""
+GRACE_S: Final = 0.0015
+"""How long an output is waited for in its own period; timers of an event loop may add 1 ms."""
+ON_TIME_S: Final = 0.8 * PERIOD_S
+"""Whoever calls again sooner than this has time to make up for, and does not wait."""
 BEHIND_TICKS: Final = 3
 """Ticks behind which no output is waited for."""
 TRACE_S: Final = 0.05
@@ -81,6 +84,7 @@ class ChildLink:
 
     __slots__ = (
         "_boots",
+        "_called_s",
         "_changed",
         "_channels",
         "_child",
@@ -151,6 +155,7 @@ class ChildLink:
         self._failure = ""
         self._given_up_s = 0.0
         self._boots = 0
+        self._called_s = 0.0
         self._replaced_because = ""
         self._lost: Sequence[Input] = ()
         self.layers: tuple[Layer, ...] = ()
@@ -257,8 +262,12 @@ class ChildLink:
 
     def _grace_of(self, tick: int) -> float:
         """How long to wait in this tick: one that is far behind does not catch up within a period."""
+        now_s = time.monotonic()
+        is_late, self._called_s = now_s - self._called_s < ON_TIME_S, now_s
+        if self._grace_s >= self._patience_s:
+            return self._patience_s
         is_behind = bool(self._unanswered) and tick - self._unanswered[0].tick >= BEHIND_TICKS
-        return 0.0 if is_behind and self._grace_s < self._patience_s else min(self._grace_s, self._patience_s)
+        return 0.0 if is_behind or is_late else self._grace_s
 
     def _hold(self, inputs: Sequence[Input]) -> None:
         for item in inputs:
