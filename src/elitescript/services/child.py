@@ -7,6 +7,7 @@ locks itself in. It opens no file for a program, but asks its parent.
 from __future__ import annotations
 
 import faulthandler
+import gc
 import os
 import signal
 import sys
@@ -49,6 +50,9 @@ def serve(line: frames.BlockingLine) -> None:
         elif letter == frames.BEGIN:
             config = codec.shape(KernelConfig).decode(data)
             kernel = Kernel(config, RequestWorld(RemoteFiles(ask)))
+            # What is there now stays; the collector need not look at it in every round.
+            gc.collect()
+            gc.freeze()
             line.send(frames.DESCRIBED, to_text(codec.shape(RobotDescription).encode(kernel.description)))
         else:
             raise UsageError(f"no message {letter!r} is expected here")

@@ -210,7 +210,7 @@ class ChildProcess:
 
 def child_environment() -> dict[str, str]:
     """What a child may know of this process' environment: nothing but what Python needs to start."""
-    environment = {"PYTHONHASHSEED": HASH_SEED, "PYTHONUTF8": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = {"PYTHONHASHSEED": HASH_SEED, "PYTHONUTF8": "1"}
     package = Path(elitescript.__file__).resolve().parent
     if "site-packages" not in package.parts:
         # Not installed: a working copy is found through this path alone.

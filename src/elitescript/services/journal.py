@@ -27,6 +27,7 @@ from elitescript import __version__
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.messages.codec import Codec, to_text
+from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
@@ -73,7 +74,7 @@ class Journal:
         UsageError: the file cannot be written.
     """
 
-    __slots__ = ("_codec", "_digest", "_file", "_inputs", "_last_tick", "_output", "failure")
+    __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_told", "_last_tick", "_output", "failure")
 
     def __init__(self, path: Path, config: KernelConfig) -> None:
         self._codec = full_codec()
@@ -82,6 +83,7 @@ class Journal:
         self._digest = Digest()
         self._last_tick = config.first_tick - 1
         self.failure = ""
+        self._is_told = False
         try:
             self._file: BinaryIO | None = path.open("wb", buffering=0)
         except OSError as error:
@@ -130,6 +132,13 @@ class Journal:
                 "lost": [self._inputs.encode(item) for item in lost],
             }
         )
+
+    def take_warning(self, tick: int) -> tuple[Warned, ...]:
+        """That nothing more is written, once."""
+        if not self.failure or self._is_told:
+            return ()
+        self._is_told = True
+        return (Warned(tick, f"the journal ends here, it cannot be written: {self.failure}"),)
 
     def close(self) -> None:
         """The session is over."""

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
+from elitescript.messages.inputs import Input
+from elitescript.messages.outputs import Output
 from elitescript.runtime.world import Files
 from elitescript.services.child_link import ChildLink
 from elitescript.services.jail import Layer
@@ -66,6 +70,11 @@ class _RecordedLink(InProcessLink):
     def __init__(self, robot: RecordedRobot, journal: Journal) -> None:
         super().__init__(robot)
         self._journal = journal
+
+    async def tick(self, inputs: Sequence[Input]) -> Output:
+        output = self.robot.tick(inputs)
+        warning = self._journal.take_warning(output.tick)
+        return replace(output, events=(*output.events, *warning)) if warning else output
 
     async def close(self) -> None:
         self._journal.close()
