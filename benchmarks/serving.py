@@ -1,4 +1,4 @@
-"""Ten RTSI clients at 250 Hz: how late their packages are and whether one is missing, idle and while a program burns CPU.
+"""Ten RTSI clients at 250 Hz: how late their packages are and whether one is missing, also while a program burns CPU.
 
 The server is `elitescript serve` in a process of its own; the clients are one selector loop in this one. How late a
 package arrives is measured against its robot time, counted from the package that came with the least delay. In
