@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 import pytest
 
 from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel.kernel import HANDLERS
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Popup, RobotModeChanged, TextMessage, Warned
-from elitescript.messages.inputs import AddLog, ClosePopup, Do, Reboot, RunUnit, SetRemote, ShowPopup
+from elitescript.messages.inputs import AddLog, ClosePopup, Do, Input, Reboot, RunUnit, SetRemote, ShowPopup
 from elitescript.messages.machine import (
     AskSafety,
     PauseTask,
@@ -65,6 +68,16 @@ class TestPower:
         output = session.do(PowerOn())
         (warning,) = [event for event in output.events if isinstance(event, Warned)]
         assert "release it" in warning.text
+
+    def test_an_arm_that_is_being_switched_off_is_not_switched_on(self):
+        session = Session(READY)
+        session.start("movej([1, -1.5, -1.5, -1.5, 1.5, 0], a=1, v=0.5)")
+        session.run(1.0)
+        session.do(PowerOff())
+        session.do(PowerOn())
+        session.run(2.0)
+        assert session.last.snapshot.robot.robot_mode is RobotMode.POWER_OFF
+        assert "being switched off" in session.of(Warned)[0].text
 
     def test_nothing_flows_without_power(self):
         snapshot = Session().tick().snapshot
@@ -223,6 +236,9 @@ class TestWindows:
 
 
 class TestTheController:
+    def test_every_kind_of_input_is_handled(self):
+        assert set(get_args(Input)) == set(HANDLERS)
+
     def test_remote_control_is_switched(self):
         session = Session()
         assert session.tick().snapshot.is_remote

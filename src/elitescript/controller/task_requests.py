@@ -56,14 +56,19 @@ def _stop(port: TaskPort, _request: StopTask) -> None:
     port.program.stop("stopped")
 
 
-def _power_on(port: TaskPort, _request: PowerOn) -> None:
+def _go_up(port: TaskPort, goal: RobotMode) -> None:
     port.safety.require("power_on")
-    port.power.go_up(RobotMode.IDLE, port.tick)
+    if port.power.is_going_off:
+        raise ScriptStateError("cannot power on: the arm is being switched off", hint="ask again when it is off")
+    port.power.go_up(goal, port.tick)
+
+
+def _power_on(port: TaskPort, _request: PowerOn) -> None:
+    _go_up(port, RobotMode.IDLE)
 
 
 def _release_brakes(port: TaskPort, _request: ReleaseBrakes) -> None:
-    port.safety.require("power_on")
-    port.power.go_up(RobotMode.RUNNING, port.tick)
+    _go_up(port, RobotMode.RUNNING)
 
 
 def _power_off(port: TaskPort, _request: PowerOff | PowerDown) -> None:

@@ -151,7 +151,7 @@ class Kernel:
 
     def _take(self, inputs: Sequence[Input]) -> None:
         for item in inputs:
-            _HANDLERS[type(item)](self, item)
+            HANDLERS[type(item)](self, item)
 
     def _do(self, item: Do) -> None:
         request = item.request
@@ -239,7 +239,7 @@ def _check_point(request: object) -> None:
         raise UsageError(f"there is no signal {name}[{index}]")
 
 
-_HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
+HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
     Do: Kernel._do,
     RunUnit: Kernel._run_unit,
     **dict.fromkeys((LoadTask, LoadConfiguration, PlayTask, SetVariable, GetVariable), Kernel._task_input),

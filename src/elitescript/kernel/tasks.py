@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from ast import literal_eval
 from keyword import iskeyword
+from typing import Final
 
 from elitescript.controller.controller import Controller
 from elitescript.errors import ProgramError, ScriptError
@@ -20,8 +21,12 @@ from elitescript.messages.inputs import GetVariable, LoadConfiguration, LoadTask
 from elitescript.messages.machine import ResumeTask
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.protocol.outcomes import done, refused
+from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.world import Files, relative_name
+
+VALUE_MAX: Final = 4096
+"""Characters of a value that are told."""
 
 
 class Tasks:
@@ -151,4 +156,11 @@ class Tasks:
         values = {**self._host.monitor(), **({} if self._controller.task.is_running else self._programs.presets)}
         if name not in values:
             return refused("there is no such variable")
-        return done(repr(values[name]))
+        try:
+            text = without_addresses(repr(values[name]))
+        except BaseException as error:
+            # A class of the program may do anything here, and no thread runs that could be stopped for it.
+            if isinstance(error, KeyboardInterrupt):
+                raise
+            return refused("its value cannot be shown")
+        return done(text if len(text) <= VALUE_MAX else f"{text[:VALUE_MAX]}...")
