@@ -59,6 +59,7 @@ class Station:
     __slots__ = (
         "_cycle",
         "_is_lockstep",
+        "_is_standing",
         "_listen",
         "_news",
         "_pending",
@@ -85,6 +86,7 @@ class Station:
         """Origin of the client that time waits for in lockstep."""
         self._listen = listen
         self._is_lockstep = is_lockstep
+        self._is_standing = False
         self._pending: list[Input] = []
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
@@ -100,7 +102,18 @@ class Station:
 
     def wake(self) -> None:
         """Something has changed that time may have waited for."""
-        self._news.set()
+        if not self._is_standing:
+            return
+        tick_now = getattr(self.link, "tick_now", None)
+        if tick_now is None or not self._gate().is_open:
+            self._news.set()
+            return
+        # The shortest way from a client's answer to its next package: no turn of the event loop in between.
+        self._pass_on(tick_now(self._taken()))
+        found = self._gate()
+        self.waits_for = found.waits_for
+        if found.is_open:
+            self._news.set()
 
     def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
         """A line for the log."""
@@ -221,7 +234,11 @@ class Station:
                     await asyncio.sleep(0)
             else:
                 self._news.clear()
-                await self._news.wait()
+                self._is_standing = True
+                try:
+                    await self._news.wait()
+                finally:
+                    self._is_standing = False
 
     def _relieve(self) -> None:
         """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
@@ -237,10 +254,17 @@ class Station:
 
     async def step(self) -> None:
         """One tick."""
-        inputs, self._pending = self._pending, []
-        output = await self.link.tick(inputs)
-        if self.overruns:
+        output = await self.link.tick(self._taken())
+        if self.overruns and not self._is_lockstep:
             output = replace(output, snapshot=replace(output.snapshot, overruns=self.overruns))
+        self._pass_on(output)
+
+    def _taken(self) -> list[Input]:
+        inputs, self._pending = self._pending, []
+        return inputs
+
+    def _pass_on(self, output: Output) -> None:
+        """Give everybody what the robot has said."""
         self.output = output
         self.reading_ns = 0
         for listener in self.listeners.values():

@@ -38,6 +38,8 @@ LINGER_TICKS: Final = 5 * TICKS_PER_S
 """How long a client that has ended its half, or is to be closed, has to take what it asked for."""
 CLIENTS_MAX: Final = 64
 """Of one service."""
+LEAVING_MAX: Final = 1024
+"""Of one service, with those who are about to leave."""
 
 
 class Hub(Protocol):
@@ -105,7 +107,7 @@ class Client(asyncio.BufferedProtocol):
         listener = self._listener
         address = transport.get_extra_info("peername")
         self.peer = f"{address[0]}:{address[1]}" if address else "?"
-        if len(listener.clients) >= CLIENTS_MAX:
+        if listener.count >= CLIENTS_MAX or len(listener.clients) >= LEAVING_MAX:
             text = f"refused {self.peer}: {CLIENTS_MAX} clients are connected"
             listener.hub.note("refused", f"{listener.service.name}: {text}", is_problem=True, peer=self.peer)
             transport.abort()
@@ -136,11 +138,12 @@ class Client(asyncio.BufferedProtocol):
         except Exception:
             self._fail()
             return
+        has_answered = False
         if inputs:
             hub.post(inputs)
             if self.owes_input and any(isinstance(item, VariablesArrived) for item in inputs):
                 self.owes_input = False
-                hub.wake()
+                has_answered = True
         self._write()
         spent_ns = time.perf_counter_ns() - start_ns
         self._spent_ns += spent_ns
@@ -149,11 +152,14 @@ class Client(asyncio.BufferedProtocol):
             self._finish()
         elif connection.is_busy or self._spent_ns > SLICE_NS or hub.reading_ns > SLICES_NS:
             self._pause()
+        if has_answered:
+            hub.wake()
 
     def eof_received(self) -> bool:
         self._end_of_input()
         if not self._listener.service.outlives_silence and self._deadline is None:
             self._deadline = self._listener.hub.output.tick + LINGER_TICKS
+            self._close_unless_expecting()
         return True
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -179,6 +185,11 @@ class Client(asyncio.BufferedProtocol):
         """Whether so much waits for it that it misses samples."""
         return self._stalled_since is not None
 
+    @property
+    def is_leaving(self) -> bool:
+        """Whether it has said that it sends nothing more, or is to be closed."""
+        return self._deadline is not None
+
     def publish(self, output: Output) -> None:
         """Give the client a tick."""
         connection = self.connection
@@ -199,6 +210,8 @@ class Client(asyncio.BufferedProtocol):
         if self._deadline is not None:
             if output.tick >= self._deadline:
                 self.abort()
+            else:
+                self._close_unless_expecting()
         elif connection.is_over:
             self._finish()
         elif self._stalled_since is not None and output.tick - self._stalled_since > STALLED_TICKS:
@@ -283,6 +296,10 @@ class Client(asyncio.BufferedProtocol):
         self._listener.hub.note("bug", text, is_problem=True, origin=self.origin)
         self.abort()
 
+    def _close_unless_expecting(self) -> None:
+        if self.connection is None or not self.connection.is_expecting:
+            self.close()
+
     def _finish(self) -> None:
         """Send what is left, then close."""
         self._write()
@@ -327,6 +344,11 @@ class Listener:
         """Give every client a tick."""
         for client in list(self.clients.values()):
             client.publish(output)
+
+    @property
+    def count(self) -> int:
+        """Clients that are not about to leave."""
+        return sum(not client.is_leaving for client in self.clients.values())
 
     def release(self) -> None:
         """Give the port back without having accepted anybody."""
