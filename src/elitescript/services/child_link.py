@@ -268,11 +268,12 @@ class ChildLink:
 
     def _hold(self, inputs: Sequence[Input]) -> None:
         for item in inputs:
-            is_stale = (
-                isinstance(item, ChannelOpened | ChannelData | ChannelClosed) and item.channel not in self._channels
-            )
-            if is_stale:
-                continue
+            if isinstance(item, ChannelOpened | ChannelData | ChannelClosed):
+                if item.channel not in self._channels:
+                    # Of a child that is gone.
+                    continue
+                if isinstance(item, ChannelClosed):
+                    self._channels.discard(item.channel)
             if len(self._held) >= HELD_MAX:
                 text = f"an input was refused: {HELD_MAX} wait for the robot already"
                 self._outputs.add_own(Warned(self._next - 1, text))

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.kernel.restart import restored_config
-from elitescript.messages.codec import to_text
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
