@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from elitescript.messages.timing import TICKS_PER_S
 from elitescript.services import tcp
 from elitescript.services.broker import CHANNELS_MAX
 from elitescript.services.control_verbs import VERBS
@@ -34,6 +35,7 @@ def ports_page() -> str:
         name = f"[`{row.name}`]({_PAGES[row.name]})" if row.name in _PAGES else f"`{row.name}`"
         lines.append(f"| {name} | {row.number} | {cell(row.summary)} | {cell(row.evidence)} |")
     backlog, most = tcp.SAMPLE_BACKLOG // 1024, tcp.BACKLOG_MAX // 1024
+    stalled_s = tcp.STALLED_TICKS // TICKS_PER_S
     lines += [
         "",
         "## What every port promises (*assumed*)",
@@ -41,32 +43,35 @@ def ports_page() -> str:
         "- A message is one write, without delay (`TCP_NODELAY`).",
         f"- Up to {tcp.CLIENTS_MAX} clients for each port.",
         "- What arrives counts from the next tick of 4 ms; what a tick gives leaves at once.",
-        f"- A client that reads too slowly misses packages of its stream when more than {backlog} KiB wait for it. It is",
-        f"  cut off when {most} KiB wait, or when it has taken nothing for {tcp.STALLED_TICKS // 250} s. Nobody else waits.",
+        "- A client that reads too slowly misses packages of its stream when more than",
+        f"  {backlog} KiB wait for it. It is cut off when {most} KiB wait, or when it has taken nothing for",
+        f"  {stalled_s} s. Nobody else waits.",
         "- Of what one client sends, so much is read in a tick as takes 0.3 ms; the rest stays in its socket.",
         "- What cannot be understood as the protocol of the port closes that one connection.",
-        "- A client that ends its own half of the connection is answered what it has asked; a program that it has begun",
-        "  counts as sent. The state of the primary port goes on for it.",
+        "- A client that ends its own half of the connection is answered what it has asked; a program that",
+        "  it has begun counts as sent. The state of the primary port goes on for it.",
         "",
         "## Time",
         "",
-        "A tick that begins 4 ms late or more is an *overrun*; `elitescript ctl state` shows how many there were. Ticks that",
-        f"were missed are made up for at once, up to {CATCH_UP_TICKS}; beyond that they are left out, and a line says so.",
+        "A tick that begins 4 ms late or more is an *overrun*; `elitescript ctl state` shows how many there",
+        f"were. Ticks that were missed are made up for at once, up to {CATCH_UP_TICKS}; beyond that they are left",
+        "out, and a line says so.",
         "",
-        "`--lockstep rtsi`: robot time waits for RTSI clients. A client takes part once it has set up an input recipe and",
-        "started (`S`), until it pauses (`P`) or goes. A tick comes only when every such client has answered the last package",
-        "that it got by an input package (`U`). With a recipe of 125 Hz two ticks follow each answer. Clients without input",
-        "recipes only listen, and miss nothing. While nobody takes part, time passes as on the wall.",
+        "`--lockstep rtsi`: robot time waits for RTSI clients. A client takes part once it has set up an",
+        "input recipe and started (`S`), until it pauses (`P`) or goes. A tick comes only when every such",
+        "client has answered the last package that it got by an input package (`U`). With a recipe of",
+        "125 Hz two ticks follow each answer. Clients without input recipes only listen, and miss nothing.",
+        "While nobody takes part, time passes as on the wall.",
         "",
         "## Connections that programs open",
         "",
-        f"TCP, at most {CHANNELS_MAX} at a time. A peer that does not read stops the program that writes to it, and the other",
-        "way round.",
+        f"TCP, at most {CHANNELS_MAX} at a time. A peer that does not read stops the program that writes to it, and",
+        "the other way round.",
         "",
         "## `elitescript ctl`",
         "",
-        "A person's hands on a served robot, through a local channel that only the same user can open; it works in local",
-        "control too.",
+        "A person's hands on a served robot, through a local channel that only the same user can open; it",
+        "works in local control too.",
         "",
         "| verb | what it does |",
         "|---|---|",
