@@ -48,6 +48,9 @@ BEHIND_TICKS: Final = 3
 """Ticks behind which no output is waited for."""
 TRACE_S: Final = 0.05
 """How long a child that is given up may take to say where it is."""
+READING_MAX_S: Final = 0.25
+READING_KEPT: Final = 0.99
+"""Time that the outputs of the last hundred ticks or so may take to be read: more than half of it."""
 BOOT_S: Final = 20.0
 UNANSWERED_MAX: Final = 500
 HELD_MAX: Final = 10_000
@@ -109,6 +112,7 @@ class ChildLink:
         "_output_shape",
         "_outputs",
         "_patience_s",
+        "_reading_s",
         "_replaced_because",
         "_unanswered",
         "layers",
@@ -151,6 +155,7 @@ class ChildLink:
         self._given_up_s = 0.0
         self._boots = 0
         self._called_s = 0.0
+        self._reading_s = 0.0
         self._replaced_because = ""
         self._lost: Sequence[Input] = ()
         self.layers: tuple[Layer, ...] = ()
@@ -230,7 +235,7 @@ class ChildLink:
     def _start_child(self) -> None:
         self._is_locked_in = self._is_describing = False
         self._end_reason = self._failure = ""
-        self._given_up_s = 0.0
+        self._given_up_s = self._reading_s = 0.0
         self._boots += 1
         try:
             self._child = ChildProcess(self._message, self._ended)
@@ -263,11 +268,12 @@ class ChildLink:
 
     def _hold(self, inputs: Sequence[Input]) -> None:
         for item in inputs:
-            is_stale = (
-                isinstance(item, ChannelOpened | ChannelData | ChannelClosed) and item.channel not in self._channels
-            )
-            if is_stale:
-                continue
+            if isinstance(item, ChannelOpened | ChannelData | ChannelClosed):
+                if item.channel not in self._channels:
+                    # Of a child that is gone.
+                    continue
+                if isinstance(item, ChannelClosed):
+                    self._channels.discard(item.channel)
             if len(self._held) >= HELD_MAX:
                 text = f"an input was refused: {HELD_MAX} wait for the robot already"
                 self._outputs.add_own(Warned(self._next - 1, text))
@@ -306,7 +312,11 @@ class ChildLink:
     def _take_output(self, text: bytes) -> None:
         if not self._unanswered:
             raise CodecError("an output that was not asked for")
+        began_s = time.thread_time()
         output = self._output_shape.decode(from_text(text))
+        self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
+        if self._reading_s > READING_MAX_S:
+            raise CodecError("it says so much that reading it takes the time of everybody else")
         sent = self._unanswered.popleft()
         if output.tick != sent.tick:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.tick}")
