@@ -53,6 +53,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     record = {
         "date": date.today().isoformat(),
         "version": __version__,
+        "cases": os.environ.get("ELITESCRIPT_INVARIANTS", ""),
         "python": f"Python {platform.python_version()}",
         "passed": counts["passed"],
         "failed": counts["failed"] + counts["error"],
@@ -60,4 +61,4 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         "minutes": round((monotonic() - session.config.stash[_BEGAN]) / 60.0, 1),
         "findings": list(session.config.stash[_FOUND].values()),
     }
-    Path(path).write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8", newline="\n")
+    Path(path).write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", encoding="utf-8", newline="\n")

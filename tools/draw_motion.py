@@ -114,8 +114,9 @@ def _record(name: str, command: str, what: str, how: str, found: str) -> list[st
     if not path.exists():
         return [f"Not run yet; `{command}` writes this."]
     record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    asked = f"{command} CASES={record['cases']}" if record["cases"] else command
     lines = [
-        f"`{command}` on {record['date']}, {record['python']}, elitescript {record['version']}: "
+        f"`{asked}` on {record['date']}, {record['python']}, elitescript {record['version']}: "
         f"{record['passed']} tests passed, {record['failed']} failed, {record['skipped']} skipped; "
         f"{record['minutes']} min.",
         "",
