@@ -88,7 +88,7 @@ def test_on_the_way_the_inertia_of_the_payload_counts(kind: str, scale: float) -
     moving(kind, controller)
     seen = []
     while controller.is_moving:
-        q, qd = controller.setpoint_at(controller.tick)
+        q, qd = controller.joints().q_target, controller.joints().qd_target
         seen.append((q, qd, controller.joint_torques()))
         run(controller, 1)
     checked = moved = 0
@@ -122,7 +122,7 @@ def test_a_new_speed_percentage_accelerates_with_its_ramp() -> None:
     run(controller, 100)
     controller.request(SetSpeedScale(0.5))
     run(controller, 10)
-    q, qd = controller.setpoint_at(controller.tick)
+    q, qd = controller.joints().q_target, controller.joints().qd_target
     # From 1 to 0.5 rad/s in 0.2 s.
     qdd: Six = (-2.5, 0.0, 0.0, 0.0, 0.0, 0.0)
     assert controller.joint_torques() == pytest.approx(share_of(PART, q, qd, qdd), abs=1e-6)

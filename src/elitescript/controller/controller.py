@@ -10,16 +10,18 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.controller.arm_dynamics import ArmDynamics
+from elitescript.controller.arm_state import ArmState
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
 from elitescript.controller.model_limits import motion_limits
 from elitescript.controller.modes import WHY_NOT_READY, Power
 from elitescript.controller.motion_control import MotionControl
+from elitescript.controller.setup import SETUP_HANDLERS, Setup
 from elitescript.controller.snapshot import build_state
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
 from elitescript.errors import ArgumentRangeError, ScriptError, ScriptStateError
 from elitescript.kinematics.arm import Arm
-from elitescript.kinematics.transforms import IDENTITY, Transform, pose_from_transform, transform_from_pose
+from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
 from elitescript.messages.machine import (
@@ -27,22 +29,17 @@ from elitescript.messages.machine import (
     PauseTask,
     PowerDown,
     ResumeTask,
-    SetGravity,
     SetInputAction,
     SetLineMark,
-    SetOption,
-    SetPayload,
     SetSpeedScale,
-    SetTcp,
     StopTask,
     WriteSignal,
 )
 from elitescript.messages.motion import MotionRequest, Six
 from elitescript.messages.signals import SIGNALS, Value, signal_name
-from elitescript.messages.state import ZERO_SIX, JointState, Payload, RobotState
+from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.timing import seconds
 from elitescript.models.model import RobotModel
-from elitescript.motion.segment import Setpoint
 
 
 class Controller:
@@ -57,25 +54,20 @@ class Controller:
     """
 
     __slots__ = (
-        "_T_flange_tcp",
+        "_arm_state",
         "_dynamics",
         "_epoch_s",
-        "_gravity",
         "_inbox",
         "_is_powering_down",
-        "_joints",
-        "_joints_tick",
         "_model",
         "_motion",
         "_node",
         "_on_event",
-        "_options",
-        "_payload",
         "_power",
         "_program",
+        "_setup",
         "_signals",
         "_task",
-        "_tcp_offset",
         "_tick",
         "arm",
         "joint_ranges",
@@ -111,15 +103,10 @@ class Controller:
             self._motion_ended,
         )
         self._motion.set_speed_scale(speed_scale, 0)
-        self._tcp_offset: Six = ZERO_SIX
-        self._T_flange_tcp: Transform = IDENTITY
-        self._payload = Payload()
-        self._gravity = model.gravity
-        self._options: dict[str, Value] = {}
+        self._arm_state = ArmState(self._motion)
+        self._setup = Setup(model)
         self._node: tuple[int, str] = (0, "")
         self._is_powering_down = False
-        self._joints_tick = -1
-        self._joints = JointState(model.home, ZERO_SIX, model.home, ZERO_SIX)
         self._dynamics = ArmDynamics(model)
 
     def attach(self, program: ProgramPort) -> None:
@@ -135,13 +122,13 @@ class Controller:
 
     def run_tick(self) -> None:
         """All phases of the present tick; `leap` then goes on to the next one."""
-        self._motion.settle(self._tick)
+        self._arm_state.settle(self._tick)
         self._deliver_inbox()
         self._program.run_tick(self._tick)
 
     def next_tick(self) -> int | None:
         """The next tick at which anything is due; None when nothing will ever happen by itself."""
-        due = (self._program.next_tick(self._tick), self._motion.next_tick, self._inbox.next_tick)
+        due = (self._program.next_tick(self._tick), self._arm_state.next_tick, self._inbox.next_tick)
         ticks = [tick for tick in due if tick is not None]
         return max(min(ticks), self._tick + 1) if ticks else None
 
@@ -181,17 +168,17 @@ class Controller:
     @property
     def tcp_offset(self) -> Six:
         """Active TCP, flange to TCP."""
-        return self._tcp_offset
+        return self._setup.tcp_offset
 
     @property
     def payload(self) -> Payload:
         """Payload that was set last."""
-        return self._payload
+        return self._setup.payload
 
     @property
     def target_waypoint(self) -> Six:
         """Pose of the waypoint that the arm moves to, or moved to last; before any move the present target pose."""
-        return self._motion.waypoint or self.tcp_pose(self._motion.setpoint(self._tick).q)
+        return self._motion.waypoint or self.tcp_pose(self.joints().q_target)
 
     @property
     def joint_temperatures(self) -> Six:
@@ -221,7 +208,7 @@ class Controller:
     @property
     def is_moving(self) -> bool:
         """Whether a move is under way."""
-        return self._motion.is_moving
+        return self._arm_state.is_moving
 
     @property
     def speed_scale(self) -> float:
@@ -229,43 +216,40 @@ class Controller:
         return self._motion.speed_scale
 
     def joints(self) -> JointState:
-        """Joints of the present tick; the plant is ideal, so actual equals target."""
-        if self._joints_tick != self._tick:
-            q, qd = self._motion.setpoint(self._tick)
-            self._joints = JointState(q, qd, q, qd)
-            self._joints_tick = self._tick
-        return self._joints
+        """Target and actual joints of the present tick."""
+        return self._arm_state.joints(self._tick)
 
     def joint_torques(self) -> Six:
         """Torques of this tick without those that the arm needs to carry and to move itself, N m."""
         joints = self.joints()
-        qdd = self._motion.acceleration(self._tick)
-        return self._dynamics.remaining_torques(joints.q_actual, joints.qd_actual, qdd, self._gravity, self._payload)
+        qdd = self._arm_state.target_acceleration()
+        return self._dynamics.remaining_torques(
+            joints.q_actual, joints.qd_actual, qdd, self._setup.gravity, self._setup.payload
+        )
 
-    def setpoint_at(self, tick: int) -> Setpoint:
-        """Target joints at a tick from the present one up to the next at which something is due."""
-        return self._motion.setpoint(tick)
+    def joints_at(self, tick: int) -> JointState:
+        """Joints at a tick from the present one up to the next at which something is due."""
+        return self._arm_state.joints(tick)
 
     def tcp_pose(self, q: Six) -> Six:
         """Pose of the active TCP at joint positions, base frame."""
-        return pose_from_transform(self.arm.forward_tcp(q, self._T_flange_tcp))
+        return pose_from_transform(self.arm.forward_tcp(q, self._setup.T_flange_tcp))
 
     def state_at(self, tick: int) -> RobotState:
         """The machine at such a tick."""
-        q, qd = self._motion.setpoint(tick)
         return build_state(
             tick=tick,
-            joints=JointState(q, qd, q, qd),
+            joints=self._arm_state.joints(tick),
             arm=self.arm,
-            T_flange_tcp=self._T_flange_tcp,
-            tcp_offset=self._tcp_offset,
+            T_flange_tcp=self._setup.T_flange_tcp,
+            tcp_offset=self._setup.tcp_offset,
             robot_mode=self._power.mode,
             safety_mode=SafetyMode.NORMAL,
             task_state=self._task.state,
-            payload=self._payload,
-            gravity=self._gravity,
+            payload=self._setup.payload,
+            gravity=self._setup.gravity,
             speed_scale=self._motion.speed_scale,
-            is_moving=self._motion.is_moving,
+            is_moving=self._arm_state.is_moving,
             line=self._program.line,
             node=self._node,
         )
@@ -298,7 +282,7 @@ class Controller:
         why = WHY_NOT_READY.get(mode)
         if why is not None:
             raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
-        return self._motion.request(request, self._tick, self._T_flange_tcp, line, thread)
+        return self._motion.request(request, self._tick, self._setup.T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:
         """Whether that move is over."""
@@ -341,11 +325,11 @@ class Controller:
     def _task_changed(self, before: TaskState, after: TaskState) -> None:
         self.emit(TaskStateChanged(self._tick, after, self._task.name))
         if after is TaskState.PAUSED:
-            self._motion.pause(self._tick)
+            self._arm_state.pause(self._tick)
         elif before is TaskState.PAUSED:
-            self._motion.resume(self._tick)
+            self._arm_state.resume(self._tick)
         if after is TaskState.STOPPED:
-            self._motion.stop(self._tick)
+            self._arm_state.stop(self._tick)
         if TaskState.STOPPED in (before, after):
             self._signals.set_running(self._task.is_running)
 
@@ -367,23 +351,6 @@ class Controller:
             point = signal_name(SIGNALS[name], index)
             self.emit(Warned(self._tick, f"{point} asks for hand guiding, which is not simulated yet"))
 
-    def _set_tcp(self, request: SetTcp) -> None:
-        self._tcp_offset = request.offset
-        self._T_flange_tcp = transform_from_pose(request.offset)
-
-    def _set_payload(self, request: SetPayload) -> None:
-        if not 0.0 <= request.mass_kg <= self._model.payload_max_kg:
-            raise ArgumentRangeError(
-                f"the {self._model.name} carries 0 to {self._model.payload_max_kg:g} kg, not {request.mass_kg:g} kg",
-                value=request.mass_kg,
-                limit=f"[0, {self._model.payload_max_kg:g}]",
-                unit="kg",
-            )
-        self._payload = Payload(request.mass_kg, request.cog, request.inertia)
-
-    def _set_gravity(self, request: SetGravity) -> None:
-        self._gravity = request.vector
-
     def _set_speed_scale(self, request: SetSpeedScale) -> None:
         if not 0.0 <= request.fraction <= 1.0:
             raise ArgumentRangeError(
@@ -393,8 +360,8 @@ class Controller:
             )
         self._motion.set_speed_scale(request.fraction, self._tick)
 
-    def _set_option(self, request: SetOption) -> None:
-        self._options[request.name] = request.value
+    def _declare(self, request: Any) -> None:
+        SETUP_HANDLERS[type(request)](self._setup, request)
 
     def _set_line_mark(self, request: SetLineMark) -> None:
         self._node = (request.number, request.label)
@@ -403,12 +370,12 @@ class Controller:
     def _power_down(self, _request: PowerDown) -> None:
         if self._task.is_running:
             self._program.stop("powerdown")
-        self._motion.stop(self._tick)
+        self._arm_state.stop(self._tick)
         self._is_powering_down = True
         self._switch_off_at_standstill()
 
     def _switch_off_at_standstill(self) -> None:
-        if self._is_powering_down and not self._motion.is_moving:
+        if self._is_powering_down and not self._arm_state.is_moving:
             self._is_powering_down = False
             if self._power.mode is not RobotMode.POWER_OFF:
                 self._power.apply("power_off")
@@ -434,16 +401,13 @@ class Controller:
 
 HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     WriteSignal: Controller._write_signal,
-    SetTcp: Controller._set_tcp,
-    SetPayload: Controller._set_payload,
-    SetGravity: Controller._set_gravity,
     SetSpeedScale: Controller._set_speed_scale,
-    SetOption: Controller._set_option,
     SetLineMark: Controller._set_line_mark,
     PowerDown: Controller._power_down,
     PauseTask: Controller._pause_task,
     ResumeTask: Controller._resume_task,
     StopTask: Controller._stop_task,
     **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
+    **dict.fromkeys(SETUP_HANDLERS, Controller._declare),
 }
 """Every kind of machine request and who handles it."""

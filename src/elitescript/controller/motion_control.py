@@ -13,7 +13,6 @@ ran before.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Final
 
 from elitescript.controller.drives import Drive, JointDrive
 from elitescript.controller.sources import NEVER, Braking, Move
@@ -44,10 +43,6 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.speed import braked, braked_apart
 from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
 from elitescript.motion.twist import ToolMotion
-
-_INSTANT_S: Final = 1e-6
-"""Over this time the acceleration is taken as constant. Rounding of the speeds makes up some 1e-8 rad/s^2 of the
-difference, the bending of a path some 1e-5."""
 
 AnyDrive = JointDrive | ToolDrive | ServoDrive
 AnySource = Move | Braking | AnyDrive
@@ -135,23 +130,26 @@ class MotionControl:
     def setpoint(self, tick: int) -> Setpoint:
         """Target joints at the time of a tick, from the present one up to the next that is due: rad, rad/s."""
         if tick != self._sampled_tick:
-            self._sampled = self._sample(tick)
+            self._sampled = self.sample(tick)
             self._sampled_tick = tick
         return self._sampled
 
-    def acceleration(self, tick: int) -> Six:
-        """Target acceleration with which the joints go on from a tick, rad/s^2.
+    def rests_at(self, tick: int) -> bool:
+        """Whether the arm stands still from a tick on, which is not after the next one that is due."""
+        return self._next is None and (self._source is None or self._source.end_tick <= tick)
 
-        Where it jumps, this is the value of the time that follows. It is a difference of the speeds of this instant and
-        the next (of the next tick, for what goes from tick to tick), because path, profile and speed percentage all
-        contribute; it asks for nothing before the tick, so it does not depend on which ticks were run.
-        """
-        is_stepped = isinstance(self._source, ToolDrive | ServoDrive)
-        ahead_s = PERIOD_S if is_stepped else _INSTANT_S
-        later = self._sample(tick + 1 if is_stepped else tick + _INSTANT_S / PERIOD_S).qd
-        return _six((after - now) / ahead_s for now, after in zip(self.setpoint(tick).qd, later, strict=True))
+    def rebase(self, q: Six) -> None:
+        """Take another place (rad) as the one where the arm rests: a correction of its motion has ended there."""
+        self._q_rest = q
+        self._sampled_tick = -1
 
-    def _sample(self, tick: float) -> Setpoint:
+    @property
+    def is_stepped(self) -> bool:
+        """Whether the present motion is known for the next tick only, not in between."""
+        return isinstance(self._source, ToolDrive | ServoDrive)
+
+    def sample(self, tick: float) -> Setpoint:
+        """Target joints at any time, in ticks, from the present tick up to the next that is due: rad, rad/s."""
         source = self._source
         if source is None:
             return Setpoint(self._q_rest, ZERO_SIX)

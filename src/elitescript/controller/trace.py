@@ -80,7 +80,8 @@ class Trace:
 
     @staticmethod
     def _row(controller: Controller, tick: int) -> TraceRow:
-        q, qd = controller.setpoint_at(tick + 1)
+        joints = controller.joints_at(tick + 1)
+        q, qd = joints.q_target, joints.qd_target
         return TraceRow(seconds(tick), controller.line, q, qd, controller.tcp_pose(q), _STATES[controller.task_state])
 
 

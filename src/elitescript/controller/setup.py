@@ -1,0 +1,69 @@
+"""What programs declare about tool, payload and mounting; it moves nothing by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from elitescript.errors import ArgumentRangeError
+from elitescript.kinematics.transforms import IDENTITY, Transform, transform_from_pose
+from elitescript.messages.machine import SetGravity, SetOption, SetPayload, SetTcp
+from elitescript.messages.motion import Six
+from elitescript.messages.signals import Value
+from elitescript.messages.state import ZERO_SIX, Payload
+from elitescript.models.model import RobotModel
+
+
+class Setup:
+    """Tool, payload, gravity and options of one robot.
+
+    Args:
+        model: the arm; says what it can carry.
+    """
+
+    __slots__ = ("T_flange_tcp", "_model", "gravity", "options", "payload", "tcp_offset")
+
+    def __init__(self, model: RobotModel) -> None:
+        self._model = model
+        self.tcp_offset: Six = ZERO_SIX
+        self.T_flange_tcp: Transform = IDENTITY
+        self.payload = Payload()
+        self.gravity = model.gravity
+        self.options: dict[str, Value] = {}
+
+    def set_tcp(self, request: SetTcp) -> None:
+        """Active TCP."""
+        self.tcp_offset = request.offset
+        self.T_flange_tcp = transform_from_pose(request.offset)
+
+    def set_payload(self, request: SetPayload) -> None:
+        """Payload at the flange.
+
+        Raises:
+            ArgumentRangeError: heavier than the model carries.
+        """
+        if not 0.0 <= request.mass_kg <= self._model.payload_max_kg:
+            raise ArgumentRangeError(
+                f"the {self._model.name} carries 0 to {self._model.payload_max_kg:g} kg, not {request.mass_kg:g} kg",
+                value=request.mass_kg,
+                limit=f"[0, {self._model.payload_max_kg:g}]",
+                unit="kg",
+            )
+        self.payload = Payload(request.mass_kg, request.cog, request.inertia)
+
+    def set_gravity(self, request: SetGravity) -> None:
+        """Acceleration that the base feels."""
+        self.gravity = request.vector
+
+    def set_option(self, request: SetOption) -> None:
+        """A setting without effect on the simulation."""
+        self.options[request.name] = request.value
+
+
+SETUP_HANDLERS: Final[dict[type, Callable[[Setup, Any], None]]] = {
+    SetTcp: Setup.set_tcp,
+    SetPayload: Setup.set_payload,
+    SetGravity: Setup.set_gravity,
+    SetOption: Setup.set_option,
+}
+"""Every request that only declares something, and what handles it."""
