@@ -62,6 +62,26 @@ def _free_run_rows() -> list[tuple[str, str, str, str]]:
     return rows
 
 
+def _day_rows() -> list[tuple[str, str, str, str]]:
+    """Twenty-four hours of pick and place: the memory after the first hour and at the end, each in its own process."""
+    rows = []
+    for what, plant in (("24 h of pick and place", ""), ("1 h of it with a lag of 20 ms", "lag")):
+        hours = 1 if plant else 24
+        command = [sys.executable, "-m", "benchmarks.day", str(hours), *filter(None, [plant])]
+        environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'src'}{os.pathsep}{ROOT}"}
+        result = subprocess.run(command, check=True, capture_output=True, text=True, env=environment, cwd=ROOT)
+        wall, first, half, last = map(float, result.stdout.split())
+        rows.append(
+            (
+                what,
+                f"{wall:.1f} s",
+                f"{first:.0f}, {half:.0f}, {last:.0f} MB (after a 24th, a half, all)",
+                f"{hours * 3600 / wall:.0f} x real time",
+            )
+        )
+    return rows
+
+
 def rows() -> list[tuple[str, str, str, str]]:
     """What, ours, the other, ratio."""
-    return _start_rows() + _free_run_rows()
+    return _start_rows() + _free_run_rows() + _day_rows()

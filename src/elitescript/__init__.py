@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from elitescript.errors import ElitescriptError as ElitescriptError
     from elitescript.errors import ProgramError as ProgramError
     from elitescript.errors import UsageError as UsageError
+    from elitescript.messages.plant import PlantConfig as PlantConfig
     from elitescript.robot import VirtualRobot as VirtualRobot
     from elitescript.run import Run as Run
 
@@ -21,6 +22,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "VirtualRobot": "elitescript.robot",
     "Run": "elitescript.run",
+    "PlantConfig": "elitescript.messages.plant",
     "AlarmError": "elitescript.errors",
     "ElitescriptError": "elitescript.errors",
     "ProgramError": "elitescript.errors",

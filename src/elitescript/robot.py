@@ -25,6 +25,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.motion import Six
+from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
@@ -62,6 +63,7 @@ class VirtualRobot:
         epoch_s: controller clock at tick 0, seconds since 1970.
         work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
             not known (*assumed*).
+        plant: how the joints follow their targets; exactly if None.
         on_event: receives every event at the moment it happens.
 
     Raises:
@@ -81,6 +83,7 @@ class VirtualRobot:
         strict: bool = False,
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
+        plant: PlantConfig | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
@@ -92,7 +95,9 @@ class VirtualRobot:
         home = None if joints is None else self._start_joints(joints)
         if not 0.0 <= speed <= 1.0:
             raise UsageError(f"speed must be in [0, 1], got {speed!r}")
-        self.controller = Controller(self.model, epoch_s=epoch_s, on_event=self._event, home=home, speed_scale=speed)
+        self.controller = Controller(
+            self.model, epoch_s=epoch_s, on_event=self._event, home=home, speed_scale=speed, plant=plant
+        )
         self.signals = Signals(self.controller)
         self._host = ScriptHost(
             self.controller, profile=self.profile, seed=seed, on_end=self._program_ended, work_per_tick=work_per_tick

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Any, Literal
+from typing import Any, Final, Literal, TypeVar
 
 from elitescript.controller.trace import TraceRow
 from elitescript.errors import AlarmError
@@ -12,6 +12,11 @@ from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Event, Printed, TextMessage, Warned
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value, parse_signal_name
+
+RECORDS_MAX: Final = 50_000
+"""Events, and texts of each kind, that a run keeps at least."""
+
+_Record = TypeVar("_Record")
 
 EndState = Literal["finished", "alarm", "stopped", "time_limit", "stuck"]
 
@@ -35,7 +40,8 @@ class Run:
         printed: texts of `print`, in order.
         warnings: texts of warnings, those of the compiler included.
         alarms: what stopped the program.
-        events: everything that happened, in order.
+        events: everything that happened, in order; of a very long run the last `RECORDS_MAX`. So it is with the texts.
+        events_dropped: how many events have gone, so that a run of days does not fill the memory.
         trace: rows, if a trace was asked for.
         joints: target joint positions at the end, rad.
         tcp_pose: target TCP pose at the end, base frame, m and rad.
@@ -46,6 +52,7 @@ class Run:
     __slots__ = (
         "alarms",
         "events",
+        "events_dropped",
         "globals",
         "joints",
         "log",
@@ -72,6 +79,7 @@ class Run:
         self.warnings: list[str] = [str(problem) for problem in unit.diagnostics]
         self.alarms: list[Alarm] = []
         self.events: list[Event] = []
+        self.events_dropped = 0
         self.trace: list[TraceRow] = []
         self.joints: Six | tuple[()] = ()
         self.tcp_pose: Six | tuple[()] = ()
@@ -103,15 +111,26 @@ class Run:
 
     def add(self, event: Event) -> None:
         """Note an event of this run."""
-        self.events.append(event)
+        self.events_dropped += _keep(self.events, event)
         if isinstance(event, TextMessage):
-            self.log.append(event.text)
+            _keep(self.log, event.text)
         elif isinstance(event, Printed):
-            self.printed.append(event.text)
+            _keep(self.printed, event.text)
         elif isinstance(event, Warned):
-            self.warnings.append(event.text)
+            _keep(self.warnings, event.text)
         elif isinstance(event, Alarm):
             self.alarms.append(event)
 
     def __repr__(self) -> str:
         return f"<Run {self.state or 'running'} after {self.time_s:.3f} s>"
+
+
+def _keep(records: list[_Record], record: _Record) -> int:
+    """Append to a list that stays bounded; return how many old ones had to go."""
+    records.append(record)
+    surplus = len(records) - RECORDS_MAX
+    # A tenth at a time: what is taken from the front of a list costs its length.
+    if surplus <= RECORDS_MAX // 10:
+        return 0
+    del records[:surplus]
+    return surplus

@@ -5,18 +5,24 @@ from random import Random
 
 import pytest
 
-from elitescript import VirtualRobot
+from elitescript import PlantConfig, VirtualRobot
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale
 from elitescript.runtime.world import NoWorld
 from tests.invariants.random_programs import random_program
 
 COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300"))
 
+PLANTS = (
+    None,
+    PlantConfig(lag_s=0.02),
+    PlantConfig(lag_s=0.03, noise_rad=1e-5, viscous_friction=0.1, coulomb_friction=0.05, seed=3),
+)
+
 
 def outcome(seed, pace):
     generator = Random(seed)
     program = random_program(generator)
-    robot = VirtualRobot("CS66", seed=seed, world=NoWorld())
+    robot = VirtualRobot("CS66", seed=seed, world=NoWorld(), plant=PLANTS[seed % len(PLANTS)])
     for _ in range(generator.randrange(0, 6)):
         name = f"standard_digital_in[{generator.randrange(4)}]"
         robot.at(generator.uniform(0.0, 4.0), name, generator.random() < 0.7)
@@ -29,7 +35,8 @@ def outcome(seed, pace):
         robot.controller.put(tick + generator.randrange(0, 200), ResumeTask())
     robot.set_speed(generator.choice((1.0, 1.0, 0.5, 0.13)))
     run = robot.run(program, until_s=30.0, trace=True, trace_step_s=0.02, pace=pace)
-    return (program, run.state, run.time_s, run.events, run.trace, run.globals, run.joints, run.signals)
+    warmth = robot.controller.joint_temperatures
+    return (program, run.state, run.time_s, run.events, run.trace, run.globals, run.joints, run.signals, warmth)
 
 
 @pytest.mark.invariants

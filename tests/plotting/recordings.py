@@ -33,8 +33,8 @@ def restless(count):
     return [TraceRow(k * 0.004, 1 + k % 7, six(6.0), six(3.0), six(0.9), "playing") for k in range(count)]
 
 
-def recorded(program=PROGRAM):
-    robot = VirtualRobot("CS66")
+def recorded(program=PROGRAM, plant=None):
+    robot = VirtualRobot("CS66", plant=plant)
     run = robot.run(program, trace=True, until_s=60)
     return Recording("job.script", robot.model, run.trace, SourceFile("job.script", program), run.events, run.state)
 

@@ -2,11 +2,13 @@
 
 import pytest
 
+from elitescript import PlantConfig
 from elitescript.models.model import load_model
 from elitescript.plotting.curves import (
     PATH_POINTS_MAX,
     POINTS_MAX,
     accelerations,
+    error_curves,
     joint_curves,
     speed_curve,
     tcp_path,
@@ -62,3 +64,16 @@ def test_restless_rows_stay_within_the_budget():
     path = tcp_path(rows, speeds)
     assert len(path["t"]) == len(path["v"]) == len(path["xyz"][2]) <= PATH_POINTS_MAX
     assert speed_curve(rows, speeds, 2.5)["max"] == max(speeds)
+
+
+def test_the_tracking_error_is_target_less_actual():
+    rows = recorded(plant=PlantConfig(lag_s=0.02)).rows
+    curves = error_curves(rows, MODEL)
+    fastest = max(each.qd[0] for each in rows)
+    assert curves[0]["max"] == pytest.approx(0.02 * fastest, rel=0.05)
+    assert (curves[0]["low"], curves[0]["high"]) == (-MODEL.safety.tracking_error_max, MODEL.safety.tracking_error_max)
+    assert curves[5]["max"] < curves[0]["max"]
+
+
+def test_without_measured_positions_there_is_no_tracking_error():
+    assert error_curves(recorded().rows, MODEL) == []

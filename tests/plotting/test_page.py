@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from elitescript import PlantConfig
 from elitescript.plotting.page import page, page_data
 from tests.plotting.recordings import of_rows, recorded, restless, row
 
@@ -64,3 +65,8 @@ def test_two_restless_minutes_stay_small():
 
 def test_the_same_recording_gives_the_same_bytes():
     assert page(recorded()) == page(recorded())
+
+
+def test_a_tracking_error_is_shown_where_there_is_one():
+    assert embedded(page(recorded()))["errors"] == []
+    assert len(embedded(page(recorded(plant=PlantConfig(lag_s=0.01))))["errors"]) == 6

@@ -4,7 +4,9 @@ import json
 
 import pytest
 
+from elitescript import PlantConfig
 from elitescript.cli.main import main
+from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import TRACE_COLUMNS
 from elitescript.errors import UsageError
 from elitescript.plotting.trace_reader import read_trace
@@ -89,3 +91,27 @@ def test_other_bytes_and_missing_files_are_errors(tmp_path):
         read_trace(path)
     with pytest.raises(UsageError, match="cannot read"):
         read_trace(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".jsonl"])
+def test_measured_positions_come_back_too(tmp_path, suffix):
+    rows = recorded(plant=PlantConfig(lag_s=0.02, noise_rad=1e-5)).rows
+    with TraceFile(tmp_path / f"out{suffix}", has_actual=True) as file:
+        for each in rows:
+            file.write(each)
+    assert read_trace(tmp_path / f"out{suffix}") == rows
+    assert rows[20].q_actual != rows[20].q
+
+
+def test_measured_positions_are_numbers(tmp_path):
+    path = tmp_path / "out.csv"
+    names = ",".join(f"qa{joint}" for joint in range(1, 7))
+    path.write_text(f"{HEADER},{names}\n{ROW},0,0,0,0,0,x\n")
+    with pytest.raises(UsageError, match=r"out\.csv:2: qa6: needs a finite number, has 'x'"):
+        read_trace(path)
+
+
+def test_some_of_the_measured_positions_are_columns_beyond(tmp_path):
+    path = tmp_path / "out.csv"
+    path.write_text(f"{HEADER},qa1\n{ROW},0\n")
+    assert read_trace(path)[0].q_actual is None

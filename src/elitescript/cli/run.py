@@ -65,7 +65,9 @@ def run(options: argparse.Namespace) -> int:
     with ExitStack() as stack:
         trace: bool | Trace = False
         if options.trace is not None:
-            trace = Trace(stack.enter_context(TraceFile(Path(options.trace))).write, options.step)
+            has_actual = not robot.controller.is_plant_ideal
+            trace_file = stack.enter_context(TraceFile(Path(options.trace), has_actual=has_actual))
+            trace = Trace(trace_file.write, options.step)
         elif options.step is not None:
             raise UsageError("--step goes with --trace")
         report.start(robot, path)

@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import TextIO
 
 from elitescript.cli import jsonlines
-from elitescript.controller.trace import TRACE_COLUMNS, TraceRow
+from elitescript.controller.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
 from elitescript.errors import UsageError
 
 
@@ -18,6 +18,7 @@ class TraceFile(AbstractContextManager["TraceFile"]):
 
     Args:
         path: ends in `.csv` or `.jsonl`.
+        has_actual: whether the rows hold measured joint positions.
 
     Raises:
         UsageError: another ending, or the file cannot be written.
@@ -25,7 +26,8 @@ class TraceFile(AbstractContextManager["TraceFile"]):
 
     write: Callable[[TraceRow], None]
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, has_actual: bool = False) -> None:
+        self._columns = (*TRACE_COLUMNS, *ACTUAL_COLUMNS) if has_actual else TRACE_COLUMNS
         if path.suffix not in (".csv", ".jsonl"):
             raise UsageError(f"--trace {path}: the name must end in .csv or .jsonl")
         try:
@@ -33,7 +35,7 @@ class TraceFile(AbstractContextManager["TraceFile"]):
         except OSError as error:
             raise UsageError(f"--trace {path}: {error.strerror or error}") from error
         if path.suffix == ".csv":
-            self._file.write(",".join(TRACE_COLUMNS) + "\n")
+            self._file.write(",".join(self._columns) + "\n")
             self.write = self._write_csv
         else:
             self.write = self._write_json
@@ -42,7 +44,7 @@ class TraceFile(AbstractContextManager["TraceFile"]):
         self._file.write(",".join(map(str, _flat(row))) + "\n")
 
     def _write_json(self, row: TraceRow) -> None:
-        self._file.write(jsonlines.line(dict(zip(TRACE_COLUMNS, _flat(row), strict=True))) + "\n")
+        self._file.write(jsonlines.line(dict(zip(self._columns, _flat(row), strict=True))) + "\n")
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
@@ -51,4 +53,4 @@ class TraceFile(AbstractContextManager["TraceFile"]):
 
 
 def _flat(row: TraceRow) -> tuple[float | int | str, ...]:
-    return (row.t, row.line, *row.q, *row.qd, *row.tcp_pose, row.state)
+    return (row.t, row.line, *row.q, *row.qd, *row.tcp_pose, row.state, *(row.q_actual or ()))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from math import hypot
+from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.quantities import Number, Pose, Vector
 from elitescript.commands.registry import command
@@ -11,6 +12,9 @@ from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
     from elitescript.commands.context import Robot
+
+GRAVITY_RANGE: Final = (9.6, 10.0)
+"""What `set_gravity` is given on earth, m/s^2; anything else is carried out, with a warning."""
 
 CentreOfGravity = Annotated[tuple[float, float, float], Vector(Number(), 3, "m", "[CoGx, CoGy, CoGz]")]
 
@@ -46,6 +50,9 @@ def set_payload(
 ) -> None:
     """Tell the controller what hangs on the flange; to be called whenever a part is gripped or put down.
 
+    A centre of gravity farther away than the arm reaches, and an inertia that no body has, are taken as they are, with
+    a warning: the manual sets a limit for the mass alone.
+
     Args:
         m: mass, at most the nominal load of the model.
         CoG: centre of gravity in the flange frame.
@@ -55,6 +62,22 @@ def set_payload(
         ArgumentRangeError: `m` is negative or above the nominal load of the model.
     """
     robot.request(SetPayload(m, CoG, inertia))
+    arm = robot.machine.arm
+    distance, reach = hypot(*CoG), abs(arm.a2) + abs(arm.a3) + arm.d5
+    if distance > reach:
+        robot.warn_once(
+            "set_payload CoG",
+            f"set_payload: CoG is {distance:g} m from the flange, the arm reaches {reach:.3g} m; CoG is in metres",
+        )
+    if any(inertia):
+        from elitescript.kinematics.inertia import is_inertia_of_a_body
+
+        if not is_inertia_of_a_body(inertia):
+            robot.warn_once(
+                "set_payload inertia",
+                f"set_payload: no body has the inertia {list(inertia)} kg*m^2: a principal moment is negative or "
+                "larger than the sum of the other two; the order is [Ixx, Iyy, Izz, Ixy, Ixz, Iyz]",
+            )
 
 
 @command(family="motion", manual="2.1.17")
@@ -81,7 +104,14 @@ def get_target_payload_mass(robot: Robot) -> Annotated[float, Number("kg")]:
 def set_gravity(robot: Robot, d: Annotated[tuple[float, float, float], Vector(Number(), 3, "m/s^2")]) -> None:
     """Say how the arm is mounted, by the acceleration that its base feels.
 
+    Any vector is taken; one that is not about 9.82 m/s^2 long draws a warning.
+
     Args:
         d: acceleration in the base frame; it points away from the earth, [0, 0, 9.82] for an arm on the floor.
     """
     robot.request(SetGravity(d))
+    size, (low, high) = hypot(*d), GRAVITY_RANGE
+    if not low <= size <= high:
+        robot.warn_once(
+            "set_gravity", f"set_gravity: d is {size:g} m/s^2 long; on earth it is 9.82, and points away from the earth"
+        )

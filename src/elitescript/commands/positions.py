@@ -19,8 +19,11 @@ if TYPE_CHECKING:
 def get_actual_joint_positions(robot: Robot) -> JointPositions:
     """Measured joint positions.
 
+    They are the target positions, unless the plant of the simulated robot has a lag or noise; then they are behind the
+    target while the arm moves, as those of a real arm.
+
     Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3]; they lag behind the target while the arm accelerates.
+        [base, shoulder, elbow, wrist1, wrist2, wrist3].
     """
     return robot.machine.joints().q_actual
 
@@ -58,7 +61,7 @@ def get_actual_tcp_speed(robot: Robot) -> TcpSpeed:
 
 @command(family="motion", manual="2.1.8")
 def get_controller_temperature(robot: Robot) -> Annotated[float, Number("degC")]:
-    """Temperature of the mainboard in the control box.
+    """Temperature of the mainboard in the control box; it rises with the load of the joints (*assumed*).
 
     Returns:
         The temperature.
@@ -68,7 +71,7 @@ def get_controller_temperature(robot: Robot) -> Annotated[float, Number("degC")]
 
 @command(family="motion", manual="2.1.9")
 def get_joint_temperatures(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "degC")]:
-    """Temperatures of the joints.
+    """Temperatures of the joints; they rise with torque and speed over some 20 minutes (*assumed*).
 
     Returns:
         [base, shoulder, elbow, wrist1, wrist2, wrist3].
@@ -81,8 +84,8 @@ def get_joint_torques(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "Nm")]
     """Torques of the joints, without what the arm needs to carry and move itself.
 
     The payload is not part of the arm (*assumed*; the manual speaks of the robot itself): what remains is the torque
-    that carries and moves the payload set by `set_payload`, and it is zero while none is set. The simulated arm has no
-    friction and touches nothing.
+    that carries and moves the payload set by `set_payload`, and it is zero while none is set. Friction, if the plant
+    has any, is corrected for.
 
     Returns:
         [base, shoulder, elbow, wrist1, wrist2, wrist3], as the joints apply them, positive in the direction in which

@@ -96,9 +96,19 @@ class ArmState:
         self._joints = JointState(q, qd, q, qd)
 
     @property
+    def has_plant(self) -> bool:
+        """Whether actual may differ from target."""
+        return self._plant is not None
+
+    @property
     def is_moving(self) -> bool:
         """Whether the target moves, or may move by itself."""
         return self._motion.is_moving or any(correction.is_active for correction in self._corrections)
+
+    @property
+    def is_resting(self) -> bool:
+        """Whether target and joints stand at the same place, until something is asked of them."""
+        return not self.is_moving and not self._is_stepped
 
     @property
     def next_tick(self) -> int | None:
@@ -134,12 +144,20 @@ class ArmState:
         a, b, c, d, e, f = [(later - now) / ahead_s for now, later in zip(before, after, strict=True)]
         return (a, b, c, d, e, f)
 
+    def actual_acceleration(self) -> Six:
+        """Acceleration with which the joints themselves go on from the present tick, rad/s^2."""
+        if self._plant is None or not self._is_stepped:
+            return self.target_acceleration()
+        before, after = self.joints(self._tick).qd_actual, self.joints(self._tick + 1).qd_actual
+        a, b, c, d, e, f = [(later - now) / PERIOD_S for now, later in zip(before, after, strict=True)]
+        return (a, b, c, d, e, f)
+
     def settle(self, tick: int) -> None:
         """Go on to a tick that is not later than the next one that is due, and note what has happened by then."""
         has_ended = False
         if tick > self._tick and self._is_stepped:
             has_ended = self._step(tick)
-        else:
+        elif tick > self._tick or not self._is_stepped:
             self._joints_tick = -1
         self._tick = tick
         self._motion.settle(tick)

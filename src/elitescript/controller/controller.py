@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
-from elitescript.controller.arm_dynamics import ArmDynamics
 from elitescript.controller.arm_state import ArmState
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
+from elitescript.controller.joint_encoders import Encoders
+from elitescript.controller.joint_loads import JointLoads
 from elitescript.controller.model_limits import motion_limits
 from elitescript.controller.modes import WHY_NOT_READY, Power
 from elitescript.controller.motion_control import MotionControl
+from elitescript.controller.plant import LaggingJoints
 from elitescript.controller.setup import SETUP_HANDLERS, Setup
 from elitescript.controller.snapshot import build_state
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
@@ -36,6 +38,7 @@ from elitescript.messages.machine import (
     WriteSignal,
 )
 from elitescript.messages.motion import MotionRequest, Six
+from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.timing import seconds
@@ -51,11 +54,12 @@ class Controller:
         on_event: receives every event in order.
         home: joint positions at the start, rad; the model's home if None.
         speed_scale: speed percentage at the start, as a fraction.
+        plant: how the joints follow their targets; exactly if None.
     """
 
     __slots__ = (
         "_arm_state",
-        "_dynamics",
+        "_encoders",
         "_epoch_s",
         "_inbox",
         "_is_powering_down",
@@ -71,6 +75,7 @@ class Controller:
         "_tick",
         "arm",
         "joint_ranges",
+        "loads",
     )
 
     def __init__(
@@ -81,7 +86,9 @@ class Controller:
         on_event: Callable[[Event], None],
         home: Six | None = None,
         speed_scale: float = 1.0,
+        plant: PlantConfig | None = None,
     ) -> None:
+        plant = PlantConfig() if plant is None else plant
         self._model = model
         self.arm: Arm = model.arm
         self.joint_ranges: tuple[tuple[float, float], ...] = model.joint_ranges
@@ -103,11 +110,13 @@ class Controller:
             self._motion_ended,
         )
         self._motion.set_speed_scale(speed_scale, 0)
-        self._arm_state = ArmState(self._motion)
+        qd_max = [joint.qd_max for joint in model.joints]
+        self._arm_state = ArmState(self._motion, (), LaggingJoints(plant, qd_max) if plant.lag_s > 0.0 else None)
+        self._encoders = Encoders(plant.noise_rad, plant.seed)
         self._setup = Setup(model)
         self._node: tuple[int, str] = (0, "")
         self._is_powering_down = False
-        self._dynamics = ArmDynamics(model)
+        self.loads = JointLoads(model, plant, self._arm_state, self._setup)
 
     def attach(self, program: ProgramPort) -> None:
         """Say what runs scripts in the phase `program`."""
@@ -134,6 +143,7 @@ class Controller:
 
     def leap(self, tick: int) -> None:
         """Go to a tick that is not later than the next one at which anything is due."""
+        self.loads.leap(tick)
         self._tick = tick
 
     def put(self, tick: int, request: MachineRequest) -> None:
@@ -182,13 +192,13 @@ class Controller:
 
     @property
     def joint_temperatures(self) -> Six:
-        """degC; constant (*assumed*)."""
-        return self._model.joint_temperatures
+        """degC; see `controller.warmth`."""
+        return self.loads.temperatures(self._tick)[0]
 
     @property
     def controller_temperature(self) -> float:
-        """degC; constant (*assumed*)."""
-        return self._model.controller_temperature
+        """degC; see `controller.warmth`."""
+        return self.loads.temperatures(self._tick)[1]
 
     @property
     def robot_mode(self) -> RobotMode:
@@ -216,20 +226,26 @@ class Controller:
         return self._motion.speed_scale
 
     def joints(self) -> JointState:
-        """Target and actual joints of the present tick."""
-        return self._arm_state.joints(self._tick)
+        """Target and measured joints of the present tick."""
+        return self.joints_at(self._tick)
 
     def joint_torques(self) -> Six:
         """Torques of this tick without those that the arm needs to carry and to move itself, N m."""
-        joints = self.joints()
-        qdd = self._arm_state.target_acceleration()
-        return self._dynamics.remaining_torques(
-            joints.q_actual, joints.qd_actual, qdd, self._setup.gravity, self._setup.payload
-        )
+        return self.loads.remaining_torques(self._tick)
+
+    @property
+    def is_plant_ideal(self) -> bool:
+        """Whether actual always equals target."""
+        return self._encoders.is_exact and not self._arm_state.has_plant
+
+    @property
+    def is_resting(self) -> bool:
+        """Whether every tick looks the same until something is due."""
+        return self._arm_state.is_resting and self._encoders.is_exact
 
     def joints_at(self, tick: int) -> JointState:
-        """Joints at a tick from the present one up to the next at which something is due."""
-        return self._arm_state.joints(tick)
+        """Target and measured joints at a tick from the present one up to the next at which something is due."""
+        return self._encoders.read(tick, self._arm_state.joints(tick))
 
     def tcp_pose(self, q: Six) -> Six:
         """Pose of the active TCP at joint positions, base frame."""
@@ -239,7 +255,7 @@ class Controller:
         """The machine at such a tick."""
         return build_state(
             tick=tick,
-            joints=self._arm_state.joints(tick),
+            joints=self.joints_at(tick),
             arm=self.arm,
             T_flange_tcp=self._setup.T_flange_tcp,
             tcp_offset=self._setup.tcp_offset,

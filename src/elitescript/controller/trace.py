@@ -28,6 +28,8 @@ class TraceRow(NamedTuple):
     tcp_pose: Six
     state: str
     """`playing`, `paused` or `stopped`."""
+    q_actual: Six | None = None
+    """Measured joint positions, where the plant is not ideal."""
 
 
 TRACE_COLUMNS: Final = (
@@ -38,6 +40,9 @@ TRACE_COLUMNS: Final = (
     *("x", "y", "z", "rx", "ry", "rz"),
     "state",
 )
+
+ACTUAL_COLUMNS: Final = tuple(f"qa{joint}" for joint in range(1, 7))
+"""What follows after `TRACE_COLUMNS` where actual may differ from target."""
 
 
 class Trace:
@@ -65,7 +70,7 @@ class Trace:
         while tick < until_tick:
             if resting is None:
                 row = self._row(controller, tick)
-                if not controller.is_moving:
+                if controller.is_resting:
                     resting = row
             else:
                 row = resting._replace(t=seconds(tick))
@@ -82,7 +87,15 @@ class Trace:
     def _row(controller: Controller, tick: int) -> TraceRow:
         joints = controller.joints_at(tick + 1)
         q, qd = joints.q_target, joints.qd_target
-        return TraceRow(seconds(tick), controller.line, q, qd, controller.tcp_pose(q), _STATES[controller.task_state])
+        return TraceRow(
+            seconds(tick),
+            controller.line,
+            q,
+            qd,
+            controller.tcp_pose(q),
+            _STATES[controller.task_state],
+            None if controller.is_plant_ideal else joints.q_actual,
+        )
 
 
 _STATES: Final = {state: state.name.lower() for state in TaskState}

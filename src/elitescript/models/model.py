@@ -30,6 +30,8 @@ class JointLimit:
     """Largest acceleration that a command may ask for, rad/s^2."""
     effort_max: float
     """N m"""
+    torque_constant: float
+    """Torque at the joint for a current of 1 A, N m/A."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +82,19 @@ class SafetyLimits:
 
 
 @dataclass(frozen=True, slots=True)
+class Thermal:
+    """How joints and control box warm up under load; all of it is assumed."""
+
+    time_constant_s: float
+    joint_rise_torque: float
+    """Above the temperature of a joint without load, when it holds its rated torque for good, K."""
+    joint_rise_speed: float
+    """The same when it turns at its largest speed for good, K."""
+    controller_rise: float
+    """Of the control box, when all joints have the mean of both, K."""
+
+
+@dataclass(frozen=True, slots=True)
 class RobotModel:
     """One robot model, SI units."""
 
@@ -123,9 +138,10 @@ class RobotModel:
     speed_ramp_s: float
     """Time in which a new speed percentage takes hold of a planned move (*assumed*)."""
     joint_temperatures: JointVector
-    """What the joints report, degC; constant, because heat is not simulated."""
+    """Of joints without load, degC; where they begin."""
     controller_temperature: float
-    """What the cabinet reports, degC; constant."""
+    """Of the control box while the arm stands without load, degC."""
+    thermal: Thermal
     safety: SafetyLimits
     sources: DataFile = field(repr=False, compare=False)
     """The file entries behind the numbers; ask it through `source`."""
@@ -215,6 +231,7 @@ def load_model_file(path: str | Path) -> RobotModel:
         speed_ramp_s=data.number("speed_ramp_s", positive=True),
         joint_temperatures=data.joint_row("joint_temperatures"),
         controller_temperature=data.number("controller_temperature"),
+        thermal=Thermal(*[data.number(f"thermal.{name}", positive=True) for name in _THERMAL]),
         safety=SafetyLimits(
             normal=_safety_level(data, "normal"),
             reduced=_safety_level(data, "reduced"),
@@ -227,7 +244,8 @@ def load_model_file(path: str | Path) -> RobotModel:
 
 
 _LENGTHS: Final = ("d1", "a2", "a3", "d4", "d5", "d6")
-_JOINT_ROWS: Final = ("q_min", "q_max", "qd_max", "qdd_max", "effort_max")
+_JOINT_ROWS: Final = ("q_min", "q_max", "qd_max", "qdd_max", "effort_max", "torque_constant")
+_THERMAL: Final = ("time_constant_s", "joint_rise_torque", "joint_rise_speed", "controller_rise")
 _SAFETY_LEVEL: Final = (
     "tool_speed",
     "elbow_speed",
@@ -260,6 +278,7 @@ _KNOWN_KEYS: Final = frozenset(
         "safety.joint_speed_margin",
         "safety.joint_position_margin",
         "safety.tracking_error_max",
+        *(f"thermal.{name}" for name in _THERMAL),
         *(f"arm.{name}" for name in _LENGTHS),
         *(f"calibration.{name}" for name in ("a", "d", "alpha")),
         *(f"joints.{name}" for name in _JOINT_ROWS),
@@ -288,7 +307,7 @@ def _joints(data: DataFile) -> tuple[JointLimit, ...]:
             raise UsageError(
                 f"{data.file}: joints.q_min: {low} rad of {name} is not below its joints.q_max, {high} rad"
             )
-    rows = [data.joint_row(f"joints.{name}", positive=True) for name in ("qd_max", "qdd_max", "effort_max")]
+    rows = [data.joint_row(f"joints.{name}", positive=True) for name in _JOINT_ROWS[2:]]
     return tuple([JointLimit(*row) for row in zip(JOINT_NAMES, q_min, q_max, *rows, strict=True)])
 
 

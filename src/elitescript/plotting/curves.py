@@ -47,6 +47,18 @@ def joint_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, 
     return joints
 
 
+def error_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, Any]]:
+    """Tracking error of each joint, target less actual, with the limit that stops the arm, rad; empty if unknown."""
+    if any(row.q_actual is None for row in rows):
+        return []
+    times = [row.t for row in rows]
+    limit = model.safety.tracking_error_max
+    return [
+        _limited(times, [row.q[index] - row.q_actual[index] for row in rows if row.q_actual], -limit, limit)
+        for index in range(6)
+    ]
+
+
 def accelerations(times: Sequence[float], qd: Sequence[float]) -> list[float]:
     """Mean acceleration over the time before each sample, rad/s^2; zero at the first."""
     steps = zip(pairwise(times), pairwise(qd), strict=True)

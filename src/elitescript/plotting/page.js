@@ -14,7 +14,7 @@ const unpack = curve => ({ ...curve, t: unpackTimes(curve.t), v: undo(curve.v).m
 
 // ---------------------------------------------------------------- data
 const joints = D.joints.map(j => ({ name: j.name, q: unpack(j.q), qd: unpack(j.qd), qdd: unpack(j.qdd) }));
-const speed = unpack(D.speed);
+const speed = unpack(D.speed), errors = D.errors.map(unpack);
 const path = { t: unpackTimes(D.path.t), v: D.path.v, jumps: new Set(D.path.jumps) };
 [path.x, path.y, path.z] = D.path.xyz.map(axis => undo(axis).map(n => n * D.path.step));
 const spanEnds = unpackTimes(D.spans.t);
@@ -326,12 +326,12 @@ if (notes.length) $("timeline").append(make("div", { className: "key", textConte
 
 // Curves against their limits.
 const NEAR = 0.95;
-const curveChart = ({ title, unit, factor, series, height, last = false, zeroBased = false }) => {
+const curveChart = ({ title, unit, factor, series, height, last = false, zeroBased = false, fine = false }) => {
   const plotHeight = height - (last ? 22 : 4), pad = 6;
   const range = () => {
     let low = Math.min(...series.map(s => s.curve.min)), high = Math.max(...series.map(s => s.curve.max));
     // A standing arm shows a flat line, not the noise of the last digit.
-    const least = 0.02 * Math.min(...series.map(s => s.curve.high));
+    const least = (fine ? 1e-4 : 0.02) * Math.min(...series.map(s => s.curve.high));
     [low, high] = [zeroBased ? 0 : Math.min(low, -least), Math.max(high, least)];
     const size = Math.max(-low, high, 1e-9);
     for (const { curve } of series) {
@@ -429,6 +429,8 @@ const angular = () => angle(1);
 curveChart({ title: "Joints q", unit: () => angleUnit(""), factor: angular, series: ofJoints("q"), height: 190 });
 curveChart({ title: "Joint speeds qd", unit: () => angleUnit("/s"), factor: angular, series: ofJoints("qd"), height: 190 });
 curveChart({ title: "Joint accelerations", unit: () => angleUnit("/s²"), factor: angular, series: ofJoints("qdd"), height: 190 });
+if (errors.length) curveChart({ title: "Tracking error", unit: () => "mrad", factor: () => 1000, height: 150, fine: true,
+  series: errors.map((curve, i) => ({ name: joints[i].name, curve, colour: "j" + i })) });
 curveChart({ title: "TCP speed", unit: () => "m/s", factor: () => 1, series: [{ name: "TCP", curve: speed, colour: "j0" }],
   height: 130, last: true, zeroBased: true });
 
@@ -586,6 +588,10 @@ const buildWords = () => {
     tile(`${fix(speed.max, 2)} m/s`, "fastest TCP", speed.used >= NEAR),
     tile(`${fix(100 * fast.qd.used, 0)} %`, `of a speed limit: ${fast.name}`, fast.qd.used >= NEAR),
     tile(`${fix(100 * hard.qdd.used, 0)} %`, `of an acceleration limit: ${hard.name}`, hard.qdd.used >= NEAR));
+  if (errors.length) {
+    const largest = Math.max(...errors.map(curve => Math.max(curve.max, -curve.min)));
+    $("tiles").append(tile(`${fix(1000 * largest, 2)} mrad`, "largest tracking error", errors.some(curve => curve.used >= NEAR)));
+  }
   $("alarms").replaceChildren(...D.marks.filter(mark => mark.kind === "alarm").map(mark => make("div", {
     className: "alarm", onclick: () => { choose(mark.line); moveTo(mark.t); } },
     `Alarm at ${fix(mark.t, 3)} s in line ${mark.line}: ${mark.text}`, make("code", { textContent: sourceOf(mark.line) }))));

@@ -13,7 +13,7 @@ from elitescript.controller.trace import TraceRow
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Event
 from elitescript.models.model import RobotModel
-from elitescript.plotting.curves import joint_curves, milliseconds, speed_curve, tcp_path, tcp_speeds
+from elitescript.plotting.curves import error_curves, joint_curves, milliseconds, speed_curve, tcp_path, tcp_speeds
 from elitescript.plotting.happenings import marks, moves, signals
 from elitescript.plotting.line_times import line_times, merged, stretches
 
@@ -80,6 +80,7 @@ def page_data(recording: Recording) -> dict[str, Any]:
         "arm": [model.arm.d1, model.arm.a2, model.arm.a3, model.arm.d4, model.arm.d5, model.arm.d6],
         "reach": model.reach_m,
         "joints": joint_curves(rows, model),
+        "errors": error_curves(rows, model),
         "speed": speed_curve(rows, speeds, model.max_tool_speed),
         "path": tcp_path(rows, speeds),
         "spans": {"t": milliseconds([start_s, *(span.end_s for span in spans)]), "line": [span.line for span in spans]},

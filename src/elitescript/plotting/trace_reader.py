@@ -7,8 +7,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, Final
 
-from elitescript.controller.trace import TRACE_COLUMNS, TraceRow
+from elitescript.controller.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
 from elitescript.errors import UsageError
+from elitescript.messages.motion import Six
 
 SUFFIXES: Final = (".csv", ".jsonl")
 """What the name of a trace ends in."""
@@ -19,7 +20,8 @@ _NUMBERS: Final = tuple(name for name in TRACE_COLUMNS if name not in ("line", "
 def read_trace(path: Path) -> list[TraceRow]:
     """The rows of a trace file, in the order of time.
 
-    Columns beyond those of a trace are ignored, and their order is free.
+    Columns beyond those of a trace are ignored, and their order is free. Measured joint positions are read where a row
+    has all six.
 
     Raises:
         UsageError: the file cannot be read or is not a trace; the text begins with `file:line:`.
@@ -87,9 +89,15 @@ def _row(place: str, record: Mapping[str, Any]) -> TraceRow:
     a, b, c, d, e, f = values[1:7]
     g, h, i, j, k, m = values[7:13]
     x, y, z, rx, ry, rz = values[13:19]
-    return TraceRow(
-        values[0], int(line), (a, b, c, d, e, f), (g, h, i, j, k, m), (x, y, z, rx, ry, rz), str(record["state"])
-    )
+    q, qd, pose = (a, b, c, d, e, f), (g, h, i, j, k, m), (x, y, z, rx, ry, rz)
+    return TraceRow(values[0], int(line), q, qd, pose, str(record["state"]), _q_actual(place, record))
+
+
+def _q_actual(place: str, record: Mapping[str, Any]) -> Six | None:
+    if not all(name in record for name in ACTUAL_COLUMNS):
+        return None
+    a, b, c, d, e, f = [_number(place, name, record[name]) for name in ACTUAL_COLUMNS]
+    return (a, b, c, d, e, f)
 
 
 def _number(place: str, column: str, value: Any) -> float:
