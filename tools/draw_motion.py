@@ -18,12 +18,15 @@ from typing import Any, Final
 from elitescript import VirtualRobot
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
-from tools.motion_figures import FIGURES, STOPS, servo_table
+from tools import motion_figures, pipeline_figures
+from tools.motion_figures import STOPS, servo_table
 from tools.motion_runs import HOME, MODEL, RAMP, SINE, STEP, program, tool_speeds, traced
+from tools.pipeline_figures import PLANTS, plant_rows, tracking_errors
 
 PAGE: Final = Path(__file__).resolve().parent.parent / "docs" / "explanation" / "motion.md"
 FOLDER: Final = PAGE.parent / "figures"
 COMMAND: Final = "make figures"
+FIGURES: Final = {**motion_figures.FIGURES, **pipeline_figures.FIGURES}
 
 
 def servo() -> list[str]:
@@ -99,6 +102,25 @@ def stops() -> list[str]:
     return lines
 
 
+def plant() -> list[str]:
+    """How far actual is behind target, and for how long."""
+    lines = [
+        "| plant | behind at 1 rad/s, mrad | less than 0.1 mrad after the target rests, s | exact, s |",
+        "|---|---:|---:|---:|",
+    ]
+    for name, config in PLANTS.items():
+        rows = plant_rows(config)
+        errors = tracking_errors(rows)
+        # From the row at which the target is where it stays.
+        rest = next(index for index, row in enumerate(rows) if row.q == rows[-1].q)
+        near = next(k for k in range(rest, len(rows)) if max(map(abs, errors[k:])) < 1e-4)
+        exact = next(k for k in range(rest, len(rows)) if not any(errors[k:]))
+        lines.append(
+            f"| {name} | {1e3 * max(errors):.2f} | {(near - rest) * PERIOD_S:.3f} | {(exact - rest) * PERIOD_S:.3f} |"
+        )
+    return lines
+
+
 def invariants() -> list[str]:
     """The last long sweep."""
     return _record("invariants.json", "make invariants", "sweep", "cases", "nearest to its limit")
@@ -131,6 +153,7 @@ BLOCKS: Final[dict[str, Callable[[], list[str]]]] = {
     "servo": servo,
     "durations": durations,
     "stops": stops,
+    "plant": plant,
     "invariants": invariants,
     "peers": peers,
 }

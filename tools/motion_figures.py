@@ -173,7 +173,8 @@ def handovers() -> str:
 def singularity() -> str:
     """A line past the wrist singularity: what was asked for, and what the joints allow."""
     model = load_model(MODEL)
-    rows = traced(program(f"movel({list(BEHIND_WRIST)}, a=1.2, v=0.25)"), joints=BEFORE_WRIST)
+    robot = VirtualRobot(MODEL, joints=BEFORE_WRIST)
+    rows = traced(program(f"movel({list(BEHIND_WRIST)}, a=1.2, v=0.25)"), robot=robot)
     times = _times(rows)
     ramp_s, cruise_s = 0.25 / 1.2, 0.2 / 0.25 - 0.25 / 1.2
     corners = [0.0, ramp_s, ramp_s + cruise_s, 2.0 * ramp_s + cruise_s]

@@ -40,7 +40,7 @@ def program(*lines: str) -> str:
 def traced(
     text: str,
     *,
-    joints: Six = HOME,
+    robot: VirtualRobot | None = None,
     until_s: float = 60.0,
     meanwhile: Sequence[tuple[float, Callable[[VirtualRobot], object]]] = (),
 ) -> list[TraceRow]:
@@ -48,11 +48,11 @@ def traced(
 
     Args:
         text: the program.
-        joints: where the arm stands at first, rad.
+        robot: a new one at `HOME` if None.
         until_s: longest time.
         meanwhile: what is done to the robot at which time, s; in order.
     """
-    robot = VirtualRobot(MODEL, joints=joints)
+    robot = robot or VirtualRobot(MODEL, joints=HOME)
     run = robot.start(text, trace=True)
     for time_s, act in meanwhile:
         robot.advance(time_s - robot.time_s)
