@@ -19,6 +19,7 @@ from tools.motion_runs import (
     following,
     program,
     servo_figures,
+    times_of,
     tool_speeds,
     traced,
 )
@@ -34,10 +35,6 @@ BEHIND_WRIST: Final = (0.5364, -0.1894, 0.6019, -1.7207, -1.3686, -2.6947)
 def servo_table() -> tuple[ServoFigures, ...]:
     """All measured pairs of look-ahead time and gain."""
     return tuple(servo_figures(lookahead_s, gain) for lookahead_s in LOOKAHEADS_S for gain in GAINS)
-
-
-def _times(rows: Sequence[TraceRow]) -> list[float]:
-    return [row.t for row in rows]
 
 
 def _joint(rows: Sequence[TraceRow], joint: int) -> list[float]:
@@ -65,7 +62,7 @@ def trapezoids() -> str:
             "sleep(0.1)",
         )
     )
-    times, speeds = _times(rows), _speed(rows, 0)
+    times, speeds = times_of(rows), _speed(rows, 0)
     return drawing(
         "movej: 1.5 rad and 0.4 rad with a = 1.4, v = 1.05; 1.1 rad with t = 2",
         (
@@ -95,15 +92,15 @@ def speed_percentage() -> str:
             Panel(
                 "q, rad",
                 (
-                    Curve("undisturbed", _times(asked), _joint(asked, 0), 1, True),
-                    Curve("base", _times(rows), _joint(rows, 0)),
+                    Curve("undisturbed", times_of(asked), _joint(asked, 0), 1, True),
+                    Curve("base", times_of(rows), _joint(rows, 0)),
                 ),
             ),
             Panel(
                 "qd, rad/s",
                 (
-                    Curve("undisturbed", _times(asked), _speed(asked, 0), 1, True),
-                    Curve("base", _times(rows), _speed(rows, 0)),
+                    Curve("undisturbed", times_of(asked), _speed(asked, 0), 1, True),
+                    Curve("base", times_of(rows), _speed(rows, 0)),
                 ),
             ),
         ),
@@ -132,8 +129,8 @@ def stops() -> str:
             )
         )
         rows = [row for row in rows if 0.4 <= row.t <= 0.9]
-        curves.append(Curve(stop, _times(rows), tool_speeds(arm, rows), colour))
-        joints.append(Curve(stop, _times(rows), _speed(rows, 0), colour))
+        curves.append(Curve(stop, times_of(rows), tool_speeds(arm, rows), colour))
+        joints.append(Curve(stop, times_of(rows), _speed(rows, 0), colour))
     return drawing(
         "Stops at 0.5 s in a movel at 0.25 m/s",
         (Panel("flange, m/s", tuple(curves)), Panel("base, rad/s", tuple(joints))),
@@ -154,7 +151,7 @@ def handovers() -> str:
             "stopj(4)",
         )
     )
-    times = _times(rows)
+    times = times_of(rows)
     return drawing(
         "speedj, at 0.6 s speedl, at 1.4 s a stream of servoj, at 2.0 s stopj",
         (
@@ -175,7 +172,7 @@ def singularity() -> str:
     model = load_model(MODEL)
     robot = VirtualRobot(MODEL, joints=BEFORE_WRIST)
     rows = traced(program(f"movel({list(BEHIND_WRIST)}, a=1.2, v=0.25)"), robot=robot)
-    times = _times(rows)
+    times = times_of(rows)
     ramp_s, cruise_s = 0.25 / 1.2, 0.2 / 0.25 - 0.25 / 1.2
     corners = [0.0, ramp_s, ramp_s + cruise_s, 2.0 * ramp_s + cruise_s]
     limit = model.joints[3].qd_max
@@ -266,7 +263,7 @@ def circle_speed() -> str:
                 f"movec(via, to, a=0.8, v=0.15, mode={mode})",
             )
         )
-        times = _times(rows)
+        times = times_of(rows)
         curves.append(Curve(name, times, tool_speeds(load_model(MODEL).arm, rows), colour))
         turns.append(Curve(name, times, _joint(rows, 5), colour))
     return drawing(

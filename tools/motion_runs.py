@@ -63,6 +63,11 @@ def traced(
     return list(run.trace)
 
 
+def times_of(rows: Sequence[TraceRow]) -> list[float]:
+    """The times of what the rows show, which is the state after the tick of each, s."""
+    return [row.t + PERIOD_S for row in rows]
+
+
 def tool_speeds(arm: Arm, rows: Sequence[TraceRow]) -> list[float]:
     """Speed of the flange at each row, m/s."""
     return [hypot(*tcp_twist(arm, row.q, row.qd, IDENTITY)[:3]) for row in rows]

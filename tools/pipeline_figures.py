@@ -7,7 +7,7 @@ from typing import Final
 
 from elitescript import PlantConfig, VirtualRobot
 from elitescript.controller.trace import TraceRow
-from tools.motion_runs import HOME, MODEL, program, traced
+from tools.motion_runs import HOME, MODEL, program, times_of, traced
 from tools.svg_chart import Curve, Panel, drawing
 
 PLANTS: Final = {
@@ -35,7 +35,7 @@ def plant() -> str:
     positions, errors = [], []
     for colour, (name, config) in enumerate(PLANTS.items()):
         rows = plant_rows(config)
-        times = [row.t for row in rows]
+        times = times_of(rows)
         if not colour:
             positions.append(Curve("target", times, [row.q[0] for row in rows], 3, True))
         positions.append(Curve(name, times, [(row.q_actual or row.q)[0] for row in rows], colour))
