@@ -67,8 +67,8 @@ def trapezoids() -> str:
         "movej: 1.5 rad and 0.4 rad with a = 1.4, v = 1.05; 1.1 rad with t = 2",
         (
             Panel("q, rad", (Curve("base", times, _joint(rows, 0)),)),
-            Panel("qd, rad/s", (Curve("base", times, speeds, 1),), (-1.05, 1.05)),
-            Panel("qdd, rad/s^2", (Curve("base", times, accelerations(times, speeds), 2),), (-1.4, 1.4), 120),
+            Panel("qd, rad/s", (Curve("base", times, speeds, 1),), (-1.05, 1.05), level="v"),
+            Panel("qdd, rad/s^2", (Curve("base", times, accelerations(times, speeds), 2),), (-1.4, 1.4), 120, "a"),
         ),
     )
 

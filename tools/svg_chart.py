@@ -24,7 +24,7 @@ _KEY: Final = 22
 """Height of the key above a panel."""
 _GAP: Final = 14
 _BOTTOM: Final = 40
-_LETTER: Final = 6.4
+_LETTER: Final = 6.8
 """Mean width of a letter of the key."""
 
 _POINTS_MAX: Final = 800
@@ -61,14 +61,16 @@ class Panel:
     Args:
         label: quantity and unit.
         curves: in the order of the key.
-        levels: heights of limits, drawn as red dashes; named in the key as `limit`.
+        levels: heights drawn as red dashes.
         height: px.
+        level: what the key calls these heights.
     """
 
     label: str
     curves: tuple[Curve, ...]
     levels: tuple[float, ...] = ()
     height: int = 150
+    level: str = "limit"
 
 
 def drawing(title: str, panels: Sequence[Panel], time_label: str = "time, s") -> str:
@@ -105,7 +107,7 @@ def ticks(low: float, high: float, count: int) -> list[float]:
 
 def _key(panel: Panel, top: float) -> list[str]:
     entries = [(curve.label, _COLOURS[curve.colour], curve.is_dashed) for curve in panel.curves]
-    entries += [("limit", _LIMIT, True)] * bool(panel.levels)
+    entries += [(panel.level, _LIMIT, True)] * bool(panel.levels)
     parts = [f'<text x="8" y="{top + 15:.1f}" fill="{_SOFT}">{escape(panel.label)}</text>']
     x = WIDTH - _RIGHT - sum(34.0 + _LETTER * len(label) for label, _, _ in entries)
     for label, colour, is_dashed in entries:
