@@ -10,15 +10,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib.util import find_spec
-from math import inf, pi
+from io import BytesIO
+from math import inf, pi, sin
 from timeit import repeat
 from typing import Any
 
+from elitescript.commands.micro_file import read_points
 from elitescript.kinematics.transforms import Transform, pose_from_transform, transform_from_pose
-from elitescript.messages.motion import MoveC, MoveJ, MoveL, Six
+from elitescript.messages.motion import MicroLine, MoveC, MoveJ, MoveL, MoveML, Six
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import RobotModel, load_model
 from elitescript.motion.limits import MotionLimits
+from elitescript.motion.microline import plan_moveml
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.servo import begun, followed
@@ -39,6 +42,7 @@ T_FLANGE_TCP: Transform = transform_from_pose((0.0, 0.0, 0.15, 0.0, 0.0, 0.0))
 POSES = 50
 RUNS = 7
 RUN_S = 0.05
+POINTS = 100_000
 PEERS = ("ruckig", "roboticstoolbox")
 
 Calls = dict[str, Callable[[], object]]
@@ -58,7 +62,43 @@ def rows() -> list[tuple[str, str, str, str]]:
             table.append((what, f"{own_us:.1f} us", "-", "-"))
         for name, other_us in others:
             table.append((what, f"{own_us:.1f} us", f"{other_us:.1f} us ({name})", f"{own_us / other_us:.2g}"))
+    table += _point_file_rows(model)
     table += [(f"compared with {name}", "-", "not installed", "-") for name in PEERS if name not in peers]
+    return table
+
+
+def _point_file_rows(model: RobotModel) -> list[tuple[str, str, str, str]]:
+    """A file of 100,000 points: read, planned as joint positions and as poses; text to numbers with numpy beside it."""
+    arm, limits = model.arm, _limits(model)
+    swings = [[0.2 * sin(0.0012 * k * (1.0 + 0.1 * joint)) for joint in range(6)] for k in range(POINTS)]
+    x, y, z, rx, ry, rz = pose_from_transform(arm.forward_tcp(Q_START, T_FLANGE_TCP))
+    rows_by_kind = {
+        "joint positions": [[q + s for q, s in zip(Q_START, swing, strict=True)] for swing in swings],
+        "poses": [[x + 0.5 * s[0], y + 0.5 * s[1], z, rx + s[2], ry, rz] for s in swings],
+    }
+    table = []
+    for what, rows in rows_by_kind.items():
+        is_cartesian = what == "poses"
+        data = "\n".join(" ".join(f"{number:.6f}" for number in row) for row in rows).encode()
+        read_s = min(
+            repeat(lambda: read_points(data, "p", is_cartesian=is_cartesian, is_degrees=False), number=1, repeat=3)  # noqa: B023
+        )
+        other, ratio = "not installed", "-"
+        if find_spec("numpy"):
+            import numpy as np
+
+            other_s = min(repeat(lambda: np.loadtxt(BytesIO(data)), number=1, repeat=3))  # noqa: B023
+            other, ratio = f"{other_s * 1e3:.0f} ms (numpy.loadtxt)", f"{read_s / other_s:.2g}"
+        table.append((f"point file, {POINTS} {what}: load", f"{read_s * 1e3:.0f} ms", other, ratio))
+        numbers, lines = read_points(data, "p", is_cartesian=is_cartesian, is_degrees=False)
+        request = MoveML(MicroLine("p", 0.004, is_cartesian, numbers, lines), 1, POINTS, 1.4, 1.05)
+        plan_s = min(
+            repeat(lambda: plan_moveml(arm, limits, Q_START, T_FLANGE_TCP, request), number=1, repeat=3)  # noqa: B023
+        )
+        table.append((f"point file, {POINTS} {what}: plan", f"{plan_s * 1e3:.0f} ms", "-", "-"))
+        segment = plan_moveml(arm, limits, Q_START, T_FLANGE_TCP, request).segment
+        sample_us = _time_us(lambda: segment.setpoint(123.4567))  # noqa: B023
+        table.append((f"point file, {POINTS} {what}: sample with speed", f"{sample_us:.1f} us", "-", "-"))
     return table
 
 

@@ -6,6 +6,7 @@ import ast
 import subprocess
 import sys
 import tomllib
+from array import array
 from pathlib import Path
 from typing import get_args
 
@@ -136,15 +137,30 @@ class TestRequests:
 
     def test_every_motion_request_is_understood(self):
         from elitescript.controller.controller import Controller
-        from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, ServoJ, SpeedJ, SpeedL, StopJ, StopL
+        from elitescript.messages.motion import (
+            MicroLine,
+            MotionRequest,
+            MoveC,
+            MoveJ,
+            MoveL,
+            MoveML,
+            ServoJ,
+            SpeedJ,
+            SpeedL,
+            StopJ,
+            StopL,
+        )
         from elitescript.models.model import load_model
 
         q = (0.0, -1.5, -1.6, -1.5, 1.5, 0.0)
         pose = (0.45, -0.15, 0.45, 3.1, 0.0, -1.5)
+        home = array("d", load_model("CS66").home)
+        one_point = MicroLine("p.txt", 0.004, False, home.tobytes(), array("I", (1,)).tobytes())
         examples = [
             MoveJ(q, 1.0, 1.0),
             MoveL(pose, 1.0, 0.2),
             MoveC((0.46, -0.12, 0.45, 3.1, 0.0, -1.5), (0.45, -0.09, 0.45, 3.1, 0.0, -1.5), 1.0, 0.2),
+            MoveML(one_point, 1, 1, 1.0, 1.0),
             SpeedJ((0.1, 0.0, 0.0, 0.0, 0.0, 0.0), 1.0),
             SpeedL((0.0, 0.1, 0.0, 0.0, 0.0, 0.0), 1.0, 1.0),
             ServoJ(q, 0.004, 0.1, 300.0),

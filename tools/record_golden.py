@@ -64,7 +64,7 @@ def _fields(thing: object, without: Iterable[str] = ()) -> str:
     shown = []
     for field in dataclasses.fields(thing):  # type: ignore[arg-type]
         value = getattr(thing, field.name)
-        if field.name in without or value == field.default:
+        if field.name in without or not field.repr or value == field.default:
             continue
         shown.append(f"{field.name}={_value(value)}")
     return " ".join(shown)

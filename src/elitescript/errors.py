@@ -78,6 +78,8 @@ _ROWS: Final = (
     Code("R113", "error", "arc without a plane"),
     Code("R114", "error", "two motions at once"),
     Code("R115", "error", "the arm is not ready to move"),
+    Code("R116", "error", "the arm is not where the points begin"),
+    Code("R117", "error", "points too far apart"),
     Code("R120", "error", "call that a secondary program may not make"),
     Code("R121", "error", "too many threads"),
     Code("R122", "error", "I/O point in the wrong mode"),

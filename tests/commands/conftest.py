@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.errors import ScriptError
+from elitescript.errors import InvalidValueError, ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import compose, pose_from_transform, transform_from_pose
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.machine import WriteSignal
-from elitescript.messages.motion import Six
+from elitescript.messages.motion import MicroLine, Six
 from elitescript.messages.profile import Profile, profile
 from elitescript.messages.signals import SIGNALS, Value
 from elitescript.messages.state import ZERO_SIX, JointState, Payload, RobotState
@@ -94,12 +94,19 @@ class FakeRobot:
         self.task_path = "/tasks/"
         self.asked: list[Any] = []
         self.refusal: ScriptError | None = None
+        self.micro_lines: list[MicroLine] = []
+        self.task_files: dict[str, bytes] = {}
         self._random = random.Random(7)
 
     def _ask(self, *what: Any) -> None:
         if self.refusal is not None:
             raise self.refusal
         self.asked.append(what[0] if len(what) == 1 else what)
+
+    def read_task_file(self, path: str, size_max: int) -> bytes:
+        if path not in self.task_files:
+            raise InvalidValueError(f"the file {path!r} does not exist")
+        return self.task_files[path]
 
     def move(self, request: Any) -> None:
         self._ask(request)

@@ -7,7 +7,7 @@ from statistics import fmean, pstdev
 
 import pytest
 
-from elitescript.controller.joint_encoders import Encoders
+from elitescript.controller.joint_encoders import JointEncoders
 from elitescript.messages.motion import Six
 from elitescript.messages.state import JointState
 from elitescript.messages.timing import PERIOD_S
@@ -19,11 +19,11 @@ JOINTS = JointState((1.0,) * 6, (2.0,) * 6, Q, QD)
 
 
 def test_exact_encoders_pass_on_what_they_see() -> None:
-    assert Encoders().read(5, JOINTS) is JOINTS
+    assert JointEncoders().read(5, JOINTS) is JOINTS
 
 
 def test_noise_is_normal_and_of_the_asked_size() -> None:
-    encoders = Encoders(1e-5, seed=3)
+    encoders = JointEncoders(1e-5, seed=3)
     columns = list(zip(*(encoders.noise(tick) for tick in range(TICKS)), strict=True))
     for column in columns:
         assert abs(fmean(column)) < 4e-5 / TICKS**0.5
@@ -35,7 +35,7 @@ def test_noise_is_normal_and_of_the_asked_size() -> None:
 
 
 def test_speeds_are_differences_of_positions() -> None:
-    encoders = Encoders(1e-5, seed=3)
+    encoders = JointEncoders(1e-5, seed=3)
     before, here = encoders.read(99, JOINTS), encoders.read(100, JOINTS)
     for q0, q1, qd, qd_true in zip(before.q_actual, here.q_actual, here.qd_actual, QD, strict=True):
         assert qd - qd_true == pytest.approx((q1 - q0) / PERIOD_S, abs=1e-9)
@@ -44,7 +44,7 @@ def test_speeds_are_differences_of_positions() -> None:
 
 
 def test_the_order_of_looking_does_not_matter() -> None:
-    forward, backward = Encoders(1e-5, seed=3), Encoders(1e-5, seed=3)
+    forward, backward = JointEncoders(1e-5, seed=3), JointEncoders(1e-5, seed=3)
     ticks = range(50)
     one = [forward.read(tick, JOINTS) for tick in ticks]
     other = [backward.read(tick, JOINTS) for tick in reversed(ticks) for _ in range(2)]
@@ -52,4 +52,4 @@ def test_the_order_of_looking_does_not_matter() -> None:
 
 
 def test_another_seed_is_another_noise() -> None:
-    assert len({Encoders(1e-5, seed).noise(7) for seed in (0, 1, -1, 2**60)}) == 4
+    assert len({JointEncoders(1e-5, seed).noise(7) for seed in (0, 1, -1, 2**60)}) == 4

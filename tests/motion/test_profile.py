@@ -126,3 +126,14 @@ def test_stretching_keeps_the_way_and_lowers_speed_and_acceleration() -> None:
 def test_profile_is_never_stretched_to_a_shorter_time() -> None:
     with pytest.raises(InternalError):
         trapezoid(1.0, 0.5, 2.0).stretched(0.1)
+
+
+def test_one_motion_after_another() -> None:
+    first, second = trapezoid(1.0, 0.25, 1.25), trapezoid(0.1, 3.0, 2.0)
+    both = first.followed_by(second)
+    assert both.length == 1.1
+    assert both.duration_s == first.duration_s + second.duration_s
+    for k in range(50):
+        t_s = k * 0.1
+        (s_1, v_1), (s_2, v_2) = first.at(t_s), second.at(t_s - first.duration_s)
+        assert both.at(t_s) == pytest.approx((s_1 + s_2, v_1 + v_2), abs=1e-12)

@@ -1,6 +1,7 @@
 import pytest
 
 from elitescript.messages.events import Popup
+from elitescript.worlds.memory import MemoryWorld
 from tests.runtime.machine import Bench, run
 
 
@@ -199,3 +200,61 @@ def test_messages_say_where_they_come_from():
 def test_zero_ticks_do_not_wait():
     bench = run("def a():\n  def t():\n    textmsg('t')\n  start_thread(t, ())\n  sleep(0)\n  textmsg('main')\nend\n")
     assert bench.log == ["main"]
+
+
+POINT_FILES = {"path.txt": b"1 2 3 4 5 6\n", "parts/path.txt": b"6 5 4 3 2 1\n"}
+
+
+class TestTaskFiles:
+    LOAD = "def a():\n  textmsg(load_micro_line_file({}, 4))\n  textmsg(get_micro_line_values_by_index(0, 0, 1))\nend\n"
+
+    @pytest.mark.parametrize(
+        ("name", "first"), [("path.txt", 1.0), ("/task/path.txt", 1.0), ("parts/path.txt", 6.0), ("./path.txt", 1.0)]
+    )
+    def test_a_command_reads_a_file_of_the_task_folder(self, name, first):
+        bench = run(self.LOAD.format(repr(name)), world=MemoryWorld(POINT_FILES))
+        assert bench.alarms == []
+        assert bench.log[0] == "0"
+        assert bench.log[1].startswith(f"[{first}, ")
+
+    @pytest.mark.parametrize(
+        ("name", "code", "message", "hint"),
+        [
+            ("path", "R104", "the file 'path' does not exist", "the task folder holds path.txt"),
+            ("none.txt", "R104", "the file 'none.txt' does not exist", None),
+            ("parts", "R104", "the file 'parts' is a folder", None),
+            ("", "R104", "the file '' is a folder", None),
+            ("../path.txt", "R123", "outside", None),
+            ("/etc/passwd", "R123", "outside", None),
+        ],
+    )
+    def test_what_it_cannot_read_is_an_alarm_on_its_line(self, name, code, message, hint):
+        (alarm,) = run(self.LOAD.format(repr(name)), world=MemoryWorld(POINT_FILES)).alarms
+        assert (alarm.code, alarm.line, alarm.details["command"]) == (code, 2, "load_micro_line_file")
+        if code == "R104":
+            assert message in alarm.text
+            assert alarm.details.get("hint") == hint
+
+    def test_a_run_without_a_task_folder_says_so(self):
+        (alarm,) = run(self.LOAD.format("'path.txt'")).alarms
+        assert alarm.line == 2
+
+    def test_a_file_that_is_too_large_is_not_read(self, monkeypatch):
+        monkeypatch.setattr("elitescript.commands.micro_file.BYTES_MAX", 11)
+        (alarm,) = run(self.LOAD.format("'path.txt'"), world=MemoryWorld(POINT_FILES)).alarms
+        assert "has 12 bytes; at most 11 are allowed" in alarm.text
+        assert alarm.details["unit"] == "bytes"
+
+    def test_what_the_system_cannot_read_is_told_in_its_words(self, monkeypatch):
+        def broken(self, name, mode, encoding, newline):
+            raise OSError(5, "Input/output error", name)
+
+        monkeypatch.setattr("elitescript.worlds.memory.MemoryFiles.open", broken)
+        (alarm,) = run(self.LOAD.format("'path.txt'"), world=MemoryWorld(POINT_FILES)).alarms
+        assert "the file 'path.txt' cannot be read: Input/output error" in alarm.text
+
+    def test_indices_end_with_the_program(self):
+        bench = Bench(world=MemoryWorld(POINT_FILES))
+        for _ in range(2):
+            bench.start(self.LOAD.format("'path.txt'")).run()
+        assert [text for text in bench.log if len(text) == 1] == ["0", "0"]

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.events import Event
 from elitescript.messages.machine import MachineRequest
-from elitescript.messages.motion import DriveRequest, MotionRequest, MoveRequest, Six
+from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, Six
 from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import JointState, Payload, RobotState
@@ -114,6 +114,18 @@ class Robot(Protocol):
     @property
     def task_path(self) -> str:
         """Virtual path of the task folder, ending in `/`."""
+
+    @property
+    def micro_lines(self) -> list[MicroLine]:
+        """The point files that the program has loaded, by index."""
+
+    def read_task_file(self, path: str, size_max: int) -> bytes:
+        """Read a file of the task folder.
+
+        Raises:
+            InvalidValueError: there is no such file, it cannot be read or has more bytes than that.
+            ScriptPermissionError: the path leads out of the task folder.
+        """
 
     def move(self, request: MoveRequest | DriveRequest) -> None:
         """Ask for a move and wait for its end, or for a drive and wait until its call is over."""

@@ -12,7 +12,7 @@ from typing import Any, Final
 from elitescript.controller.arm_state import ArmState
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
-from elitescript.controller.joint_encoders import Encoders
+from elitescript.controller.joint_encoders import JointEncoders
 from elitescript.controller.joint_loads import JointLoads
 from elitescript.controller.model_limits import motion_limits
 from elitescript.controller.modes import WHY_NOT_READY, Power
@@ -59,10 +59,10 @@ class Controller:
 
     __slots__ = (
         "_arm_state",
-        "_encoders",
         "_epoch_s",
         "_inbox",
         "_is_powering_down",
+        "_joint_encoders",
         "_model",
         "_motion",
         "_node",
@@ -112,7 +112,7 @@ class Controller:
         self._motion.set_speed_scale(speed_scale, 0)
         qd_max = [joint.qd_max for joint in model.joints]
         self._arm_state = ArmState(self._motion, (), LaggingJoints(plant, qd_max) if plant.lag_s > 0.0 else None)
-        self._encoders = Encoders(plant.noise_rad, plant.seed)
+        self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._setup = Setup(model)
         self._node: tuple[int, str] = (0, "")
         self._is_powering_down = False
@@ -236,16 +236,16 @@ class Controller:
     @property
     def is_plant_ideal(self) -> bool:
         """Whether actual always equals target."""
-        return self._encoders.is_exact and not self._arm_state.has_plant
+        return self._joint_encoders.is_exact and not self._arm_state.has_plant
 
     @property
     def is_resting(self) -> bool:
         """Whether every tick looks the same until something is due."""
-        return self._arm_state.is_resting and self._encoders.is_exact
+        return self._arm_state.is_resting and self._joint_encoders.is_exact
 
     def joints_at(self, tick: int) -> JointState:
         """Target and measured joints at a tick from the present one up to the next at which something is due."""
-        return self._encoders.read(tick, self._arm_state.joints(tick))
+        return self._joint_encoders.read(tick, self._arm_state.joints(tick))
 
     def tcp_pose(self, q: Six) -> Six:
         """Pose of the active TCP at joint positions, base frame."""

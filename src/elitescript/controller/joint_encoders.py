@@ -16,7 +16,7 @@ from elitescript.messages.timing import PERIOD_S
 _WORD: Final = (1 << 64) - 1
 
 
-class Encoders:
+class JointEncoders:
     """Six encoders with independent, normally distributed noise.
 
     Args:

@@ -12,7 +12,7 @@ ran before.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 from elitescript.controller.drives import Drive, JointDrive
 from elitescript.controller.sources import NEVER, Braking, Move
@@ -25,8 +25,10 @@ from elitescript.messages.events import Event, MotionEnded, MotionStarted, Warne
 from elitescript.messages.motion import (
     DriveRequest,
     MotionRequest,
+    MoveC,
     MoveJ,
     MoveL,
+    MoveML,
     MoveRequest,
     ServoJ,
     Six,
@@ -176,7 +178,9 @@ class MotionControl:
         plan = self._plan(request, q_start, T_flange_tcp)
         self._count += 1
         scale = TimeScale.start(start_tick * PERIOD_S, 0.0 if self._is_paused else self._speed_scale)
-        waypoint = self._pose_of(request.q_target, T_flange_tcp) if isinstance(request, MoveJ) else request.p_target
+        waypoint = pose_from_transform(plan.segment.T_base_tcp_end)
+        if isinstance(request, MoveL | MoveC):
+            waypoint = request.p_target
         accepted = Move(self._count, plan.segment, start_tick, scale, thread, waypoint)
         if source is None:
             self._source = accepted
@@ -434,12 +438,8 @@ class MotionControl:
             return plan_movej(self._arm, self._limits, q_start, request, T_flange_tcp)
         if isinstance(request, MoveL):
             return plan_movel(self._arm, self._limits, q_start, T_flange_tcp, request)
+        if isinstance(request, MoveML):
+            from elitescript.motion.microline import plan_moveml
+
+            return plan_moveml(self._arm, self._limits, q_start, T_flange_tcp, request)
         return plan_movec(self._arm, self._limits, q_start, T_flange_tcp, request)
-
-    def _pose_of(self, q: Six, T_flange_tcp: Transform) -> Six:
-        return pose_from_transform(self._arm.forward_tcp(q, T_flange_tcp))
-
-
-def _six(values: Iterable[float]) -> Six:
-    a, b, c, d, e, f = values
-    return (a, b, c, d, e, f)

@@ -7,7 +7,8 @@ accepts the request.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from array import array
+from dataclasses import dataclass, field
 
 Six = tuple[float, float, float, float, float, float]
 
@@ -68,6 +69,65 @@ class StopL:
 
 
 @dataclass(frozen=True, slots=True)
+class MicroLine:
+    """Points at a constant interval of time, in SI units, as a program holds them.
+
+    Points are numbered from 1, as scripts number them. Lines of the file that hold no point do not count (*assumed*:
+    the manual speaks of lines, and knows files of nothing but points).
+    """
+
+    name: str
+    """Of the file, in the task folder."""
+    interval_s: float
+    is_cartesian: bool
+    """Whether the points are poses (m, rad, roll-pitch-yaw); else they are joint positions (rad)."""
+    numbers: bytes = field(repr=False)
+    """Six doubles for each point, in the machine's own format."""
+    file_lines: bytes = field(repr=False)
+    """Line in the file of each point, as unsigned 32-bit numbers."""
+    frame: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """Part frame in which poses are given, in the base frame."""
+
+    def __len__(self) -> int:
+        """How many points there are."""
+        return len(self.numbers) // 48
+
+    def point(self, number: int) -> Six:
+        """Return one point, counted from 1, as the file has it but in SI units."""
+        a, b, c, d, e, f = array("d", self.numbers[48 * number - 48 : 48 * number])
+        return a, b, c, d, e, f
+
+    def file_line(self, number: int) -> int:
+        """Return the line of the file that holds a point."""
+        return array("I", self.file_lines[4 * number - 4 : 4 * number])[0]
+
+    def place(self, number: int) -> str:
+        """Return in words where a point stands."""
+        line = self.file_line(number)
+        where = f"line {line} of {self.name}"
+        return where if line == number else f"point {number} ({where})"
+
+
+@dataclass(frozen=True, slots=True)
+class MoveML:
+    """The points of a loaded file, at its interval."""
+
+    points: MicroLine
+    first: int
+    """Number of the first point to play, from 1."""
+    last: int
+    a: float
+    """Joint acceleration of the way to the first point, rad/s^2."""
+    v: float
+    """Joint speed of the way to the first point, rad/s."""
+
+    @property
+    def r(self) -> float:
+        """Blend radius: it always ends at rest."""
+        return 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class SpeedJ:
     """Joints to the speeds `qd` (rad/s), and on until something else is asked for."""
 
@@ -103,7 +163,7 @@ class ServoJ:
     """How stiffly the arm follows, 100 to 2000."""
 
 
-MoveRequest = MoveJ | MoveL | MoveC
+MoveRequest = MoveJ | MoveL | MoveC | MoveML
 """A move to a target, planned as a whole."""
 DriveRequest = SpeedJ | SpeedL | ServoJ
 """A motion that begins in any state and goes on after the call."""

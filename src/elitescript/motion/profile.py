@@ -80,6 +80,17 @@ class Profile:
         """Positions at which the acceleration changes, without start and end."""
         return self._position[1:]
 
+    def followed_by(self, other: Profile) -> Profile:
+        """Return this motion and, when it has come to rest, another one, whose positions count on from its end."""
+        return Profile(
+            self.length + other.length,
+            self.duration_s + other.duration_s,
+            [*self._start_s, *(self.duration_s + start for start in other._start_s)],
+            [*self._position, *(self.length + position for position in other._position)],
+            [*self._speed, *other._speed],
+            [*self._acceleration, *other._acceleration],
+        )
+
     def stretched(self, duration_s: float) -> Profile:
         """Return the same motion, slower throughout, in a longer time."""
         if duration_s < self.duration_s:

@@ -19,15 +19,15 @@ class Setpoint(NamedTuple):
 
 
 class JointPath(Protocol):
-    """Joint angles over the path position: a straight line in joint space, or a followed Cartesian path."""
+    """Joint angles over the path position: a straight line in joint space, a followed Cartesian path, or points."""
 
     @property
     def kind(self) -> str:
-        """`joint`, `line` or `arc`."""
+        """`joint`, `line`, `arc` or `points`."""
 
     @property
     def unit(self) -> str:
-        """Unit of the path position: `rad` of the leading joint or of the tool, or `m` of the TCP."""
+        """Unit of the path position: `rad` of the leading joint or of the tool, `m` of the TCP, or `s` of a file."""
 
     @property
     def length(self) -> float:
@@ -70,7 +70,7 @@ class Segment:
 
     @property
     def kind(self) -> str:
-        """`joint`, `line` or `arc`."""
+        """`joint`, `line`, `arc` or `points`."""
         return self.path.kind
 
     @property

@@ -6,15 +6,15 @@ from collections.abc import Callable
 from typing import Any, Final, NoReturn, Protocol
 
 from elitescript.commands.context import Machine
-from elitescript.errors import ScriptStateError
+from elitescript.errors import InvalidValueError, ScriptError, ScriptStateError
 from elitescript.messages.events import Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import MachineRequest, PauseTask, SetLineMark
-from elitescript.messages.motion import DriveRequest, MotionRequest, MoveRequest, ServoJ, SpeedJ, SpeedL
+from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, ServoJ, SpeedJ, SpeedL
 from elitescript.messages.profile import Profile
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
-from elitescript.runtime.world import TASK_PATH, Files, World
+from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
 
 RESUME: Final = "somebody to resume the program"
 """What the thread that called `pause()` waits for."""
@@ -22,6 +22,10 @@ RESUME: Final = "somebody to resume the program"
 
 POPUP: Final = "somebody to confirm a popup"
 """What a thread behind a blocking popup waits for."""
+
+
+_NAMES_SHOWN: Final = 3
+"""File names that a message offers for one that does not exist."""
 
 
 class TaskPort(Protocol):
@@ -65,6 +69,7 @@ class Context:
         "_warned",
         "_world",
         "machine",
+        "micro_lines",
         "profile",
         "scheduler",
         "task_path",
@@ -88,6 +93,7 @@ class Context:
         self._port = port
         self._warned: set[str] = set()
         self._partial_line = ""
+        self.micro_lines: list[MicroLine] = []
 
     # ---------------------------------------------------------------- the caller
 
@@ -118,6 +124,34 @@ class Context:
     def task_files(self) -> Files:
         """The task folder."""
         return self._world.files
+
+    def read_task_file(self, path: str, size_max: int) -> bytes:
+        """See `commands.context.Robot.read_task_file`."""
+        name = relative_name(path)
+        files = self._world.files
+        try:
+            kind = files.kind(name)
+            if kind != "file":
+                what = "is a folder" if kind else "does not exist"
+                near = [other for other in files.names("") if other.startswith(name.rpartition(".")[0] or name)]
+                hint = f"the task folder holds {', '.join(near[:_NAMES_SHOWN])}" if near and not kind else None
+                raise InvalidValueError(f"the file {name!r} {what}", argument="file_name", value=path, hint=hint)
+            size = files.size(name)
+            if size <= size_max:
+                with files.open(name, "rb", None, None) as file:
+                    return bytes(file.read(size_max))
+        except OSError as error:
+            if isinstance(error, ScriptError):
+                raise
+            text = f"the file {name!r} cannot be read: {error.strerror or error}"
+            raise InvalidValueError(text, argument="file_name", value=path) from None
+        raise InvalidValueError(
+            f"the file {name!r} has {size} bytes; at most {size_max} are allowed",
+            argument="file_name",
+            value=size,
+            limit=f"<= {size_max}",
+            unit="bytes",
+        )
 
     def timestamp_s(self) -> float:
         """The controller's clock, seconds since 1970."""

@@ -1,0 +1,146 @@
+"""Reads the text of a point file: one point a line, six numbers.
+
+Numbers are separated by blanks, tabs or commas, also several blanks around a comma. Blank lines, and what stands
+after a `#`, are skipped; a comma at the end of a line too. A byte order mark and any line end are accepted. All of
+this is *assumed*: the manual does not say what a file looks like.
+"""
+
+from __future__ import annotations
+
+from array import array
+from math import isfinite, pi
+from typing import Final
+
+from elitescript.errors import InvalidValueError
+
+POINTS_MAX: Final = 1_000_000
+"""Points of one file (*assumed*); more than an hour at 4 ms."""
+
+BYTES_MAX: Final = 256 * POINTS_MAX
+"""Bytes of one file; six numbers of any sensible length and a comment fit in 256."""
+
+_COUNT: Final = 6
+_SHOWN: Final = 24
+"""Characters of a wrong number that a message repeats."""
+
+_DEGREE: Final = pi / 180.0
+
+
+def read_points(data: bytes, name: str, *, is_cartesian: bool, is_degrees: bool) -> tuple[bytes, bytes]:
+    """Read a file.
+
+    Args:
+        data: its content, UTF-8.
+        name: of the file, for messages.
+        is_cartesian: the points are poses, else joint positions.
+        is_degrees: joints are in deg, positions of poses in mm (orientations stay in rad); else all is in rad and m.
+
+    Returns:
+        Six doubles for each point in SI units, and the line of each point, from 1, as unsigned 32-bit numbers.
+
+    Raises:
+        InvalidValueError: with file, line and column of what is wrong.
+    """
+    text = _text(data, name)
+    lines = text.split("\n")
+    blank = text.replace(" ", "").replace("\t", "") if "," in text else ""
+    if "_" in text or ",," in blank or "\n," in blank or blank.startswith(","):
+        # Rarely right, and wrong in ways that the quick reading below does not see.
+        _refuse_bad_line(lines, name)
+    words: list[str] = []
+    file_lines = array("I")
+    for line_number, line in enumerate(lines, 1):
+        fields = _fields(line)
+        if fields:
+            if len(fields) != _COUNT:
+                _refuse_bad_line(lines, name)
+            words += fields
+            file_lines.append(line_number)
+    count = len(file_lines)
+    if count == 0:
+        raise InvalidValueError(f"{name} holds no point; each line has to hold six numbers", value=name)
+    if count > POINTS_MAX:
+        raise InvalidValueError(
+            f"{name} holds {count} points; at most {POINTS_MAX} are allowed", value=count, limit=f"<= {POINTS_MAX}"
+        )
+    try:
+        numbers = array("d", map(float, words))
+    except ValueError:
+        _refuse_bad_line(lines, name)
+        raise
+    if not all(map(isfinite, numbers)):
+        _refuse_bad_line(lines, name)
+    if is_degrees and is_cartesian:
+        for axis in range(3):
+            numbers[axis::_COUNT] = array("d", [length * 1e-3 for length in numbers[axis::_COUNT]])
+    elif is_degrees:
+        numbers = array("d", [angle * _DEGREE for angle in numbers])
+    return numbers.tobytes(), file_lines.tobytes()
+
+
+def _text(data: bytes, name: str) -> str:
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        hint = "it looks like UTF-16; save it as UTF-8" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else None
+        raise InvalidValueError(f"{name}, line {line}: the text is not UTF-8", value=name, hint=hint) from None
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _fields(line: str) -> list[str]:
+    if "#" in line:
+        line = line.partition("#")[0]
+    if "," in line:
+        line = line.replace(",", " ")
+    return line.split()
+
+
+def _refuse_bad_line(lines: list[str], name: str) -> None:
+    """Raise the error of the first line that holds no point and is not blank."""
+    for line_number, line in enumerate(lines, 1):
+        content = line.partition("#")[0]
+        if content.strip():
+            _check_line(content, name, line_number)
+
+
+def _check_line(content: str, name: str, line_number: int) -> None:
+    found: list[str] = []
+    place = 0
+    pieces = content.split(",")
+    if len(pieces) > 1 and not pieces[-1].strip():
+        pieces.pop()
+    for piece in pieces:
+        words = piece.split()
+        if not words:
+            raise InvalidValueError(
+                f"{name}, line {line_number}, column {place + 1}: a number is missing next to the comma", value=piece
+            )
+        start = 0
+        for word in words:
+            start = piece.index(word, start)
+            _check_number(word, f"{name}, line {line_number}, column {place + start + 1}")
+            start += len(word)
+        found += words
+        place += len(piece) + 1
+    if len(found) != _COUNT:
+        hint = "one point a line: x, y, z, Rx, Ry, Rz or six joint positions"
+        if len(found) == 2 * _COUNT and "," in content:
+            hint = "decimals are written with a point, 0.5, not with a comma"
+        raise InvalidValueError(
+            f"{name}, line {line_number}: six numbers are needed, there are {len(found)}",
+            value=len(found),
+            limit="6",
+            hint=hint,
+        )
+
+
+def _check_number(word: str, place: str) -> None:
+    shown = repr(word if len(word) <= _SHOWN else word[: _SHOWN - 3] + "...")
+    try:
+        number = float("-" if "_" in word else word)
+    except ValueError:
+        hint = "separate numbers by blanks or commas, and write nothing else before a #"
+        raise InvalidValueError(f"{place}: {shown} is not a number", value=word[:_SHOWN], hint=hint) from None
+    if not isfinite(number):
+        raise InvalidValueError(f"{place}: {shown} is not a finite number", value=word[:_SHOWN])

@@ -1,0 +1,188 @@
+"""A smooth curve through joint positions at a constant interval of time.
+
+Each joint follows a cubic spline: a cubic in every interval, with continuous speed and acceleration, through every
+point at its time. The second derivatives M at the points solve
+
+    M_(k-1) + 4 M_k + M_(k+1) = 6 (q_(k-1) - 2 q_k + q_(k+1)) / h^2
+
+with prescribed speeds at both ends (de Boor, A Practical Guide to Splines, chapter IV). Inside an interval the
+acceleration is linear, so it is largest at a point, and the speed is a parabola: what a joint is asked for at most
+is known exactly.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+from typing import Final
+
+from elitescript.messages.motion import Six
+
+REST_SPEED: Final = 1e-3
+"""A joint that begins or ends slower than this begins or ends at rest, rad/s. Numbers of six decimals every 2 ms say
+no more."""
+
+REST_SHARE: Final = 0.25
+"""So does one whose speed, extrapolated to the end, is below this share of that in the first interval, or reversed."""
+
+
+class JointSpline:
+    """Joint positions over the time of a file, which begins at 0; immutable.
+
+    Args:
+        columns: positions of each of the six joints, rad, at least two.
+        interval_s: time between two of them.
+
+    Attributes:
+        is_start_at_rest: whether the points begin at rest.
+        is_end_at_rest: whether they end at rest.
+        duration_s: time of the last point.
+    """
+
+    __slots__ = ("columns", "duration_s", "interval_s", "is_end_at_rest", "is_start_at_rest", "seconds")
+
+    def __init__(self, columns: Sequence[Sequence[float]], interval_s: float) -> None:
+        self.interval_s = interval_s
+        self.duration_s = (len(columns[0]) - 1) * interval_s
+        speeds_start, self.is_start_at_rest = _end_speeds([column[:3] for column in columns], interval_s)
+        speeds_end, self.is_end_at_rest = _end_speeds([column[:-4:-1] for column in columns], interval_s)
+        self.columns = tuple([array("d", column) for column in columns])
+        """Positions of each joint at the points, rad."""
+        self.seconds = tuple(
+            array("d", _second_derivatives(column, interval_s, start, -end))
+            for column, start, end in zip(columns, speeds_start, speeds_end, strict=True)
+        )
+        """Accelerations of each joint at the points, rad/s^2."""
+
+    @property
+    def intervals(self) -> int:
+        """How many intervals there are."""
+        return len(self.columns[0]) - 1
+
+    def point(self, index: int) -> Six:
+        """Return the joint positions of a point, from 0, or from the end with a negative index, rad."""
+        q1, q2, q3, q4, q5, q6 = [column[index] for column in self.columns]
+        return q1, q2, q3, q4, q5, q6
+
+    def q_and_speed(self, t_s: float) -> tuple[Six, Six]:
+        """Return joint positions, rad, and their derivatives by the time of the file, rad/s."""
+        h = self.interval_s
+        interval = min(max(int(t_s / h), 0), self.intervals - 1)
+        b = (t_s - interval * h) / h
+        a = 1.0 - b
+        bow_a, bow_b = (a * a - 1.0) * a * h * h / 6.0, (b * b - 1.0) * b * h * h / 6.0
+        rise_a, rise_b = (1.0 - 3.0 * a * a) * h / 6.0, (3.0 * b * b - 1.0) * h / 6.0
+        ahead = interval + 1
+        q: list[float] = []
+        speed: list[float] = []
+        for column, m in zip(self.columns, self.seconds, strict=True):
+            qa, qb, ma, mb = column[interval], column[ahead], m[interval], m[ahead]
+            q.append(a * qa + b * qb + bow_a * ma + bow_b * mb)
+            speed.append((qb - qa) / h + rise_a * ma + rise_b * mb)
+        q1, q2, q3, q4, q5, q6 = q
+        w1, w2, w3, w4, w5, w6 = speed
+        return (q1, q2, q3, q4, q5, q6), (w1, w2, w3, w4, w5, w6)
+
+    def largest(self, joint: int, interval: int) -> tuple[float, float]:
+        """Return the largest |speed|, rad/s, and |acceleration|, rad/s^2, of a joint in an interval."""
+        h = self.interval_s
+        column, m = self.columns[joint], self.seconds[joint]
+        ma, mb = m[interval], m[interval + 1]
+        mean = (column[interval + 1] - column[interval]) / h
+        return _top_speed(mean, ma, mb, h), max(abs(ma), abs(mb))
+
+    def excess(self, speed_max: Six, acceleration_max: Six) -> dict[int, tuple[int, float, float]]:
+        """Return what intervals ask of the joints beyond some limits.
+
+        Returns:
+            For each such interval the joint that is worst, and how many times its speed and its acceleration are too
+            high, of which one may be below 1.
+        """
+        h = self.interval_s
+        found: dict[int, tuple[int, float, float]] = {}
+        for joint in range(6):
+            column, m = self.columns[joint], self.seconds[joint]
+            top, a_top = speed_max[joint], acceleration_max[joint]
+            # The cheap test first: with it most files are through.
+            largest = max(max(m), -min(m))
+            room = h * (top - 0.75 * h * largest)
+            q_a, m_a = column[0], m[0]
+            interval = -1
+            for q_b, m_b in zip(column[1:], m[1:], strict=True):
+                interval += 1
+                if largest > a_top or not -room < q_b - q_a < room:
+                    speed = _top_speed((q_b - q_a) / h, m_a, m_b, h) / top
+                    acceleration = max(m_a, -m_a, m_b, -m_b) / a_top
+                    worst = max(speed * speed, acceleration)
+                    if worst > 1.0:
+                        known = found.get(interval)
+                        if known is None or max(known[1] * known[1], known[2]) < worst:
+                            found[interval] = (joint, speed, acceleration)
+                q_a, m_a = q_b, m_b
+        return found
+
+    def extremes(self, joint: int, interval: int) -> tuple[float, float]:
+        """Return the lowest and the highest position of a joint in an interval, rad."""
+        h = self.interval_s
+        column, m = self.columns[joint], self.seconds[joint]
+        ma, mb, qa, qb = m[interval], m[interval + 1], column[interval], column[interval + 1]
+        start = (qb - qa) / h - h * (2.0 * ma + mb) / 6.0
+        # start + ma t + (mb - ma) t^2 / (2 h) = 0, in the form that does not cancel.
+        found = [qa, qb]
+        curve = 0.5 * (mb - ma) / h
+        inside = ma * ma - 4.0 * curve * start
+        if inside >= 0.0:
+            larger = -0.5 * (ma + (inside**0.5 if ma >= 0.0 else -(inside**0.5)))
+            for above, below in ((larger, curve), (start, larger)):
+                t_s = above / below if below else -1.0
+                if 0.0 < t_s < h:
+                    found.append(qa + t_s * (start + t_s * (0.5 * ma + t_s * curve / 3.0)))
+        return min(found), max(found)
+
+
+def _top_speed(mean: float, m_a: float, m_b: float, h: float) -> float:
+    """Return the largest |speed| in an interval: at one of its ends, or where the acceleration changes its sign."""
+    start = mean - h * (2.0 * m_a + m_b) / 6.0
+    end = mean + h * (m_a + 2.0 * m_b) / 6.0
+    top = max(start, -start, end, -end)
+    if m_a * m_b < 0.0:
+        top = max(top, abs(start - 0.5 * h * m_a * m_a / (m_b - m_a)))
+    return top
+
+
+def _end_speeds(ends: Sequence[Sequence[float]], h: float) -> tuple[list[float], bool]:
+    """Return the speeds, rad/s, with which joints leave the first of up to three positions, and whether all rest."""
+    speeds: list[float] = []
+    is_at_rest = True
+    for end in ends:
+        first = (end[1] - end[0]) / h
+        speed = first if len(end) < 3 else 0.5 * (4.0 * end[1] - 3.0 * end[0] - end[2]) / h
+        speeds.append(speed)
+        if abs(speed) > REST_SPEED and speed * first > REST_SHARE * first * first:
+            is_at_rest = False
+    return ([0.0] * 6 if is_at_rest else speeds), is_at_rest
+
+
+def _second_derivatives(q: Sequence[float], h: float, speed_start: float, speed_end: float) -> list[float]:
+    """Return M, from one elimination forwards and one substitution backwards."""
+    factor = 6.0 / h
+    slope = (q[1] - q[0]) / h
+    c = 0.5
+    g = 0.5 * factor * (slope - speed_start)
+    shares = [c]
+    parts = [g]
+    previous = q[1]
+    for value in q[2:]:
+        slope_next = (value - previous) / h
+        c = 1.0 / (4.0 - c)
+        g = (factor * (slope_next - slope) - g) * c
+        shares.append(c)
+        parts.append(g)
+        slope, previous = slope_next, value
+    m = (factor * (speed_end - slope) - g) / (2.0 - c)
+    result = [m]
+    for c, g in zip(reversed(shares), reversed(parts), strict=True):
+        m = g - c * m
+        result.append(m)
+    result.reverse()
+    return result
