@@ -1,12 +1,15 @@
-"""The figures of docs/explanation/motion.md on what lies between nominal and actual motion."""
+"""The figures of docs/explanation/motion.md on chains of points, corrections of the motion, and the plant."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import cos, pi, sin
 from typing import Final
 
 from elitescript import PlantConfig, VirtualRobot
 from elitescript.controller.trace import TraceRow
+from elitescript.models.model import load_model
+from elitescript.worlds.memory import MemoryWorld
 from tools.motion_runs import HOME, MODEL, program, times_of, traced
 from tools.svg_chart import Curve, Panel, drawing
 
@@ -46,7 +49,43 @@ def plant() -> str:
     )
 
 
+POINT_FILE_S: Final = 0.8
+"""What the file of the figure is to last."""
+POINTS_INTERVAL_S: Final = 0.02
+
+
+def points() -> str:
+    """A file of points that asks for more than a joint can do in its middle."""
+    count = round(POINT_FILE_S / POINTS_INTERVAL_S)
+    times = [POINTS_INTERVAL_S * index for index in range(count + 1)]
+    angles = [0.8 * (1.0 - cos(pi * time / POINT_FILE_S)) for time in times]
+    text = "".join(f"{angle} {' '.join(map(str, HOME[1:]))}\n" for angle in angles)
+    robot = VirtualRobot(MODEL, joints=HOME, world=MemoryWorld({"turn.txt": text.encode()}))
+    rows = traced(program('line = load_micro_line_file("turn.txt", 20)', "moveml(line)", "sleep(0.1)"), robot=robot)
+    asked = [0.8 * pi / POINT_FILE_S * sin(pi * time / POINT_FILE_S) for time in times]
+    limit = load_model(MODEL).joints[0].qd_max
+    row_times = times_of(rows)
+    return drawing(
+        "moveml: a file of 0.8 s whose middle is too fast for the base joint",
+        (
+            Panel(
+                "q, rad",
+                (
+                    Curve("file", times, angles, 1, True),
+                    Curve("base", row_times, [row.q[0] for row in rows]),
+                ),
+            ),
+            Panel(
+                "qd, rad/s",
+                (Curve("file", times, asked, 1, True), Curve("base", row_times, [row.qd[0] for row in rows])),
+                (limit,),
+            ),
+        ),
+    )
+
+
 FIGURES: Final[dict[str, Callable[[], str]]] = {
+    "points.svg": points,
     "plant.svg": plant,
 }
 """File name and what draws it."""
