@@ -70,18 +70,24 @@ class Extremes:
                 self.jump_rad = max(self.jump_rad, jump)
 
     def take_ends(self, rows: list[TraceRow], events: list[Event], robot: VirtualRobot) -> None:
-        """Check where complete moves to a target without a blend have ended."""
+        """Check where complete moves that began at standstill, and that no other followed on its way, have ended."""
         by_tick = {round(row.t / PERIOD_S): row for row in rows}
-        started: MotionStarted | None = None
+        alone: MotionStarted | None = None
+        is_resting = True
         for event in events:
             if isinstance(event, MotionStarted):
-                started = event
-            if not isinstance(event, MotionEnded) or not event.is_complete or started is None:
+                alone = event if is_resting else None
+                is_resting = False
+            if not isinstance(event, MotionEnded):
                 continue
-            request = started.request
+            is_resting = True
+            started, alone = alone, None
             # The row of a tick shows the state of the next.
             row = by_tick.get(event.tick - 1)
-            if row is None or not isinstance(request, MoveJ | MoveL) or request.r > 0.0:
+            if started is None or row is None or not event.is_complete:
+                continue
+            request = started.request
+            if not isinstance(request, MoveJ | MoveL):
                 continue
             self.ends += 1
             assert row.qd == (0.0,) * 6
@@ -124,7 +130,7 @@ def test_random_programs_keep_every_limit_and_never_jump(finding: Finding) -> No
         robot.advance(0.1)
         assert robot.state.q_target == at_rest.q_target
         extremes.stopped += state == "stopped"
-    assert extremes.ends > 0.5 * COUNT
+    assert extremes.ends > 0.2 * COUNT
     assert extremes.stopped > 0.05 * COUNT
     how = f"{COUNT} programs, {extremes.rows} periods"
     finding("joint speed in random programs", how, f"{100 * extremes.speed:.2f} % of the limit")
