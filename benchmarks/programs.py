@@ -13,6 +13,17 @@ from time import perf_counter
 ROOT = Path(__file__).resolve().parent.parent
 RUNS = 10
 PICK_AND_PLACE = ROOT / "examples" / "pick_and_place.script"
+BELT_PICKING = ROOT / "examples" / "belt_picking.script"
+BELT_COUNTS_PER_S = 2000.0
+TRACKING_S = 60.0
+TRACKING = f"""
+def tracking():
+  track_conveyor_linear([0, 1, 0, 0, 0, 0], 2000000)
+  sleep({TRACKING_S})
+  stop_conveyor_tracking()
+end
+"""
+"""One minute of nothing but going along with a belt that creeps."""
 
 
 def _process_s(command: list[str], runs: int = RUNS) -> float:
@@ -46,13 +57,19 @@ def _free_run_rows() -> list[tuple[str, str, str, str]]:
     from elitescript import VirtualRobot
 
     rows = []
-    for what, has_trace in (("pick and place, free run", False), ("the same with a trace row every 4 ms", True)):
+    for what, program, has_trace in (
+        ("pick and place, free run", PICK_AND_PLACE, False),
+        ("the same with a trace row every 4 ms", PICK_AND_PLACE, True),
+        ("picking from a moving belt", BELT_PICKING, False),
+        ("one minute on a moving belt", TRACKING, False),
+    ):
         times = []
         simulated = 0.0
         for _ in range(RUNS):
             robot = VirtualRobot("CS66")
+            robot.signals["encoder_speed[0]"] = BELT_COUNTS_PER_S
             began = perf_counter()
-            run = robot.run(PICK_AND_PLACE, trace=has_trace).check()
+            run = robot.run(program, trace=has_trace).check()
             times.append(perf_counter() - began)
             simulated = run.time_s
         wall = median(times)

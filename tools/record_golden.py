@@ -4,6 +4,9 @@ A trace is the meaning of a program: what it asked of the machine and what happe
 tests compare the traces in `tests/golden` as text, and only this tool writes them. Look at the difference before
 you commit it.
 
+An example that needs something from outside says so in its head, as the command that runs it: `# Run` and the command
+line, whose `--set` options count here too.
+
 One line for each event: tick, script line (`-` where there is none), thread, event. Floats are rounded to nine
 significant digits and nine decimals, which is far below what the arm can do and far above the last digits in
 which the mathematical libraries of two computers may differ.
@@ -15,9 +18,11 @@ import dataclasses
 import sys
 from collections.abc import Iterable
 from enum import Enum
+from itertools import pairwise
 from pathlib import Path
 
 from elitescript import Run, VirtualRobot
+from elitescript.cli.settings import parse_settings
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
@@ -35,9 +40,20 @@ def golden_file(program: Path) -> Path:
     return GOLDEN / f"{program.stem}.events"
 
 
+def settings(program: Path) -> list[str]:
+    """The `--set` options of the line `# Run` in the head of an example."""
+    head = program.read_text(encoding="utf-8").splitlines()[:20]
+    words = [word for line in head if line.startswith("# Run ") for word in line.split()]
+    return [value for option, value in pairwise(words) if option == "--set"]
+
+
 def run_example(program: Path) -> Run:
-    """Run an example as `elitescript run` does without options."""
-    return VirtualRobot("CS66").run(program)
+    """Run an example as `elitescript run` does with the options that it asks for."""
+    signals, presets = parse_settings(settings(program))
+    robot = VirtualRobot("CS66")
+    for name, value in signals.items():
+        robot.signals[name] = value
+    return robot.run(program, presets=presets)
 
 
 def render(run: Run) -> str:

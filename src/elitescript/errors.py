@@ -80,6 +80,7 @@ _ROWS: Final = (
     Code("R115", "error", "the arm is not ready to move"),
     Code("R116", "error", "the arm is not where the points begin"),
     Code("R117", "error", "points too far apart"),
+    Code("R118", "error", "motion that a joint cannot follow"),
     Code("R120", "error", "call that a secondary program may not make"),
     Code("R121", "error", "too many threads"),
     Code("R122", "error", "I/O point in the wrong mode"),

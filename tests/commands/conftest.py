@@ -80,6 +80,12 @@ class FakeMachine:
     def tool_pin(self, index: int) -> bool:
         return bool(self.read("tool_digital_in", index))
 
+    def encoder_count(self, index: int) -> float:
+        return 864.0 + index
+
+    def encoder_unwound(self, index: int, delta: float) -> float:
+        return delta + 65536.0
+
     def timestamp_s(self) -> float:
         return 1704067200.0 + self.tick * 0.004
 
@@ -109,6 +115,9 @@ class FakeRobot:
         return self.task_files[path]
 
     def move(self, request: Any) -> None:
+        self._ask(request)
+
+    def track(self, request: Any) -> None:
         self._ask(request)
 
     def stop_motion(self, request: Any) -> None:

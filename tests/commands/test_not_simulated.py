@@ -13,9 +13,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
 @pytest.mark.parametrize(
     "text",
     [
-        "encoder_enable_pulse_decode(0, 1, 16, 17)",
-        "encoder_enable_pulse_decode(0, 3, 16, 0)",
-        "encoder_enable_pulse_decode(0, 3, 16, 16)",
         "freedrive_mode()",
         "freedrive_mode([0, 1, 0, 0, 0, 0], 'tool')",
         "freedrive_mode(frame=[0, 0, 0.1, 0, 0, 0])",

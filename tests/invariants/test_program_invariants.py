@@ -87,7 +87,7 @@ class Extremes:
             if started is None or row is None or not event.is_complete:
                 continue
             request = started.request
-            if not isinstance(request, MoveJ | MoveL):
+            if not isinstance(request, MoveJ | MoveL) or request.r > 0.0:
                 continue
             self.ends += 1
             assert row.qd == (0.0,) * 6

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.events import Event
 from elitescript.messages.machine import MachineRequest
-from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, Six
+from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, Six, TrackRequest
 from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import JointState, Payload, RobotState
@@ -72,10 +72,16 @@ class Machine(Protocol):
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin as its configuration makes it: the driven or the applied one."""
 
+    def encoder_count(self, index: int) -> float:
+        """What the counter of a conveyor encoder shows."""
+
+    def encoder_unwound(self, index: int, delta: float) -> float:
+        """A difference of two counts of an encoder, without the overflow of its counter."""
+
     def timestamp_s(self) -> float:
         """The controller's clock, seconds since 1970."""
 
-    def request_motion(self, request: MotionRequest, line: int, thread: str) -> int:
+    def request_motion(self, request: MotionRequest | TrackRequest, line: int, thread: str) -> int:
         """Begin to move (or to brake) at this tick; return the number of the move.
 
         Raises:
@@ -129,6 +135,9 @@ class Robot(Protocol):
 
     def move(self, request: MoveRequest | DriveRequest) -> None:
         """Ask for a move and wait for its end, or for a drive and wait until its call is over."""
+
+    def track(self, request: TrackRequest) -> None:
+        """Begin to go along with a conveyor, or ask for the end of that and wait for standstill."""
 
     def stop_motion(self, request: MotionRequest) -> None:
         """Ask for a stop and wait for standstill."""

@@ -10,6 +10,8 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.controller.arm_state import ArmState
+from elitescript.controller.conveyor import Tracking
+from elitescript.controller.encoders import ENCODER_HANDLERS
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
 from elitescript.controller.joint_encoders import JointEncoders
@@ -37,7 +39,7 @@ from elitescript.messages.machine import (
     StopTask,
     WriteSignal,
 )
-from elitescript.messages.motion import MotionRequest, Six
+from elitescript.messages.motion import MotionRequest, Six, TrackRequest
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.state import JointState, Payload, RobotState
@@ -73,6 +75,7 @@ class Controller:
         "_signals",
         "_task",
         "_tick",
+        "_tracking",
         "arm",
         "joint_ranges",
         "loads",
@@ -100,9 +103,10 @@ class Controller:
         self._signals = SignalImage(self._signal_changed)
         self._power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)))
         self._task = Task(self._task_changed)
+        limits = motion_limits(model)
         self._motion = MotionControl(
             model.arm,
-            motion_limits(model),
+            limits,
             model.home if home is None else home,
             model.stop_joint_deceleration,
             model.speed_ramp_s,
@@ -110,8 +114,9 @@ class Controller:
             self._motion_ended,
         )
         self._motion.set_speed_scale(speed_scale, 0)
-        qd_max = [joint.qd_max for joint in model.joints]
-        self._arm_state = ArmState(self._motion, (), LaggingJoints(plant, qd_max) if plant.lag_s > 0.0 else None)
+        self._tracking = Tracking(model, limits, self._motion.take_over, on_event)
+        joints = LaggingJoints(plant, limits.qd_max) if plant.lag_s > 0.0 else None
+        self._arm_state = ArmState(self._motion, (self._tracking,), joints)
         self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._setup = Setup(model)
         self._node: tuple[int, str] = (0, "")
@@ -286,19 +291,30 @@ class Controller:
         """Every signal that is not at its default."""
         return self._signals.non_defaults()
 
+    def encoder_count(self, index: int) -> float:
+        """What the counter of a conveyor encoder shows."""
+        return self._tracking.encoders[index].count(self._tick)
+
+    def encoder_unwound(self, index: int, delta: float) -> float:
+        """A difference of two counts of an encoder, without the overflow of its counter."""
+        return self._tracking.encoders[index].range.unwound(delta)
+
     def timestamp_s(self) -> float:
         """The controller's clock, seconds since 1970."""
         return self._epoch_s + seconds(self._tick)
 
     # ---------------------------------------------------------------- requests
 
-    def request_motion(self, request: MotionRequest, line: int, thread: str) -> int:
+    def request_motion(self, request: MotionRequest | TrackRequest, line: int, thread: str) -> int:
         """See `commands.context.Machine.request_motion`."""
         mode = RobotMode.POWER_OFF if self._is_powering_down else self._power.mode
         why = WHY_NOT_READY.get(mode)
         if why is not None:
             raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
-        return self._motion.request(request, self._tick, self._setup.T_flange_tcp, line, thread)
+        T_flange_tcp = self._setup.T_flange_tcp
+        if isinstance(request, TrackRequest):
+            return self._tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
+        return self._motion.request(request, self._tick, T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:
         """Whether that move is over."""
@@ -355,6 +371,7 @@ class Controller:
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value))
+        self._tracking.encoders.signal_changed(name, index, value, self._tick)
 
     # ---------------------------------------------------------------- handlers, one for each kind of request
 
@@ -378,6 +395,9 @@ class Controller:
 
     def _declare(self, request: Any) -> None:
         SETUP_HANDLERS[type(request)](self._setup, request)
+
+    def _set_encoder(self, request: Any) -> None:
+        ENCODER_HANDLERS[type(request)](self._tracking.encoders, request, self._tick)
 
     def _set_line_mark(self, request: SetLineMark) -> None:
         self._node = (request.number, request.label)
@@ -425,5 +445,6 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     StopTask: Controller._stop_task,
     **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
     **dict.fromkeys(SETUP_HANDLERS, Controller._declare),
+    **dict.fromkeys(ENCODER_HANDLERS, Controller._set_encoder),
 }
 """Every kind of machine request and who handles it."""

@@ -42,7 +42,7 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import braked, braked_apart
+from elitescript.motion.speed import SpeedProfile, braked, halted
 from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
 from elitescript.motion.twist import ToolMotion
 
@@ -220,6 +220,16 @@ class MotionControl:
             qd = self.setpoint(tick).qd
             self._brake_joints(source.number, tick, max(map(abs, qd)) / self._stop_joint_deceleration)
 
+    def take_over(self, profile: SpeedProfile, tick: int, thread: str) -> int:
+        """Come to rest by a profile that begins in the present state; return the number of the call that ends then."""
+        self._drop_next(tick)
+        number = 0 if self._source is None else self._source.number
+        if not number or self.is_done(number):
+            number = self._count = self._count + 1
+        self._source = Braking(number, thread, profile, tick)
+        self._sampled_tick = -1
+        return number
+
     def set_speed_scale(self, fraction: float, tick: int) -> None:
         """New speed percentage, taken on in a ramp."""
         self._speed_scale = fraction
@@ -382,15 +392,10 @@ class MotionControl:
                 text = "servoj: the targets come faster than the joints can turn; the arm falls behind"
                 self._warn_once(0, "servoj", Warned(tick, text, source.thread, source.line))
             return
-        start, deceleration = source.setpoint(tick), self._stop_joint_deceleration
-        if obstacle.joint >= 0:
-            profile = braked_apart(start, deceleration, self._limits)
-        else:
-            profile = braked(start, max(map(abs, start.qd)) / deceleration, self._limits)
-        self._source = Braking(source.number, source.thread, profile, tick)
-        self._sampled_tick = -1
-        warning = Warned(tick, f"{obstacle.text}; the arm brakes", source.thread, source.line)
-        self._warn_once(source.line, "obstacle", warning)
+        profile = halted(source.setpoint(tick), obstacle, self._stop_joint_deceleration, self._limits)
+        self.take_over(profile, tick, source.thread)
+        text = f"{obstacle.text}; the arm brakes"
+        self._warn_once(source.line, "obstacle", Warned(tick, text, source.thread, source.line))
 
     def _brake(self, request: StopJ | StopL, tick: int, T_flange_tcp: Transform) -> int:
         source = self._source

@@ -76,3 +76,14 @@ class ToolPinMode(IntEnum):
     PUSH_PULL = 0
     PNP = 1
     NPN = 2
+
+
+class PulseDecoder(IntEnum):
+    """Which edges of an incremental encoder count (manual 2.14, 3.1.25)."""
+
+    QUADRATURE = 1
+    """All edges of two channels, which also tell the direction."""
+    EDGES = 2
+    """Both edges of one channel."""
+    RISING = 3
+    FALLING = 4

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
-from elitescript.messages.motion import MotionRequest
+from elitescript.messages.motion import MotionRequest, TrackCircular, TrackLinear
 from elitescript.messages.signals import Value
 
 
@@ -108,6 +108,23 @@ class MotionEnded:
 
 
 @dataclass(frozen=True, slots=True)
+class TrackingStarted:
+    """The arm goes along with a conveyor, besides its moves."""
+
+    tick: int
+    request: TrackLinear | TrackCircular
+    line: int
+    thread: str
+
+
+@dataclass(frozen=True, slots=True)
+class TrackingEnded:
+    """The arm does not go along with a conveyor any more, and comes to rest."""
+
+    tick: int
+
+
+@dataclass(frozen=True, slots=True)
 class TaskStateChanged:
     """A program started, paused, went on or ended."""
 
@@ -150,6 +167,8 @@ Event = (
     | SignalChanged
     | MotionStarted
     | MotionEnded
+    | TrackingStarted
+    | TrackingEnded
     | TaskStateChanged
     | RobotModeChanged
     | SafetyModeChanged

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from elitescript.messages.enums import AnalogDomain, RunstateChoice, ToolPinMode
+from elitescript.messages.enums import AnalogDomain, PulseDecoder, RunstateChoice, ToolPinMode
 from elitescript.messages.motion import MotionRequest, Six
 from elitescript.messages.signals import Value
 
@@ -125,6 +125,33 @@ class SetLineMark:
 
 
 @dataclass(frozen=True, slots=True)
+class PrepareEncoder:
+    """The program supplies the count of a conveyor encoder."""
+
+    index: int
+    range_id: int
+    """0 signed 32 bits, 1 to 4 unsigned 8, 16, 24, 32 bits."""
+
+
+@dataclass(frozen=True, slots=True)
+class DecodePulses:
+    """A conveyor encoder counts pulses at high-speed inputs."""
+
+    index: int
+    decoder: PulseDecoder
+    input_a: int
+    input_b: int
+
+
+@dataclass(frozen=True, slots=True)
+class SetEncoderCount:
+    """The count that a program supplies."""
+
+    index: int
+    count: float
+
+
+@dataclass(frozen=True, slots=True)
 class PowerDown:
     """Stop the arm, then switch off arm and cabinet."""
 
@@ -159,6 +186,9 @@ MachineRequest = (
     | SetSpeedScale
     | SetOption
     | SetLineMark
+    | PrepareEncoder
+    | DecodePulses
+    | SetEncoderCount
     | PowerDown
     | PauseTask
     | ResumeTask

@@ -163,8 +163,37 @@ class ServoJ:
     """How stiffly the arm follows, 100 to 2000."""
 
 
+@dataclass(frozen=True, slots=True)
+class TrackLinear:
+    """Go along with a belt from now on."""
+
+    direction: tuple[float, float, float]
+    """Of travel, base frame; its length does not count."""
+    counts_per_m: float
+    encoder: int
+
+
+@dataclass(frozen=True, slots=True)
+class TrackCircular:
+    """Go along with a turntable from now on."""
+
+    center: Six
+    """Pose in the base frame; the table turns about its z axis."""
+    counts_per_turn: float
+    turns_tool: bool
+    """Whether the tool keeps its orientation relative to the table."""
+    encoder: int
+
+
+@dataclass(frozen=True, slots=True)
+class StopTracking:
+    """Do not go along with a conveyor any more, and come to rest."""
+
+
 MoveRequest = MoveJ | MoveL | MoveC | MoveML
 """A move to a target, planned as a whole."""
 DriveRequest = SpeedJ | SpeedL | ServoJ
 """A motion that begins in any state and goes on after the call."""
 MotionRequest = MoveRequest | DriveRequest | StopJ | StopL
+TrackRequest = TrackLinear | TrackCircular | StopTracking
+"""Going along with a conveyor, whatever else moves the arm."""

@@ -66,7 +66,7 @@ _ROWS: Final = (
     Signal("safeguard_stop", "bool", 1, True, summary="a safeguard, such as a door, is open"),
     Signal("reduced_mode", "bool", 1, True, summary="the reduced safety limits are asked for"),
     Signal("external_wrench", "float", 6, True, None, None, "N, N m", "what pushes the TCP, in the base frame"),
-    Signal("encoder_speed", "float", 2, True, None, None, "1/s", "counts per second of a simulated encoder"),
+    Signal("encoder_speed", "float", 2, True, None, None, "1/s", "simulated conveyor encoders, in quadrature counts"),
 )
 
 SIGNALS: Final[dict[str, Signal]] = {row.name: row for row in _ROWS}

@@ -137,6 +137,10 @@ class RobotModel:
     """Weighs a rotation against a translation where one number has to stand for both."""
     speed_ramp_s: float
     """Time in which a new speed percentage takes hold of a planned move (*assumed*)."""
+    tracking_acceleration: float
+    """Acceleration with which the tool catches up with a conveyor, m/s^2 (*assumed*)."""
+    tracking_speed: float
+    """Speed above that of the conveyor with which it does so at most, m/s (*assumed*)."""
     joint_temperatures: JointVector
     """Of joints without load, degC; where they begin."""
     controller_temperature: float
@@ -229,6 +233,8 @@ def load_model_file(path: str | Path) -> RobotModel:
         gravity=data.vector("gravity"),
         equivalent_radius_m=data.number("equivalent_radius_m", positive=True),
         speed_ramp_s=data.number("speed_ramp_s", positive=True),
+        tracking_acceleration=data.number("tracking_acceleration", positive=True),
+        tracking_speed=data.number("tracking_speed", positive=True),
         joint_temperatures=data.joint_row("joint_temperatures"),
         controller_temperature=data.number("controller_temperature"),
         thermal=Thermal(*[data.number(f"thermal.{name}", positive=True) for name in _THERMAL]),
@@ -273,6 +279,8 @@ _KNOWN_KEYS: Final = frozenset(
         "gravity",
         "equivalent_radius_m",
         "speed_ramp_s",
+        "tracking_acceleration",
+        "tracking_speed",
         "joint_temperatures",
         "controller_temperature",
         "safety.joint_speed_margin",

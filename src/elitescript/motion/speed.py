@@ -117,6 +117,13 @@ def braked_apart(start: Setpoint, deceleration: float, limits: MotionLimits) -> 
     return _braked(start, lambda w: abs(w) / deceleration, limits)
 
 
+def halted(start: Setpoint, obstacle: Obstacle | None, deceleration: float, limits: MotionLimits) -> SpeedProfile:
+    """Return how an arm comes to rest, rad/s^2: in front of an obstacle, or where it is asked to."""
+    if obstacle is not None and obstacle.joint >= 0:
+        return braked_apart(start, deceleration, limits)
+    return braked(start, max(map(abs, start.qd)) / deceleration, limits)
+
+
 def _braked(start: Setpoint, ramp_of: Callable[[float], float], limits: MotionLimits) -> SpeedProfile:
     ramps_s = []
     for q, w, low, high, top in zip(*start, limits.q_min, limits.q_max, limits.qdd_max, strict=True):

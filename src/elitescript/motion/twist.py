@@ -77,7 +77,7 @@ class ToolMotion(NamedTuple):
         blocked = singularity(self.arm, q_ahead).blocked
         wanted = None if blocked else joint_speeds(self.arm, q_ahead, twist, self.T_flange_tcp)
         if wanted is None:
-            return self._singular(state.q, blocked or "wrist")
+            return singular_obstacle(self.arm, state.q, blocked or "wrist", "speedl")
         least, most = 0.0, 1.0
         for w, w_wanted, top, a_top in zip(state.qd, wanted, limits.qd_max, limits.qdd_max, strict=True):
             if w_wanted:
@@ -102,9 +102,9 @@ class ToolMotion(NamedTuple):
         joint = obstacle_at(q, qd, self.deceleration, limits)
         if joint is not None:
             return range_obstacle(limits, joint, state.q, "speedl")
-        met = self._singularity_met(q, qd)
+        met = self.singularity_met(q, qd)
         if met is not None:
-            return self._singular(state.q, met)
+            return singular_obstacle(self.arm, state.q, met, "speedl")
         if share < 1.0:
             twist = tcp_twist(self.arm, q, qd, self.T_flange_tcp)
         return TwistState(q, qd, twist, is_slowed)
@@ -118,7 +118,7 @@ class ToolMotion(NamedTuple):
                 share = a_top * PERIOD_S / change
         return share
 
-    def _singularity_met(self, q: Six, qd: Six) -> str | None:
+    def singularity_met(self, q: Six, qd: Six) -> str | None:
         """Return the singularity between a place and the one where the arm stands when it brakes there, or None."""
         q_stop = _moved(q, qd, 0.5 * max(map(abs, qd)) / self.deceleration)
         here, there = self._distances(q), self._distances(q_stop)
@@ -133,18 +133,27 @@ class ToolMotion(NamedTuple):
         _, q2, q3, q4, q5, _ = q
         return sin(q5), sin(q3), arm.a2 * cos(q2) + arm.a3 * cos(q2 + q3) + arm.d5 * sin(q2 + q3 + q4)
 
-    def _singular(self, q: Six, name: str) -> Obstacle:
-        measure = "its distance from it is" if name == "shoulder" else "the sine of its angle is"
-        value = getattr(singularity(self.arm, q), name)
-        unit = "m" if name == "shoulder" else ""
-        return Obstacle(
-            "R112",
-            f"speedl leads into the {name} singularity, where joints would have to turn without limit; "
-            f"{measure} {value:.4f} {unit}".rstrip(),
-            value,
-            ">= 0.001",
-            unit,
-        )
+
+def singular_obstacle(arm: Arm, q: Six, name: str, what: str) -> Obstacle:
+    """Return the words for a motion that comes too near to a singularity.
+
+    Args:
+        arm: geometry.
+        q: where the joints are, rad.
+        name: field of `Singularity`.
+        what: name of the command that moves them.
+    """
+    measure = "its distance from it is" if name == "shoulder" else "the sine of its angle is"
+    value = getattr(singularity(arm, q), name)
+    unit = "m" if name == "shoulder" else ""
+    return Obstacle(
+        "R112",
+        f"{what} leads into the {name} singularity, where joints would have to turn without limit; "
+        f"{measure} {value:.4f} {unit}".rstrip(),
+        value,
+        ">= 0.001",
+        unit,
+    )
 
 
 _ROUNDING: Final = 1.0 + 1e-9

@@ -9,7 +9,16 @@ from elitescript.commands.context import Machine
 from elitescript.errors import InvalidValueError, ScriptError, ScriptStateError
 from elitescript.messages.events import Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import MachineRequest, PauseTask, SetLineMark
-from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, ServoJ, SpeedJ, SpeedL
+from elitescript.messages.motion import (
+    DriveRequest,
+    MicroLine,
+    MotionRequest,
+    MoveRequest,
+    ServoJ,
+    SpeedJ,
+    SpeedL,
+    TrackRequest,
+)
 from elitescript.messages.profile import Profile
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.scheduler import Scheduler
@@ -173,11 +182,15 @@ class Context:
             reason = "the end of its move"
         self._wait_for_move(request, reason)
 
+    def track(self, request: TrackRequest) -> None:
+        """Begin to go along with a conveyor, or ask for the end of that and wait for standstill."""
+        self._wait_for_move(request, "standstill")
+
     def stop_motion(self, request: MotionRequest) -> None:
         """Ask for a stop and wait for standstill."""
         self._wait_for_move(request, "standstill")
 
-    def _wait_for_move(self, request: MotionRequest, reason: str) -> None:
+    def _wait_for_move(self, request: MotionRequest | TrackRequest, reason: str) -> None:
         strand = self.strand
         if strand.is_dying:
             raise Stopped
