@@ -9,6 +9,7 @@ from typing import Final
 from elitescript import PlantConfig, VirtualRobot
 from elitescript.controller.trace import TraceRow
 from elitescript.models.model import load_model
+from elitescript.plotting.curves import tcp_speeds
 from elitescript.worlds.memory import MemoryWorld
 from tools.motion_runs import HOME, MODEL, program, times_of, traced
 from tools.svg_chart import Curve, Panel, drawing
@@ -84,7 +85,46 @@ def points() -> str:
     )
 
 
+BELT: Final = program(
+    "encoder_enable_pulse_decode(0, 1, 16, 17)",
+    "sleep(0.1)",
+    "track_conveyor_linear([0, 1, 0, 0, 0, 0], 10000, 0)",
+    "sleep(1.4)",
+    "stop_conveyor_tracking()",
+    "sleep(0.1)",
+)
+
+
+def belt() -> str:
+    """A tool that catches up with a belt, which then changes its speed, and leaves it."""
+    robot = VirtualRobot(MODEL, joints=HOME)
+    robot.signals["encoder_speed[0]"] = 1000
+    rows = traced(BELT, robot=robot, meanwhile=((0.9, lambda robot: _belt_speed(robot, 2000)),))
+    times = times_of(rows)
+    # The way of the belt counts from the call at 0.1 s.
+    speeds = [0.1 if time <= 0.9 else 0.2 for time in times]
+    ways = [0.1 * (min(time, 0.9) - 0.1) + 0.2 * max(0.0, time - 0.9) for time in times]
+    start = rows[0].tcp_pose[1]
+    tool = tcp_speeds(rows)
+    last = next(index for index, time in enumerate(times) if time > 1.494)
+    behind = [
+        1e3 * (way - (row.tcp_pose[1] - start)) if way > 0.0 else 0.0 for way, row in zip(ways, rows, strict=True)
+    ]
+    return drawing(
+        "track_conveyor_linear at 0.1 s; the belt goes from 0.1 to 0.2 m/s at 0.9 s; stop at 1.5 s",
+        (
+            Panel("m/s", (Curve("belt", times, speeds, 1, True), Curve("tool", times, tool))),
+            Panel("tool behind, mm", (Curve("tool", times[:last], behind[:last]),), (), 110),
+        ),
+    )
+
+
+def _belt_speed(robot: VirtualRobot, counts_per_s: float) -> None:
+    robot.signals["encoder_speed[0]"] = counts_per_s
+
+
 FIGURES: Final[dict[str, Callable[[], str]]] = {
+    "belt.svg": belt,
     "points.svg": points,
     "plant.svg": plant,
 }

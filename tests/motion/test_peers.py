@@ -18,6 +18,7 @@ from elitescript.messages.motion import MoveJ, Six
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.planner import plan_movej
 from elitescript.motion.profile import trapezoid
+from elitescript.motion.pursuit import CatchUp
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.servo import begun, followed
 from elitescript.motion.speed import accelerated, braked_apart, obstacle_time
@@ -197,3 +198,25 @@ def test_servoj_is_never_quicker_than_possible(finding: Finding) -> None:
         f"{PEER}, {CASES // 4} steps and settings",
         f"{least:.2f} of the shortest possible, or more; never beyond the target",
     )
+
+
+def test_catching_up_with_a_conveyor_is_as_quick_as_possible(finding: Finding) -> None:
+    rng = random.Random(12)
+    duration = places = 0.0
+    for _ in range(CASES):
+        lag, rate = rng.gauss(0.0, 0.1), rng.gauss(0.0, 0.3)
+        acceleration, rate_max = 10 ** rng.uniform(-0.5, 1), 10 ** rng.uniform(-1.5, 0.3)
+        ours = CatchUp(lag, rate, acceleration, rate_max)
+        problem = ruckig.InputParameter(1)
+        problem.current_position, problem.current_velocity, problem.target_position = [lag], [rate], [0.0]
+        problem.max_velocity, problem.max_acceleration, problem.max_jerk = [rate_max], [acceleration], [inf]
+        theirs = ruckig.Trajectory(1)
+        ruckig.Ruckig(1).calculate(problem, theirs)
+        duration = max(duration, abs(ours.duration_s - theirs.duration))
+        for share in (0.1, 0.4, 0.7, 0.95):
+            place, speed, _ = theirs.at_time(share * theirs.duration)
+            place_ours, speed_ours = ours.at(share * ours.duration_s)
+            places = max(places, abs(place_ours - place[0]), abs(speed_ours - speed[0]))
+    assert duration < 1e-9
+    assert places < 1e-8
+    finding("catching up with a conveyor", f"{PEER}, {CASES} lags and speeds", f"{duration:.1e} s, {places:.1e} m")
