@@ -47,24 +47,10 @@ def jog():
   stopj(4)
 end
 """
-LINES = """
-def seam():
-  p = get_target_tcp_pose()
-  n = 0
-  while n < 200:
-    n = n + 1
-    p[0] = p[0] + 0.0004 * sin(n * 0.05)
-    p[1] = p[1] + 0.0014
-    movel(p, a=1.2, v=0.03, r=0.0007)
-  end
-  movel(p)
-end
-"""
 PROGRAMS = {
     "60 s of servoj, a target every 4 ms": SERVOJ,
     "60 s of speedl, there and back": SPEEDL,
     "60 s of speedj, there and back": SPEEDJ,
-    "200 lines of 1.5 mm, each with r = 0.7 mm": LINES,
 }
 RUNS = 3
 PERIODS = 15_000
