@@ -1,6 +1,6 @@
 """Write the reference pages in docs/reference from the tables and functions that they describe.
 
-Run it after a change to a command, an error code or a signal: `python tools/write_reference.py`.
+Run it after a change to a command, an error code, a signal or a safety state: `python tools/write_reference.py`.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from elitescript import errors
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.page import CHAPTERS, chapters, kind_of, source_of
 from elitescript.commands.registry import Command, Param
+from elitescript.controller import safety
 from elitescript.messages.signals import SIGNALS, Signal
 
 FOLDER: Final = Path(__file__).resolve().parent.parent / "docs" / "reference"
@@ -141,6 +142,93 @@ def signals_page() -> str:
     return "\n".join(lines) + "\n"
 
 
+def safety_page() -> str:
+    """States of the safety system, what they do, what leads where, and what is refused."""
+    lines = [
+        "# Safety",
+        "",
+        _NOTICE,
+        "Names and numbers of the states are documented by the vendor; what they do is assumed where the vendor does",
+        "not say it. A stop ends the program with an alarm that names line, reason, value, limit and unit and three",
+        "things to try; `safeguard_stop` pauses it, and it goes on when the safeguard is closed.",
+        "",
+        "Inputs are signals: `emergency_stop`, `system_emergency_stop`, `safeguard_stop`, `reduced_mode` (`--set`,",
+        "`robot.signals`, `robot.at`). From Python: `robot.protective_stop(reason)`, `robot.unlock_protective_stop()`,",
+        f"{safety.UNLOCK_AFTER_S:g} s after the stop at the earliest, and `robot.restart_safety()`.",
+        "",
+        "## States",
+        "",
+        "The strongest last.",
+        "",
+        "| state | number | the arm | the task | power | alarm |",
+        "|---|---:|---|---|---|---|",
+    ]
+    for mode in safety.MODES:
+        effect = safety.EFFECTS[mode]
+        power = "stays on" if effect.is_power_kept else "goes off"
+        lines.append(f"| {mode.name} | {int(mode)} | {effect.arm} | {effect.task} | {power} | {effect.code} |")
+    lines += [
+        "",
+        "## Transitions",
+        "",
+        "*inputs*: the strongest state that the inputs ask for at that moment: a stop that is pressed, an open",
+        "safeguard, recovery of an arm outside its limits, reduced mode, normal. *refused*: see below. An empty cell:",
+        "nothing changes.",
+        "",
+        "| action | " + " | ".join(mode.name for mode in safety.MODES) + " |",
+        "|---|" + "---|" * len(safety.MODES),
+    ]
+    for action in safety.ACTIONS:
+        cells = []
+        for mode in safety.MODES:
+            if (mode, action) in safety.REFUSALS:
+                cells.append("*refused*")
+            else:
+                after = safety.TRANSITIONS[mode, action]
+                cells.append("*inputs*" if after is None else "" if after is mode else after.name)
+        lines.append(f"| `{action}` | " + " | ".join(cells) + " |")
+    lines += ["", "## Refusals", "", "| in state | to a motion, a task or power | to an unlock |", "|---|---|---|"]
+    for mode in safety.MODES:
+        unlock = safety.REFUSALS.get((mode, "unlock_protective_stop"), "")
+        lines.append(f"| {mode.name} | {_cell(safety.WHAT_TO_DO.get(mode, ''))} | {_cell(unlock)} |")
+    return "\n".join([*lines, "", _CELL_FILE])
+
+
+_CELL_FILE: Final = """\
+## Limits: the cell file
+
+Without limits, normal mode watches nothing but the joint ranges of the model, and reduced mode slows the TCP down to
+0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or `VirtualRobot(safety=SafetyLimits(...))`.
+A limit that is exceeded while the arm moves is a protective stop. Every key may be left out.
+
+```toml
+[safety]
+tcp_speed = 1.0                 # m/s
+joint_speed_deg = 120           # deg/s, one number or six; joint_speed in rad/s
+joint_range_deg = [[-180, 180], [-200, 20], [-160, 160], [-270, 90], [-180, 180], [-360, 360]]
+                                # joint_range in rad
+
+[safety.reduced]                # in reduced mode; what is left out is as in normal mode
+tcp_speed = 0.25
+
+[[safety.planes]]               # the TCP stays on the side to which the normal points
+name = "table"
+point = [0, 0, 0.01]            # m, base frame
+normal = [0, 0, 1]
+offset = 0.02                   # m, along the normal
+use = "always"                  # or "normal", "reduced"; "trigger_reduced" asks for reduced mode behind it
+inputs = [0, 1]                 # counts only while both of these configurable inputs are high (assumed)
+
+[safety.tool_direction]         # the tool's z axis stays in this cone
+axis = [0, 0, -1]
+angle_deg = 45
+
+[signals]                       # levels at the start, as for --set
+"standard_digital_in[3]" = true
+```
+"""
+
+
 def _range(signal: Signal) -> str:
     if signal.low is None or signal.high is None:
         return signal.unit
@@ -158,6 +246,7 @@ def _anchor(title: str) -> str:
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "commands.md": commands_page,
     "errors.md": errors_page,
+    "safety.md": safety_page,
     "signals.md": signals_page,
 }
 

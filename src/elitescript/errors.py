@@ -87,6 +87,9 @@ _ROWS: Final = (
     Code("R123", "error", "access that scripts do not have"),
     Code("R130", "error", "nothing can ever happen again"),
     Code("R131", "error", "the thread cannot be stopped"),
+    Code("R140", "error", "protective stop"),
+    Code("R141", "error", "emergency stop"),
+    Code("R142", "error", "violation or fault of the safety system"),
 )
 
 CODES: Final[dict[str, Code]] = {row.code: row for row in _ROWS}
@@ -126,6 +129,7 @@ class AlarmError(ElitescriptError):
             lines.append(f"    {alarm.source_line.strip()}")
         if alarm.details.get("hint"):
             lines.append(f"hint: {alarm.details['hint']}")
+        lines += [f"try: {hint}" for hint in alarm.details.get("hints", ())]
         super().__init__("\n".join(lines))
 
 

@@ -6,15 +6,13 @@ who wants real time passes a `pace`, which is called before every tick that is r
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from keyword import iskeyword
 from pathlib import Path
-from threading import current_thread, main_thread
 from typing import Any, Final, Literal
 
 from elitescript.controller.controller import Controller
+from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
 from elitescript.errors import UsageError
@@ -23,7 +21,7 @@ from elitescript.language.options import SECONDARY
 from elitescript.language.source import SourceFile
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event
-from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask
+from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
@@ -35,6 +33,8 @@ from elitescript.run import EndState, Run, SignalRecord
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
+from elitescript.worlds.cell import Cell, load_cell
+from elitescript.worlds.interrupts import interrupts_passed_to
 from elitescript.worlds.program_file import source_of
 
 EPOCH_S: Final = 1_704_067_200.0
@@ -63,7 +63,9 @@ class VirtualRobot:
         epoch_s: controller clock at tick 0, seconds since 1970.
         work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
             not known (*assumed*).
+        safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
+        cell: a TOML file with these and other configurations, and with levels of signals at the start.
         on_event: receives every event at the moment it happens.
 
     Raises:
@@ -83,7 +85,9 @@ class VirtualRobot:
         strict: bool = False,
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
+        safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
+        cell: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
@@ -95,8 +99,15 @@ class VirtualRobot:
         home = None if joints is None else self._start_joints(joints)
         if not 0.0 <= speed <= 1.0:
             raise UsageError(f"speed must be in [0, 1], got {speed!r}")
+        surroundings = Cell() if cell is None else load_cell(cell)
         self.controller = Controller(
-            self.model, epoch_s=epoch_s, on_event=self._event, home=home, speed_scale=speed, plant=plant
+            self.model,
+            epoch_s=epoch_s,
+            on_event=self._event,
+            home=home,
+            speed_scale=speed,
+            safety=surroundings.take("safety", safety),
+            plant=surroundings.take("plant", plant),
         )
         self.signals = Signals(self.controller)
         self._host = ScriptHost(
@@ -107,6 +118,8 @@ class VirtualRobot:
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
+        for name, value in surroundings.signals.items():
+            self.signals[name] = value
 
     def _start_joints(self, joints: Six) -> Six:
         values = tuple(float(value) for value in joints)
@@ -169,6 +182,22 @@ class VirtualRobot:
         """Stop the task; it ends in the next tick."""
         self.controller.request(StopTask())
 
+    def protective_stop(self, reason: str = "") -> None:
+        """Stop the arm as the safety system does; the program ends with an alarm."""
+        self.controller.request(AskSafety("stop_protectively", reason))
+
+    def unlock_protective_stop(self) -> None:
+        """Let the arm move again, from 5 s after a protective stop on.
+
+        Raises:
+            ScriptStateError: there is none, or it is too early.
+        """
+        self.controller.request(AskSafety("unlock_protective_stop"))
+
+    def restart_safety(self) -> None:
+        """Restart the safety system, which ends violations and faults; the arm is off afterwards."""
+        self.controller.request(AskSafety("restart_safety"))
+
     def interrupt(self, state: EndState = "stopped") -> None:
         """End the run at its next checkpoint, with that state; may be called from a signal handler."""
         self._interrupted_as = state
@@ -214,7 +243,7 @@ class VirtualRobot:
         run = self.start(program, presets=presets, trace=trace, trace_step_s=trace_step_s)
         limit = None if until_s is None else self.tick + ticks_for(until_s)
         try:
-            with interrupts_passed_to(self):
+            with interrupts_passed_to(self.interrupt):
                 self._advance(limit, pace, watch)
         except BaseException:
             self._finish("stopped")
@@ -243,7 +272,8 @@ class VirtualRobot:
         run = Run(unit, self.tick)
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run
-        self.controller.power_up()
+        if not self.controller.safety.refusal("power_on"):
+            self.controller.power_up()
         self._interrupted_as = ""
         self._trace = trace if isinstance(trace, Trace) else Trace(run.trace.append, trace_step_s) if trace else None
         if unit.kind == SECONDARY and self._run is run:
@@ -314,10 +344,13 @@ class VirtualRobot:
                 return
             due = controller.next_tick()
             if due is None and not stays:
-                if run is not None and run.state == "":
+                if any(controller.joints().qd_target):
+                    # A paused motion is not due again, but still brakes.
+                    due = controller.tick + 1
+                elif run is not None and run.state == "":
                     self._report_stuck()
                     continue
-                if limit is None:
+                elif limit is None:
                     return
             target = limit if due is None or (limit is not None and due > limit) else due
             assert target is not None
@@ -357,6 +390,8 @@ class VirtualRobot:
     def _report_stuck(self) -> None:
         threads = self.threads()
         waits = "; ".join(f"{thread.name} (line {thread.line}) waits for {thread.waits_for}" for thread in threads)
+        obstruction = self.controller.safety.obstruction
+        waits += f"; {obstruction}" if obstruction else ""
         line = threads[0].line if threads else 0
         assert self._run is not None
         source = self._run.unit.source
@@ -384,32 +419,6 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
-
-
-@contextmanager
-def interrupts_passed_to(robot: VirtualRobot) -> Iterator[None]:
-    """Let Ctrl-C end the run at its next checkpoint and then raise KeyboardInterrupt; a second one raises it at once.
-
-    Only where Python's own handler would have had it: a caller with a handler of its own keeps it.
-    """
-    if current_thread() is not main_thread() or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield
-        return
-    happened = False
-
-    def handle(_number: int, _frame: object) -> None:
-        nonlocal happened
-        happened = True
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        robot.interrupt()
-
-    signal.signal(signal.SIGINT, handle)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-    if happened:
-        raise KeyboardInterrupt
 
 
 def checked_presets(presets: Mapping[str, object]) -> dict[str, object]:

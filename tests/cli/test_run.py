@@ -208,3 +208,61 @@ def test_the_process_gives_the_same_bytes_for_every_hash_seed(program):
         command = [sys.executable, "-m", "elitescript", "run", path, "--json"]
         outputs.add(subprocess.run(command, env=environment, capture_output=True, check=True).stdout)
     assert len(outputs) == 1
+
+
+CELL = """[safety]
+[[safety.planes]]
+name = "table"
+point = [0, 0, 0.3]
+normal = [0, 0, 1]
+"""
+DOWN = "def a():\n  p = get_target_tcp_pose()\n  p[2] -= 0.3\n  movel(p, a=1, v=0.4)\nend\n"
+
+
+@pytest.fixture
+def cell(tmp_path):
+    path = tmp_path / "cell.toml"
+    path.write_text(CELL)
+    return path
+
+
+def test_a_protective_stop_as_json_has_reason_value_limit_and_what_to_try(run_json, cell):
+    code, records = run_json(DOWN, "--cell", str(cell))
+    safety, alarm, end = records
+    assert code == 1
+    assert (safety["type"], safety["mode"]) == ("safety", "PROTECTIVE_STOP")
+    assert (alarm["code"], alarm["class"], alarm["line"], alarm["column"]) == ("R140", "ProtectiveStop", 4, 3)
+    assert (alarm["reason"], alarm["plane"], alarm["limit"], alarm["unit"]) == ("plane", "table", ">= 0", "m")
+    assert -0.01 < alarm["value"] < 0.0
+    assert len(alarm["hints"]) == 3
+    assert end["state"] == "alarm"
+
+
+def test_a_protective_stop_for_people_has_the_line_the_reason_and_three_things_to_try(program, capsys, cell):
+    assert main(["run", program(DOWN), "--cell", str(cell)]) == 1
+    captured = capsys.readouterr()
+    assert "ALARM R140 in line 4: ProtectiveStop: the TCP is " in captured.err
+    assert "behind safety plane 'table'" in captured.err
+    assert "    4 |   movel(p, a=1, v=0.4)" in captured.err
+    assert captured.err.count(" try: ") == 3
+    assert "ended by an alarm" in captured.out
+
+
+@pytest.mark.parametrize(("setting", "code", "word"), [("emergency_stop", 1, "R141"), ("safeguard_stop", 5, "R130")])
+def test_a_stop_that_is_pressed_from_the_start(run_json, setting, code, word):
+    exit_code, records = run_json(DOWN, "--set", f"{setting}=true")
+    assert exit_code == code
+    assert [record["code"] for record in records if record["type"] == "alarm"] == [word]
+
+
+def test_an_emergency_stop_says_what_leads_back(program, capsys):
+    assert main(["run", program(DOWN), "--set", "emergency_stop=true"]) == 1
+    err = capsys.readouterr().err
+    assert "ALARM R141: EmergencyStop: cannot start: the emergency stop is pressed; release it" in err
+
+
+def test_a_mistake_in_the_cell_file_is_one_of_usage(program, capsys, tmp_path):
+    path = tmp_path / "cell.toml"
+    path.write_text("[safety]\ntcp_speed = 'fast'\n")
+    assert main(["run", program(DOWN), "--cell", str(path)]) == 2
+    assert f"{path}:2: [safety] tcp_speed must be a number > 0 in m/s, got 'fast'" in capsys.readouterr().err

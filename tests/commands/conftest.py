@@ -40,9 +40,14 @@ class FakeMachine:
         self.joint_temperatures: Six = (31.0, 32.0, 33.0, 34.0, 35.0, 36.0)
         self.controller_temperature = 41.5
         self.image: dict[tuple[str, int], Value] = {}
+        self.tested: list[tuple[Six, Any]] = []
 
     def joints(self) -> JointState:
         return JointState(Q_TARGET, (0.2,) * 6, Q_ACTUAL, (0.1,) * 6)
+
+    def is_within_safety_limits(self, q: Six, pairs: Any = None) -> bool:
+        self.tested.append((q, pairs))
+        return q[0] < 1.0
 
     def joint_torques(self) -> Six:
         return (0.1, -20.5, 8.25, 0.5, -0.25, 0.0)

@@ -16,8 +16,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
         "freedrive_mode()",
         "freedrive_mode([0, 1, 0, 0, 0, 0], 'tool')",
         "freedrive_mode(frame=[0, 0, 0.1, 0, 0, 0])",
-        "is_within_safety_limits(q=[0, 0, 0, 0, 0, 0])",
-        "is_within_safety_limits([0, 0, 0, 0, 0, 0], qnear='', ciPair=[1, 0, 0, 1])",
         "modbus_set_output_register('s', 70000)",
         "modbus_set_output_register('s', [1, -1])",
         "modbus_set_output_signal('s', [True, 0])",

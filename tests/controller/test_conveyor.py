@@ -9,10 +9,12 @@ import pytest
 from elitescript import VirtualRobot
 from elitescript.controller.controller import Controller
 from elitescript.controller.encoders import RANGES
+from elitescript.controller.tasks import NoProgram
 from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.transforms import pose_from_transform, transform_from_pose
-from elitescript.messages.events import MotionEnded, TrackingEnded, TrackingStarted, Warned
+from elitescript.messages.events import MotionEnded, TrackingEnded, TrackingStarted
 from elitescript.messages.machine import (
+    AskSafety,
     PauseTask,
     PrepareEncoder,
     ResumeTask,
@@ -44,6 +46,16 @@ CONVEYORS = [BELT, TABLE, TURNING]
 conveyors = pytest.mark.parametrize(("request_", "conveyor"), CONVEYORS, ids=["belt", "table", "turning table"])
 
 
+class Blamed(NoProgram):
+    """A program that keeps the alarms that end it."""
+
+    def __init__(self):
+        self.alarms = []
+
+    def fail(self, alarm):
+        self.alarms.append(alarm)
+
+
 class Cell:
     """A controller without scripts, run by hand; keeps every target."""
 
@@ -51,6 +63,8 @@ class Cell:
         self.events = []
         self.model = model
         self.controller = Controller(model, epoch_s=0.0, on_event=self.events.append)
+        self.controller.attach(Blamed())
+        self.controller.task_started("job")
         self.controller.request(SetTcp(TCP))
         self.turn(speed, encoder)
         self.rows = []
@@ -102,8 +116,12 @@ class Cell:
         return pose_from_transform(conveyor.carried(transform_from_pose(pose or self.start), way))
 
     @property
-    def warnings(self):
-        return [event for event in self.events if isinstance(event, Warned)]
+    def alarms(self):
+        return self.controller.program.alarms
+
+    def unlock(self):
+        self.run(1300)
+        self.controller.request(AskSafety("unlock_protective_stop"))
 
     def check_smooth(self):
         for (q, qd), (q_next, qd_next) in pairwise(self.rows):
@@ -186,7 +204,6 @@ class TestOnEveryConveyor:
 
     def test_the_end_of_the_program_brings_the_arm_to_rest(self, request_, conveyor):
         cell = Cell(300.0)
-        cell.controller.task_started("job")
         cell.track(request_)
         cell.ask(cell.line_by(0.05, -0.04, -0.06))
         cell.run(60)
@@ -197,7 +214,6 @@ class TestOnEveryConveyor:
 
     def test_a_pause_brings_it_to_rest_and_afterwards_it_catches_up_again(self, request_, conveyor):
         cell = Cell(120.0)
-        cell.controller.task_started("job")
         cell.track(request_)
         cell.run(60)
         move = cell.line_by(0.02, 0.03, -0.08)
@@ -271,7 +287,7 @@ def test_a_quick_belt_is_caught_up_with_no_more_than_the_tracking_speed_above_it
         cell.run(1)
         speeds.append(cell.twist[1])
     assert max(speeds) == pytest.approx(0.8 + MODEL.tracking_speed, abs=1e-9)
-    assert not cell.warnings
+    assert not cell.alarms
 
 
 def test_a_slow_belt_is_caught_up_gently():
@@ -333,7 +349,7 @@ def test_a_table_may_turn_by_more_than_half_a_turn():
     cell.run(500)
     assert abs(cell.rows[-1][0][5] - HOME[5]) == pytest.approx(2 * pi * 0.8, abs=0.6)
     assert_same(cell.pose, cell.part(Turntable(center, 5000.0, True), 4000.0))
-    assert not cell.warnings
+    assert not cell.alarms
     cell.check_smooth()
 
 
@@ -377,12 +393,12 @@ class TestWhatCannotGoOn:
         number = cell.ask(cell.line_by(0.0, 0.0, -0.05, v=0.002))
         cell.run_to_rest()
         assert cell.controller.is_move_done(number)
-        (warning,) = cell.warnings
-        assert warning.text.startswith("conveyor tracking leads into the elbow singularity, ")
-        assert warning.text.endswith("; the arm brakes")
-        assert (warning.line, warning.thread) == (7, "main")
+        (alarm,) = cell.alarms
+        assert alarm.text.startswith("conveyor tracking leads into the elbow singularity, ")
+        assert (alarm.code, alarm.line, alarm.thread) == ("R140", 7, "main")
         assert [event.is_complete for event in cell.events if isinstance(event, MotionEnded)] == [False]
         cell.check_smooth()
+        cell.unlock()
         cell.start = cell.pose
         cell.ask(cell.line_by(-0.1, 0.0, 0.0))
         cell.run_to_rest()
@@ -393,8 +409,8 @@ class TestWhatCannotGoOn:
         center = (*cell.pose[:2], 0.0, 0.0, 0.0, 0.0)
         cell.track(TrackCircular(center, 5000.0, True, 0))
         cell.run_to_rest(2000)
-        (warning,) = cell.warnings
-        assert "joint wrist3" in warning.text and "end of its range" in warning.text
+        (alarm,) = cell.alarms
+        assert "joint wrist3" in alarm.text and "end of its range" in alarm.text
         assert abs(cell.rows[-1][0][5]) <= 2 * pi
         cell.check_smooth()
 
@@ -403,8 +419,8 @@ class TestWhatCannotGoOn:
         center = (*cell.pose[:2], 0.0, 0.0, 0.0, 0.0)
         cell.track(TrackCircular(center, 100.0, True, 0))
         cell.run_to_rest(2000)
-        (warning,) = cell.warnings
-        assert "would make joint wrist3 turn with" in warning.text and "it can 4.014 rad/s" in warning.text
+        (alarm,) = cell.alarms
+        assert "would make joint wrist3 turn with" in alarm.text and "it can 4.014 rad/s" in alarm.text
         cell.check_smooth()
 
     def test_a_place_beyond_reach_is_said_in_numbers(self):
@@ -418,16 +434,19 @@ class TestWhatCannotGoOn:
         cell = Cell(200.0)
         cell.track(TrackLinear((1.0, 0.0, 0.0), 1000.0, 0))
         cell.run_to_rest()
+        cell.unlock()
         assert cell.controller.is_move_done(cell.ask(StopTracking()))
 
-    def test_a_move_that_comes_while_the_arm_brakes_begins_where_it_stands(self):
+    def test_while_the_arm_brakes_no_move_is_taken_and_it_can_go_home_later(self):
         cell = Cell(200.0)
         cell.track(TrackLinear((1.0, 0.0, 0.0), 1000.0, 0))
-        while not cell.warnings:
+        while not cell.alarms:
             cell.run(1)
+        with pytest.raises(ScriptStateError, match="protective stop"):
+            cell.ask(MoveJ(HOME, 1.4, 1.0))
+        cell.run_to_rest()
+        cell.unlock()
         number = cell.ask(MoveJ(HOME, 1.4, 1.0))
-        end = cell.ask(StopTracking())
-        assert not cell.controller.is_move_done(end)
         cell.run_to_rest()
         assert cell.controller.is_move_done(number)
         assert cell.rows[-1][0] == HOME
@@ -514,8 +533,8 @@ def test_a_move_through_a_singularity_beside_its_nominal_way_is_given_up():
     number = cell.ask(MoveJ((*HOME[:4], -HOME[4], HOME[5]), 2.0, 1.0))
     cell.run_to_rest()
     assert cell.controller.is_move_done(number)
-    (warning,) = cell.warnings
-    assert "through a singularity, and on the conveyor beside it: joint shoulder would jump by " in warning.text
+    (alarm,) = cell.alarms
+    assert "through a singularity, and on the conveyor beside it: joint shoulder would jump by " in alarm.text
     cell.check_smooth()
 
 
@@ -534,7 +553,6 @@ def test_the_end_ends_the_move_of_another_thread_too():
 
 def test_a_pause_while_it_ends_does_not_hold_the_end():
     cell = Cell(300.0)
-    cell.controller.task_started("job")
     cell.track(BELT[0])
     cell.run(150)
     number = cell.ask(StopTracking())
@@ -579,7 +597,6 @@ def test_nothing_to_end_is_no_wait():
 def test_whatever_happens_at_whatever_tick_nothing_jumps(seed):
     generator = Random(seed)
     cell = Cell(generator.uniform(-300.0, 300.0))
-    cell.controller.task_started("job")
     request, _ = generator.choice(CONVEYORS)
     cell.track(request)
     is_paused = False

@@ -8,8 +8,9 @@ import pytest
 from elitescript import VirtualRobot
 from elitescript.controller.controller import Controller
 from elitescript.errors import MotionError, ScriptStateError
-from elitescript.messages.events import Alarm, MotionEnded, MotionStarted, Warned
-from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale
+from elitescript.messages.enums import SafetyMode
+from elitescript.messages.events import Alarm, MotionEnded, MotionStarted, SafetyModeChanged
+from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale
 from elitescript.messages.motion import MoveJ, MoveL, ServoJ, SpeedJ, SpeedL, StopJ, StopL
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
@@ -43,6 +44,11 @@ class Machine:
             step = end if due is None else min(due, end)
             self.controller.leap(step if leap else self.controller.tick + 1)
         self.controller.run_tick()
+
+    def unlock(self):
+        self.run(1250, leap=True)
+        self.controller.request(AskSafety("unlock_protective_stop"))
+        self.run(1)
 
     @property
     def q(self):
@@ -231,9 +237,12 @@ def test_a_joint_stops_at_the_end_of_its_range_with_the_reason_and_goes_no_furth
     assert not machine.controller.is_moving
     q_max = MODEL.joints[0].q_max
     assert q_max - 0.01 < machine.q[0] <= q_max
-    (warning,) = [event for event in machine.events if isinstance(event, Warned)]
-    assert "joint base" in warning.text
-    assert (warning.line, warning.thread) == (3, "main")
+    (stop,) = [event for event in machine.events if isinstance(event, SafetyModeChanged)]
+    assert stop.mode is SafetyMode.PROTECTIVE_STOP
+    assert "joint base" in stop.reason
+    with pytest.raises(ScriptStateError, match="unlock it"):
+        machine.ask(SpeedJ((-1.5, 0.0, 0.0, 0.0, 0.0, 0.0), 3.0))
+    machine.unlock()
     for _ in range(5):
         try:
             machine.ask(SpeedJ((1.5, 0.0, 0.0, 0.0, 0.0, 0.0), 3.0, 0.1))
@@ -242,6 +251,7 @@ def test_a_joint_stops_at_the_end_of_its_range_with_the_reason_and_goes_no_furth
             break
         machine.run(500)
         assert machine.q[0] <= q_max + 1e-9
+        machine.unlock()
     else:
         raise AssertionError("never refused")
     machine.ask(SpeedJ((-1.5, 0.0, 0.0, 0.0, 0.0, 0.0), 3.0))
@@ -266,13 +276,14 @@ def test_a_stream_ends_at_its_last_target_when_nothing_more_comes(machine):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_program_that_only_waits_is_stuck_when_the_driven_arm_has_come_to_its_end(seed):
+def test_a_program_that_only_waits_ends_when_the_driven_arm_has_come_to_its_end(seed):
     call = ("speedj([1, 0, 0, 0, 0, 0], 2)", "speedl([0.1, 0, 0, 0, 0, 0], 1)", "speedj([0, 0, 0, 0, 0, 1], 2, 0.1)")
     program = f"def p():\n  import queue\n  box = queue.Queue()\n  {call[seed % 3]}\n  box.get()\nend\n"
     robot = VirtualRobot("CS66", speed=0.0 if seed == 3 else 1.0)
     run = robot.run(program, until_s=60.0)
-    assert run.state == "stuck"
+    assert run.state == ("stuck" if seed == 3 else "alarm")
     assert (run.time_s > 2.0) == (seed != 3)
+    assert run.alarms[0].code == ("R130" if seed == 3 else "R140")
 
 
 def test_a_program_that_sleeps_while_the_arm_is_driven_is_not_stuck():

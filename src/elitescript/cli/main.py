@@ -159,6 +159,9 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="signal or global at the start, e.g. standard_digital_in[3]=true; may be repeated",
     )
+    run.add_argument(
+        "--cell", metavar="FILE.toml", help="what is around the robot: safety limits, planes, inputs at the start"
+    )
     run.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
     run.add_argument("--step", type=float, metavar="SECONDS", help="time between two rows of the trace")
     run.add_argument("--epoch", metavar="TIME", help="controller clock at the start: seconds since 1970 or ISO 8601")
@@ -195,6 +198,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="signal or global at the start; may be repeated",
     )
+    plot.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
 
     commands = subparsers.add_parser("commands", help="the catalogue of robot commands")
     commands.add_argument("name", nargs="?", metavar="NAME", help="one command; all if left out")

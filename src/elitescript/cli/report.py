@@ -11,7 +11,7 @@ from typing import Any, Protocol, TextIO
 from elitescript.cli import jsonlines
 from elitescript.language.diagnostics import Diagnostic, render, to_json
 from elitescript.language.source import SourceFile
-from elitescript.messages.events import Alarm, Event, Popup, Printed, TextMessage, Warned
+from elitescript.messages.events import Alarm, Event, Popup, Printed, SafetyModeChanged, TextMessage, Warned
 from elitescript.messages.timing import seconds
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
@@ -133,12 +133,17 @@ def _alarm_record(event: Any) -> dict[str, Any]:
     }
 
 
+def _safety_record(event: Any) -> dict[str, Any]:
+    return {"type": "safety", "t": seconds(event.tick), "mode": event.mode.name, "text": event.reason}
+
+
 _RECORDS = {
     TextMessage: _log_record,
     Printed: _print_record,
     Popup: _popup_record,
     Warned: _warning_record,
     Alarm: _alarm_record,
+    SafetyModeChanged: _safety_record,
 }
 
 
@@ -168,6 +173,8 @@ class TextReport:
         elif isinstance(event, Warned):
             where = f"line {event.line}: " if event.line else ""
             self._problem(event.tick, f"warning: {where}{event.text}")
+        elif isinstance(event, SafetyModeChanged):
+            self._problem(event.tick, f"safety: {event.mode.name}" + (f": {event.reason}" if event.reason else ""))
         elif isinstance(event, Alarm):
             self._alarm(event)
 
@@ -180,7 +187,8 @@ class TextReport:
 
     def _alarm(self, alarm: Alarm) -> None:
         thread = "" if alarm.thread == "main" else f", thread {alarm.thread}"
-        self._problem(alarm.tick, f"ALARM {alarm.code} in line {alarm.line}{thread}: {alarm.class_name}: {alarm.text}")
+        where = f" in line {alarm.line}{thread}" if alarm.line else thread
+        self._problem(alarm.tick, f"ALARM {alarm.code}{where}: {alarm.class_name}: {alarm.text}")
         if alarm.source_line.strip():
             text = alarm.source_line.expandtabs(8)
             print(f"{'':14}{alarm.line:>5} | {text}", file=self._err)
@@ -189,6 +197,8 @@ class TextReport:
                 print(f"{'':14}      | {' ' * before}^", file=self._err)
         if alarm.details.get("hint"):
             print(f"{'':14}hint: {alarm.details['hint']}", file=self._err)
+        for hint in alarm.details.get("hints", ()):
+            print(f"{'':14}try: {hint}", file=self._err)
 
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
         self._out.flush()

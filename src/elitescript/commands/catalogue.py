@@ -27,6 +27,7 @@ from elitescript.commands import (  # noqa: F401  (importing a family registers 
     registers,
     rpc,
     runstate,
+    safety,
     serial,
     servo,
     sockets,

@@ -7,7 +7,7 @@ runtime the second; a test needs neither.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from elitescript.kinematics.arm import Arm
@@ -65,6 +65,14 @@ class Machine(Protocol):
 
     def state(self) -> RobotState:
         """The whole machine at this tick."""
+
+    def is_within_safety_limits(self, q: Six, pairs: Sequence[bool] | None = None) -> bool:
+        """Whether joints (rad) respect the joint ranges and the safety limits of position.
+
+        Args:
+            q: the joints.
+            pairs: for each pair of configurable inputs, whether its planes count; by their levels if None.
+        """
 
     def read(self, name: str, index: int = 0) -> Value:
         """One point of the signal image; see `messages.signals`."""

@@ -6,7 +6,7 @@ is a function of time: whoever looks samples it, and nobody can tell a leap from
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from elitescript.controller.arm_state import ArmState
@@ -17,26 +17,26 @@ from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
 from elitescript.controller.joint_encoders import JointEncoders
 from elitescript.controller.joint_loads import JointLoads
 from elitescript.controller.model_limits import motion_limits
-from elitescript.controller.modes import WHY_NOT_READY, Power
+from elitescript.controller.modes import Power
 from elitescript.controller.motion_control import MotionControl
 from elitescript.controller.plant import LaggingJoints
+from elitescript.controller.safety_control import SafetyControl
+from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.setup import SETUP_HANDLERS, Setup
 from elitescript.controller.snapshot import build_state
+from elitescript.controller.task_requests import TASK_HANDLERS
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
-from elitescript.errors import ArgumentRangeError, ScriptError, ScriptStateError
+from elitescript.errors import ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
-from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
 from elitescript.messages.machine import (
+    AskSafety,
     MachineRequest,
-    PauseTask,
-    PowerDown,
-    ResumeTask,
     SetInputAction,
     SetLineMark,
     SetSpeedScale,
-    StopTask,
     WriteSignal,
 )
 from elitescript.messages.motion import MotionRequest, Six, TrackRequest
@@ -56,6 +56,7 @@ class Controller:
         on_event: receives every event in order.
         home: joint positions at the start, rad; the model's home if None.
         speed_scale: speed percentage at the start, as a fraction.
+        safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
     """
 
@@ -63,22 +64,22 @@ class Controller:
         "_arm_state",
         "_epoch_s",
         "_inbox",
-        "_is_powering_down",
         "_joint_encoders",
         "_model",
         "_motion",
         "_node",
         "_on_event",
         "_power",
-        "_program",
         "_setup",
         "_signals",
-        "_task",
         "_tick",
         "_tracking",
         "arm",
         "joint_ranges",
         "loads",
+        "program",
+        "safety",
+        "task",
     )
 
     def __init__(
@@ -89,6 +90,7 @@ class Controller:
         on_event: Callable[[Event], None],
         home: Six | None = None,
         speed_scale: float = 1.0,
+        safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
     ) -> None:
         plant = PlantConfig() if plant is None else plant
@@ -98,11 +100,11 @@ class Controller:
         self._epoch_s = epoch_s
         self._on_event = on_event
         self._tick = 0
-        self._program: ProgramPort = NoProgram()
+        self.program: ProgramPort = NoProgram()
         self._inbox = Inbox()
         self._signals = SignalImage(self._signal_changed)
         self._power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)))
-        self._task = Task(self._task_changed)
+        self.task = Task(self._task_changed)
         limits = motion_limits(model)
         self._motion = MotionControl(
             model.arm,
@@ -110,7 +112,7 @@ class Controller:
             model.home if home is None else home,
             model.stop_joint_deceleration,
             model.speed_ramp_s,
-            on_event,
+            self._motion_event,
             self._motion_ended,
         )
         self._motion.set_speed_scale(speed_scale, 0)
@@ -120,12 +122,16 @@ class Controller:
         self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._setup = Setup(model)
         self._node: tuple[int, str] = (0, "")
-        self._is_powering_down = False
         self.loads = JointLoads(model, plant, self._arm_state, self._setup)
+        watched = safety or SafetyLimits()
+        self.safety = SafetyControl(
+            self, watched, limits, self._motion, self._arm_state, self._setup, self._signals, self.task, speed_scale
+        )
+        self._tracking.on_obstacle = self.safety.meet_obstacle
 
     def attach(self, program: ProgramPort) -> None:
         """Say what runs scripts in the phase `program`."""
-        self._program = program
+        self.program = program
 
     # ---------------------------------------------------------------- time
 
@@ -138,13 +144,17 @@ class Controller:
         """All phases of the present tick; `leap` then goes on to the next one."""
         self._arm_state.settle(self._tick)
         self._deliver_inbox()
-        self._program.run_tick(self._tick)
+        self.safety.check(self._tick)
+        if self._power.is_going_off:
+            self._power.settle(self._arm_state.is_moving)
+        self.program.run_tick(self._tick)
 
     def next_tick(self) -> int | None:
         """The next tick at which anything is due; None when nothing will ever happen by itself."""
-        due = (self._program.next_tick(self._tick), self._arm_state.next_tick, self._inbox.next_tick)
-        ticks = [tick for tick in due if tick is not None]
-        return max(min(ticks), self._tick + 1) if ticks else None
+        tick, arm, program = self._tick, self._arm_state, self.program
+        due = (program.next_tick(tick), arm.next_tick, self._inbox.next_tick, self.safety.next_tick(tick))
+        ticks = [at for at in due if at is not None]
+        return max(min(ticks), tick + 1) if ticks else None
 
     def leap(self, tick: int) -> None:
         """Go to a tick that is not later than the next one at which anything is due."""
@@ -205,6 +215,10 @@ class Controller:
         """degC; see `controller.warmth`."""
         return self.loads.temperatures(self._tick)[1]
 
+    def is_within_safety_limits(self, q: Six, pairs: Sequence[bool] | None = None) -> bool:
+        """See `commands.context.Machine.is_within_safety_limits`."""
+        return self.safety.is_within(q, pairs)
+
     @property
     def robot_mode(self) -> RobotMode:
         """Power and brakes."""
@@ -213,12 +227,12 @@ class Controller:
     @property
     def task_state(self) -> TaskState:
         """What the program is doing."""
-        return self._task.state
+        return self.task.state
 
     @property
     def line(self) -> int:
         """Line of the main thread; 0 without a program."""
-        return self._program.line
+        return self.program.line
 
     @property
     def is_moving(self) -> bool:
@@ -228,7 +242,7 @@ class Controller:
     @property
     def speed_scale(self) -> float:
         """Speed percentage as a fraction."""
-        return self._motion.speed_scale
+        return self.safety.speed_scale
 
     def joints(self) -> JointState:
         """Target and measured joints of the present tick."""
@@ -265,13 +279,13 @@ class Controller:
             T_flange_tcp=self._setup.T_flange_tcp,
             tcp_offset=self._setup.tcp_offset,
             robot_mode=self._power.mode,
-            safety_mode=SafetyMode.NORMAL,
-            task_state=self._task.state,
+            safety_mode=self.safety.mode,
+            task_state=self.task.state,
             payload=self._setup.payload,
             gravity=self._setup.gravity,
-            speed_scale=self._motion.speed_scale,
+            speed_scale=self.safety.speed_scale,
             is_moving=self._arm_state.is_moving,
-            line=self._program.line,
+            line=self.program.line,
             node=self._node,
         )
 
@@ -307,13 +321,12 @@ class Controller:
 
     def request_motion(self, request: MotionRequest | TrackRequest, line: int, thread: str) -> int:
         """See `commands.context.Machine.request_motion`."""
-        mode = RobotMode.POWER_OFF if self._is_powering_down else self._power.mode
-        why = WHY_NOT_READY.get(mode)
-        if why is not None:
-            raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
+        self._power.require_ready()
+        self.safety.require("move")
         T_flange_tcp = self._setup.T_flange_tcp
         if isinstance(request, TrackRequest):
             return self._tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
+        request = self.safety.prepared(request, line, thread)
         return self._motion.request(request, self._tick, T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:
@@ -335,43 +348,51 @@ class Controller:
     # ---------------------------------------------------------------- the task, for the runtime and robot.py
 
     def power_up(self) -> None:
-        """Power on and release the brakes, as far as that is not done."""
-        self._is_powering_down = False
-        if self._power.mode is RobotMode.POWER_OFF:
-            self._power.apply("power_on")
-        if self._power.mode is RobotMode.IDLE:
-            self._power.apply("release_brakes")
+        """Power on and release the brakes, as far as that is not done.
+
+        Raises:
+            ScriptStateError: the safety system does not allow it.
+        """
+        self.safety.require("power_on")
+        self._power.go_up()
 
     def task_started(self, name: str) -> None:
         """A program begins in this tick."""
-        self._task.name = name
+        self.task.name = name
         self._node = (0, "")
         self._motion.begin_program()
-        self._task.apply("start")
+        self.task.apply("start")
+        self.safety.task_started()
 
     def task_ended(self) -> None:
         """The program is over; the arm brakes if it still moves."""
-        if self._task.is_running:
-            self._task.apply("stop")
+        if self.task.is_running:
+            self.task.apply("stop")
 
     def _task_changed(self, before: TaskState, after: TaskState) -> None:
-        self.emit(TaskStateChanged(self._tick, after, self._task.name))
+        self.emit(TaskStateChanged(self._tick, after, self.task.name))
         if after is TaskState.PAUSED:
             self._arm_state.pause(self._tick)
         elif before is TaskState.PAUSED:
             self._arm_state.resume(self._tick)
+            self.safety.disturb()
         if after is TaskState.STOPPED:
             self._arm_state.stop(self._tick)
         if TaskState.STOPPED in (before, after):
-            self._signals.set_running(self._task.is_running)
+            self._signals.set_running(self.task.is_running)
 
     def _motion_ended(self, move: int, is_complete: bool) -> None:
-        self._program.motion_ended(move, is_complete)
-        self._switch_off_at_standstill()
+        self.program.motion_ended(move, is_complete)
+        self._power.settle(self._arm_state.is_moving)
+
+    def _motion_event(self, event: Event) -> None:
+        self.safety.note(event)
+        self.emit(event)
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value))
         self._tracking.encoders.signal_changed(name, index, value, self._tick)
+        self.safety.signal_changed(name, value)
 
     # ---------------------------------------------------------------- handlers, one for each kind of request
 
@@ -385,16 +406,14 @@ class Controller:
             self.emit(Warned(self._tick, f"{point} asks for hand guiding, which is not simulated yet"))
 
     def _set_speed_scale(self, request: SetSpeedScale) -> None:
-        if not 0.0 <= request.fraction <= 1.0:
-            raise ArgumentRangeError(
-                f"the speed percentage must be in [0, 1], got {request.fraction:g}",
-                value=request.fraction,
-                limit="[0, 1]",
-            )
-        self._motion.set_speed_scale(request.fraction, self._tick)
+        self.safety.set_speed_scale(request.fraction)
 
     def _declare(self, request: Any) -> None:
         SETUP_HANDLERS[type(request)](self._setup, request)
+        self.safety.disturb()
+
+    def _ask_safety(self, request: AskSafety) -> None:
+        self.safety.ask(request)
 
     def _set_encoder(self, request: Any) -> None:
         ENCODER_HANDLERS[type(request)](self._tracking.encoders, request, self._tick)
@@ -403,31 +422,11 @@ class Controller:
         self._node = (request.number, request.label)
         self.emit(LineMarked(self._tick, request.number, request.label))
 
-    def _power_down(self, _request: PowerDown) -> None:
-        if self._task.is_running:
-            self._program.stop("powerdown")
+    def switch_off(self) -> None:
+        """Stop the arm and switch its power off at standstill."""
         self._arm_state.stop(self._tick)
-        self._is_powering_down = True
-        self._switch_off_at_standstill()
-
-    def _switch_off_at_standstill(self) -> None:
-        if self._is_powering_down and not self._arm_state.is_moving:
-            self._is_powering_down = False
-            if self._power.mode is not RobotMode.POWER_OFF:
-                self._power.apply("power_off")
-
-    def _pause_task(self, _request: PauseTask) -> None:
-        self._task.apply("pause")
-        self._program.pause()
-
-    def _resume_task(self, _request: ResumeTask) -> None:
-        self._task.apply("resume")
-        self._program.resume()
-
-    def _stop_task(self, _request: StopTask) -> None:
-        if not self._task.is_running:
-            raise ScriptStateError("cannot stop: no task is running")
-        self._program.stop("stopped")
+        self._power.go_off()
+        self._power.settle(self._arm_state.is_moving)
 
     def _signal_setting(self, request: Any) -> None:
         SIGNAL_SETTINGS[type(request)](self._signals, request)
@@ -439,10 +438,8 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     WriteSignal: Controller._write_signal,
     SetSpeedScale: Controller._set_speed_scale,
     SetLineMark: Controller._set_line_mark,
-    PowerDown: Controller._power_down,
-    PauseTask: Controller._pause_task,
-    ResumeTask: Controller._resume_task,
-    StopTask: Controller._stop_task,
+    AskSafety: Controller._ask_safety,
+    **TASK_HANDLERS,
     **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
     **dict.fromkeys(SETUP_HANDLERS, Controller._declare),
     **dict.fromkeys(ENCODER_HANDLERS, Controller._set_encoder),

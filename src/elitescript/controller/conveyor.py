@@ -8,8 +8,8 @@ account of the speed percentage (*assumed*: a belt does not slow down). A pause 
 catches up again (*assumed*).
 
 A joint at the end of its range, a singularity, the end of reach, and a joint that would have to be quicker than it
-can, end the tracking: the arm brakes as it does in front of an obstacle of `speedl` (*assumed*). However it ends, all
-that moves the arm comes to rest together: the nominal motion takes over the state of the joints and brakes them.
+can, end the tracking with a protective stop, as an obstacle of `speedl` does (*assumed*). However it ends, all that
+moves the arm comes to rest together: the nominal motion takes over the state of the joints and brakes them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_branch
 from elitescript.kinematics.jacobian import joint_speeds, singularity, tcp_twist
 from elitescript.kinematics.transforms import IDENTITY, Transform, compose, inverse
-from elitescript.messages.events import Event, TrackingEnded, TrackingStarted, Warned
+from elitescript.messages.events import Event, TrackingEnded, TrackingStarted
 from elitescript.messages.motion import Six, StopTracking, TrackCircular, TrackLinear, TrackRequest
 from elitescript.messages.state import ZERO_SIX, JointState
 from elitescript.messages.timing import PERIOD_S
@@ -102,6 +102,7 @@ class Tracking:
         "_tick",
         "_way",
         "encoders",
+        "on_obstacle",
     )
 
     def __init__(
@@ -118,6 +119,7 @@ class Tracking:
         self._catch_up = (model.tracking_acceleration, model.tracking_speed)
         self._take_over = take_over
         self._on_event = on_event
+        self.on_obstacle: Callable[[int, Obstacle, str, int], None] = lambda tick, obstacle, thread, line: None
         self._conveyor: Conveyor | None = None
         self._encoder: Encoder = self.encoders[0]
         self._T_flange_tcp = self._T_tcp_flange = IDENTITY
@@ -222,7 +224,7 @@ class Tracking:
         self._step = self._step_of = None
         self._tick, self._setpoint, self._way, self._speed = tick, step.setpoint, step.way, step.speed
         if step.obstacle is not None and step.braking is not None:
-            self._on_event(Warned(tick, f"{step.obstacle.text}; the arm brakes", self._thread, self._line))
+            self.on_obstacle(tick, step.obstacle, self._thread, self._line)
             self._end(tick - 1, step.braking, self._thread)
 
     def _next(self, tick: int, nominal: Setpoint, now: JointState) -> Step:

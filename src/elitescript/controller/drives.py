@@ -7,7 +7,8 @@ is stopped, or until it stands for good. Before anything is changed at a tick, `
 
 from __future__ import annotations
 
-from elitescript.controller.sources import NEVER
+from elitescript.controller.sources import NEVER, Source
+from elitescript.errors import MotionError
 from elitescript.messages.motion import DriveRequest, Six, SpeedJ
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
@@ -186,3 +187,20 @@ class JointDrive(Drive):
         self.profile = profile
         time_s, self._obstacle_joint = obstacle_time(profile, self._deceleration, self._limits)
         self._limit_tick = tick + int(time_s / PERIOD_S) if time_s < 1e9 else NEVER
+
+
+def busy_error(source: Source, thread: str) -> MotionError:
+    """Return the refusal (R114) of a planned move, because something else moves the arm for a thread."""
+    if isinstance(source, Drive):
+        what = type(source.request).__name__.lower()
+        return MotionError(
+            f"the arm is moving already: {what} of line {source.line}, thread {source.thread!r}, goes on after its "
+            "call, and a planned move begins at standstill",
+            code="R114",
+            hint="brake with stopj or stopl first",
+        )
+    return MotionError(
+        f"the arm is moving already, for the thread {thread!r}; one motion at a time",
+        code="R114",
+        hint="let one thread do all moves, or wait for the other with join_thread",
+    )

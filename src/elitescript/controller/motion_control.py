@@ -14,10 +14,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from elitescript.controller.drives import Drive, JointDrive
+from elitescript.controller.drives import Drive, JointDrive, busy_error
 from elitescript.controller.sources import NEVER, Braking, Move
 from elitescript.controller.stepped_drives import ServoDrive, ToolDrive
-from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, pose_from_transform
@@ -42,7 +41,7 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import SpeedProfile, braked, halted
+from elitescript.motion.speed import Obstacle, SpeedProfile, braked, halted
 from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
 from elitescript.motion.twist import ToolMotion
 
@@ -79,6 +78,7 @@ class MotionControl:
         "_speed_ramp_s",
         "_speed_scale",
         "_stop_joint_deceleration",
+        "on_obstacle",
         "waypoint",
     )
 
@@ -108,6 +108,11 @@ class MotionControl:
         self._sampled = Setpoint(home, ZERO_SIX)
         self._noted: set[tuple[int, str]] = set()
         self.waypoint: Six | None = None
+        self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
+
+    def set_limits(self, limits: MotionLimits) -> None:
+        """Take other limits for motions that are asked for from now on."""
+        self._limits = limits
 
     def begin_program(self) -> None:
         """Say again, once for each line, what has been said to the program before."""
@@ -172,7 +177,7 @@ class MotionControl:
             return self._drive(request, tick, T_flange_tcp, line, thread)
         source = self._source
         if source is not None and (self._next is not None or not source.is_stopping or source.end_tick >= NEVER):
-            raise self._busy(source)
+            raise busy_error(source, (self._next or source).thread)
         start_tick = tick if source is None else source.end_tick
         q_start = self._q_rest if source is None else source.q_rest
         plan = self._plan(request, q_start, T_flange_tcp)
@@ -286,21 +291,6 @@ class MotionControl:
             self._on_event(MotionEnded(tick, False))
             self._on_end(move.number, False)
 
-    def _busy(self, source: AnySource) -> MotionError:
-        if isinstance(source, Drive):
-            what = type(source.request).__name__.lower()
-            return MotionError(
-                f"the arm is moving already: {what} of line {source.line}, thread {source.thread!r}, goes on after its "
-                "call, and a planned move begins at standstill",
-                code="R114",
-                hint="brake with stopj or stopl first",
-            )
-        return MotionError(
-            f"the arm is moving already, for the thread {(self._next or source).thread!r}; one motion at a time",
-            code="R114",
-            hint="let one thread do all moves, or wait for the other with join_thread",
-        )
-
     def _set_rates(self, rate: float, tick: int) -> None:
         self._advance(tick)
         for source in (self._source, self._next):
@@ -394,8 +384,14 @@ class MotionControl:
             return
         profile = halted(source.setpoint(tick), obstacle, self._stop_joint_deceleration, self._limits)
         self.take_over(profile, tick, source.thread)
-        text = f"{obstacle.text}; the arm brakes"
-        self._warn_once(source.line, "obstacle", Warned(tick, text, source.thread, source.line))
+        if isinstance(source, ServoDrive):
+            # The target is inside the range: the stream can go on from where the arm has braked.
+            self._warn_of_obstacle(tick, obstacle, source.thread, source.line)
+        else:
+            self.on_obstacle(tick, obstacle, source.thread, source.line)
+
+    def _warn_of_obstacle(self, tick: int, obstacle: Obstacle, thread: str, line: int) -> None:
+        self._warn_once(line, "obstacle", Warned(tick, f"{obstacle.text}; the arm brakes", thread, line))
 
     def _brake(self, request: StopJ | StopL, tick: int, T_flange_tcp: Transform) -> int:
         source = self._source

@@ -10,6 +10,7 @@ from typing import Final, Protocol
 
 from elitescript.errors import ScriptStateError
 from elitescript.messages.enums import TaskState
+from elitescript.messages.events import Alarm
 
 
 class ProgramPort(Protocol):
@@ -32,6 +33,9 @@ class ProgramPort(Protocol):
 
     def stop(self, reason: str) -> None:
         """End every script thread at the next `run_tick`."""
+
+    def fail(self, alarm: Alarm) -> None:
+        """End them as an alarm does, which the program has not caused and cannot catch."""
 
     @property
     def line(self) -> int:
@@ -60,6 +64,9 @@ class NoProgram:
         """Nothing runs."""
 
     def stop(self, reason: str) -> None:
+        """Nothing runs."""
+
+    def fail(self, alarm: Alarm) -> None:
         """Nothing runs."""
 
 

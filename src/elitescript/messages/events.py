@@ -147,6 +147,7 @@ class SafetyModeChanged:
 
     tick: int
     mode: SafetyMode
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -171,6 +171,15 @@ class StopTask:
     """End the task; the arm brakes."""
 
 
+@dataclass(frozen=True, slots=True)
+class AskSafety:
+    """An action of the safety system that people and clients ask for."""
+
+    action: str
+    """`stop_protectively`, `unlock_protective_stop`, `restart_safety`, `violate` or `fail`."""
+    reason: str = ""
+
+
 MachineRequest = (
     WriteSignal
     | SetAnalogDomain
@@ -193,6 +202,7 @@ MachineRequest = (
     | PauseTask
     | ResumeTask
     | StopTask
+    | AskSafety
 )
 
 Request = MotionRequest | MachineRequest

@@ -63,6 +63,7 @@ _ROWS: Final = (
     Signal("output_float_register", "float", 48, False, summary="float registers that programs write"),
     Signal("flag", "bool", 32, False, summary="internal flags, kept from one program to the next"),
     Signal("emergency_stop", "bool", 1, True, summary="an emergency stop button is pressed"),
+    Signal("system_emergency_stop", "bool", 1, True, summary="an emergency stop button of the cell is pressed"),
     Signal("safeguard_stop", "bool", 1, True, summary="a safeguard, such as a door, is open"),
     Signal("reduced_mode", "bool", 1, True, summary="the reduced safety limits are asked for"),
     Signal("external_wrench", "float", 6, True, None, None, "N, N m", "what pushes the TCP, in the base frame"),

@@ -261,7 +261,7 @@ def _lowered(length: float, v: float, v_max: float, a: float, a_max: float, unit
         for symbol, value, limit, per in (("v", v, v_max, "s"), ("a", a, a_max, "s^2"))
         if value > limit
     ]
-    return (Note(NoteKind.LOWERED_TO_LIMITS, f"{' and '.join(lowered)}, what the arm can do"),)
+    return (Note(NoteKind.LOWERED_TO_LIMITS, f"{' and '.join(lowered)}, its limit"),)
 
 
 def _speed_lowered(

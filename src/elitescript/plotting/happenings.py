@@ -12,6 +12,7 @@ from elitescript.messages.events import (
     MotionStarted,
     Popup,
     Printed,
+    SafetyModeChanged,
     SignalChanged,
     TextMessage,
     Warned,
@@ -94,6 +95,9 @@ def _mark(event: Event) -> dict[str, Any] | None:
         return _entry("popup", event.tick, f"{event.title}: {event.text}" if event.title else event.text, event.line)
     if isinstance(event, Warned):
         return _entry("warning", event.tick, event.text, event.line)
+    if isinstance(event, SafetyModeChanged):
+        text = f"safety: {event.mode.name}" + (f": {event.reason}" if event.reason else "")
+        return _entry("warning", event.tick, text, 0)
     if isinstance(event, Alarm):
         return _entry("alarm", event.tick, f"{event.code} {event.class_name}: {event.text}", event.line)
     return None

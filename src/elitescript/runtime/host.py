@@ -165,6 +165,13 @@ class ScriptHost:
         """
         self._end(STOPPED)
 
+    def fail(self, alarm: Alarm) -> None:
+        """End the program as `stop` does, with an alarm that it can neither catch nor outlive."""
+        if self._program is not None and self._main is not None and not self._ending:
+            self.alarm = self._program.shown(alarm)
+            self._machine.emit(self.alarm)
+            self._end(ALARM)
+
     def interrupt(self) -> None:
         """Bring control back from `run_tick` at the next checkpoint; may be called from a signal handler."""
         self._scheduler.interrupt()

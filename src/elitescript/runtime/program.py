@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from types import BuiltinFunctionType, FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -140,6 +141,14 @@ class Program:
             catalogue=CATALOGUE,
             profile=self._profile,
         )
+
+    def shown(self, alarm: Alarm) -> Alarm:
+        """An alarm that comes from outside, with the line of the program at which it found it."""
+        source = next(iter(self._sources.values()), None)
+        if source is None or not alarm.line:
+            return alarm
+        text = source.line(alarm.line)
+        return replace(alarm, column=len(text) - len(text.lstrip()) + 1, source_line=text)
 
     def close(self) -> None:
         """Let go of what the program holds; its globals stay readable."""

@@ -1,0 +1,196 @@
+"""What the safety system watches: joint ranges and speeds, the speed of the TCP, planes, the direction of the tool.
+
+Nothing is watched in normal mode unless it is configured, because the limits of an installation are not known. Reduced
+mode limits the TCP to `REDUCED_TCP_SPEED` (*assumed*: the usual value of collaborative arms of this size).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import inf, isfinite, pi
+from typing import Any, Final
+
+from elitescript.errors import UsageError
+from elitescript.kinematics.transforms import Transform
+from elitescript.messages.enums import SafetyMode
+from elitescript.messages.motion import Six
+from elitescript.motion.limits import JOINT_NAMES, MotionLimits
+
+REDUCED_TCP_SPEED: Final = 0.75
+"""m/s"""
+
+PLANE_USES: Final = ("always", "normal", "reduced", "trigger_reduced")
+
+PAIRS: Final = ((0, 1), (2, 3), (4, 5), (6, 7))
+"""Configurable inputs that belong together (manual 2.14, `is_within_safety_limits`)."""
+
+Vector3 = tuple[float, float, float]
+
+
+def _check_positive(what: str, value: float, unit: str) -> None:
+    if not (isfinite(value) and value > 0.0):
+        raise UsageError(f"{what} must be a positive number in {unit}, got {value!r}")
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyBounds:
+    """Limits of one mode; None where only the model limits.
+
+    Args:
+        q_min: lower ends of the joint ranges, rad.
+        q_max: upper ends, rad.
+        qd_max: joint speeds, rad/s.
+        tcp_speed_max: speed of the TCP, m/s.
+
+    Raises:
+        UsageError: an empty range, or a speed that is not a positive number.
+    """
+
+    q_min: Six | None = None
+    q_max: Six | None = None
+    qd_max: Six | None = None
+    tcp_speed_max: float | None = None
+
+    def __post_init__(self) -> None:
+        low, high = self.q_min or (-inf,) * 6, self.q_max or (inf,) * 6
+        for name, a, b in zip(JOINT_NAMES, low, high, strict=True):
+            if not a < b:
+                raise UsageError(f"the safety range of joint {name} is empty: {a:g} to {b:g} rad")
+        for name, speed in zip(JOINT_NAMES, self.qd_max or (1.0,) * 6, strict=True):
+            _check_positive(f"the safety limit of the speed of joint {name}", speed, "rad/s")
+        if self.tcp_speed_max is not None:
+            _check_positive("the safety limit of the TCP speed", self.tcp_speed_max, "m/s")
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing is limited."""
+        return self == _NO_BOUNDS
+
+    def within(self, other: SafetyBounds) -> SafetyBounds:
+        """These limits, with the ranges of `other` where there are none, and with no speed above its speeds."""
+        qd_max = self.qd_max or other.qd_max
+        if self.qd_max is not None and other.qd_max is not None:
+            a, b, c, d, e, f = map(min, self.qd_max, other.qd_max)
+            qd_max = (a, b, c, d, e, f)
+        speeds = [speed for speed in (self.tcp_speed_max, other.tcp_speed_max) if speed is not None]
+        return SafetyBounds(
+            self.q_min or other.q_min, self.q_max or other.q_max, qd_max, min(speeds) if speeds else None
+        )
+
+
+_NO_BOUNDS: Final = SafetyBounds()
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyPlane:
+    """A plane in the base frame that the TCP may not pass.
+
+    Args:
+        name: how messages call it.
+        point: a point of it, m.
+        normal: direction to the allowed side; its length does not count.
+        offset_m: moves the plane along the normal.
+        use: in which mode it counts; `trigger_reduced` asks for reduced mode behind it instead of stopping the arm.
+        pair: index of the pair of configurable inputs that switches it on while both are high (*assumed*); None
+            for a plane that always counts.
+
+    Raises:
+        UsageError: a normal without direction, or an unknown use or pair.
+    """
+
+    name: str
+    point: Vector3
+    normal: Vector3
+    offset_m: float = 0.0
+    use: str = "always"
+    pair: int | None = None
+
+    def __post_init__(self) -> None:
+        length = sum(part * part for part in self.normal) ** 0.5
+        if not (isfinite(length) and length > 1e-9):
+            raise UsageError(f"the normal of safety plane {self.name!r} has no direction: {self.normal}")
+        if not all(map(isfinite, (*self.point, self.offset_m))):
+            raise UsageError(f"point and offset of safety plane {self.name!r} must be finite numbers")
+        if self.use not in PLANE_USES:
+            raise UsageError(f"the use of safety plane {self.name!r} must be one of {', '.join(PLANE_USES)}")
+        if self.pair is not None and self.pair not in range(len(PAIRS)):
+            raise UsageError(f"the input pair of safety plane {self.name!r} must be 0 to 3, got {self.pair}")
+        x, y, z = self.normal
+        if abs(length - 1.0) > 1e-12:
+            object.__setattr__(self, "normal", (x / length, y / length, z / length))
+
+    def distance(self, T_base_tcp: Transform) -> float:
+        """How far the TCP is on the allowed side, m; negative behind the plane."""
+        x, y, z = T_base_tcp[9:]
+        a, b, c = self.point
+        u, v, w = self.normal
+        return (x - a) * u + (y - b) * v + (z - c) * w - self.offset_m
+
+
+@dataclass(frozen=True, slots=True)
+class ToolDirection:
+    """A cone, fixed in the base frame, that the tool's z axis stays in.
+
+    Args:
+        axis: of the cone, of length 1.
+        angle: from the axis to the surface, rad.
+    """
+
+    axis: Vector3
+    angle: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.angle <= pi:
+            raise UsageError(f"the angle of the tool direction must be in (0, pi] rad, got {self.angle:g}")
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyLimits:
+    """The safety configuration of one installation.
+
+    Args:
+        normal: limits of normal mode.
+        reduced: limits of reduced mode and of recovery; where it has none, or where speeds of normal mode are lower,
+            those of normal mode hold.
+        planes: planes that the TCP may not pass.
+        tool_direction: a cone that the tool stays in.
+    """
+
+    normal: SafetyBounds = _NO_BOUNDS
+    reduced: SafetyBounds = SafetyBounds(tcp_speed_max=REDUCED_TCP_SPEED)
+    planes: tuple[SafetyPlane, ...] = ()
+    tool_direction: ToolDirection | None = None
+
+    @property
+    def is_default(self) -> bool:
+        """Whether normal mode is not watched at all."""
+        return self.normal.is_empty and not self.planes and self.tool_direction is None
+
+    def bounds(self, mode: SafetyMode) -> SafetyBounds:
+        """Limits of speed and range in a mode."""
+        return self.normal if mode is SafetyMode.NORMAL else self.reduced.within(self.normal)
+
+    def lowered(self, limits: MotionLimits, mode: SafetyMode) -> MotionLimits:
+        """The limits with which motions are planned: in reduced mode and recovery they keep the speeds (*assumed*)."""
+        if mode not in (SafetyMode.REDUCED, SafetyMode.RECOVERY):
+            return limits
+        bounds = self.bounds(mode)
+        a, b, c, d, e, f = map(min, limits.qd_max, bounds.qd_max or limits.qd_max)
+        speed = limits.tool_speed_max if bounds.tcp_speed_max is None else bounds.tcp_speed_max
+        return replace(limits, qd_max=(a, b, c, d, e, f), tool_speed_max=min(limits.tool_speed_max, speed))
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any]) -> SafetyLimits:
+        """Read the section `[safety]` of a cell file.
+
+        Keys: `joint_range` and `joint_speed` (rad, rad/s; with `_deg` in degrees), `tcp_speed` (m/s), the same in
+        `[safety.reduced]`; `[[safety.planes]]` with `name`, `point`, `normal`, `offset` (m), `use` and `inputs`;
+        `[safety.tool_direction]` with `axis` and `angle` or `angle_deg`.
+
+        Raises:
+            UsageError: a key that is not known, or a value that makes no sense.
+        """
+        from elitescript.controller.safety_table import read_safety_limits
+
+        return read_safety_limits(table)
