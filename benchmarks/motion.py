@@ -1,4 +1,8 @@
+<<<<<<< HEAD
 """Planning and sampling one move, and one period of a drive, against other packages where installed.
+=======
+"""Planning and sampling one move, against other packages where installed; and whole paths of many short lines.
+>>>>>>> main
 
 Ruckig finds time laws only: it knows no path in Cartesian space, no inverse kinematics and no
 singularities; compare it with `movej`. The Robotics Toolbox interpolates poses and solves each
@@ -12,9 +16,11 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from io import BytesIO
 from math import inf, pi, sin
+from time import perf_counter
 from timeit import repeat
 from typing import Any
 
+from elitescript import VirtualRobot
 from elitescript.commands.micro_file import read_points
 from elitescript.kinematics.transforms import Transform, pose_from_transform, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveC, MoveJ, MoveL, MoveML, Six
@@ -62,6 +68,7 @@ def rows() -> list[tuple[str, str, str, str]]:
             table.append((what, f"{own_us:.1f} us", "-", "-"))
         for name, other_us in others:
             table.append((what, f"{own_us:.1f} us", f"{other_us:.1f} us ({name})", f"{own_us / other_us:.2g}"))
+    table += _path_rows()
     table += _point_file_rows(model)
     table += [(f"compared with {name}", "-", "not installed", "-") for name in PEERS if name not in peers]
     return table
@@ -108,6 +115,46 @@ def main() -> None:
     widths = [max(len(row[column]) for row in table) for column in range(4)]
     for row in table:
         print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+
+
+LINES = 200
+LINE_M = 0.0015
+PATHS = {
+    "movel, r = 0.5 mm, at 20 mm/s": "movel(p, a=1.2, v=0.02, r=0.0005)",
+    "movel, r = 0.5 mm, at 250 mm/s (braking too long for r)": "movel(p, a=1.2, v=0.25, r=0.0005)",
+    "movel, r = 0, at 20 mm/s (stops at each)": "movel(p, a=1.2, v=0.02)",
+    "movep at 6 mm/s": "movep(p, 1.2, 0.006)",
+    "movep at 250 mm/s": "movep(p, 1.2, 0.25)",
+}
+
+
+PROGRAM = f"""def path():
+  import math
+  p = get_target_tcp_pose()
+  for i in range({LINES}):
+    p[1] += {LINE_M} * math.cos(0.01 * i)
+    p[2] -= {LINE_M} * math.sin(0.01 * i)
+    {{call}}
+  end
+end
+"""
+
+
+def _path_rows() -> list[tuple[str, str, str, str]]:
+    """A program of many short lines: its simulated time, and how much of that passes in a second of wall time."""
+    rows = []
+    for what, call in PATHS.items():
+        text = PROGRAM.format(call=call)
+        best_s = float("inf")
+        for _ in range(RUNS):
+            robot = VirtualRobot("CS66")
+            start_s = perf_counter()
+            run = robot.run(text)
+            best_s = min(best_s, perf_counter() - start_s)
+            assert run.state == "finished"
+        speed = f"{run.time_s:.2f} s in {best_s * 1e3:.0f} ms: {run.time_s / best_s:.0f} x real time"
+        rows.append((f"{LINES} lines of {LINE_M * 1e3:g} mm, {what}", speed, "-", "-"))
+    return rows
 
 
 def _our_calls(model: RobotModel) -> Calls:

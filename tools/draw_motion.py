@@ -21,7 +21,7 @@ from elitescript.models.model import load_model
 from tools import motion_figures, pipeline_figures
 from tools.motion_figures import STOPS, servo_table
 from tools.motion_runs import HOME, MODEL, RAMP, SINE, STEP, program, tool_speeds, traced
-from tools.pipeline_figures import PLANTS, plant_rows, tracking_errors
+from tools.pipeline_figures import PLANTS, PRESS_N, STIFFNESSES, plant_rows, pressed, tracking_errors
 
 PAGE: Final = Path(__file__).resolve().parent.parent / "docs" / "explanation" / "motion.md"
 FOLDER: Final = PAGE.parent / "figures"
@@ -102,6 +102,26 @@ def stops() -> list[str]:
     return lines
 
 
+def force() -> list[str]:
+    """How long force control takes, from the first contact on."""
+    lines = [
+        f"From the first contact to {PRESS_N:g} N within 1 %, and how far the force goes beyond them:",
+        "",
+        "| gain scaling | " + " | ".join(f"{stiffness:g} N/m" for stiffness in STIFFNESSES) + " |",
+        "|---:|" + "---:|" * len(STIFFNESSES),
+    ]
+    for scaling in (0.1, 0.2, 0.5):
+        cells = []
+        for stiffness in STIFFNESSES:
+            times, forces = pressed(stiffness, scaling, 0.5 + 1000.0 / (scaling * stiffness))
+            contact = next(index for index, force in enumerate(forces) if force > 0.0)
+            settled = max(index for index, force in enumerate(forces) if abs(force / PRESS_N - 1.0) > 0.01) + 1
+            over = max(0.0, max(forces) / PRESS_N - 1.0)
+            cells.append(f"{times[settled] - times[contact]:.3f} s, {100 * over:.0f} %")
+        lines.append(f"| {scaling:g} | " + " | ".join(cells) + " |")
+    return lines
+
+
 def plant() -> list[str]:
     """How far actual is behind target, and for how long."""
     lines = [
@@ -153,6 +173,7 @@ BLOCKS: Final[dict[str, Callable[[], list[str]]]] = {
     "servo": servo,
     "durations": durations,
     "stops": stops,
+    "force": force,
     "plant": plant,
     "invariants": invariants,
     "peers": peers,

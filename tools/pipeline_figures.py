@@ -7,6 +7,7 @@ from math import cos, pi, sin
 from typing import Final
 
 from elitescript import PlantConfig, VirtualRobot
+from elitescript.controller.contact import ContactConfig, Plane
 from elitescript.controller.trace import TraceRow
 from elitescript.models.model import load_model
 from elitescript.plotting.curves import tcp_speeds
@@ -123,8 +124,50 @@ def _belt_speed(robot: VirtualRobot, counts_per_s: float) -> None:
     robot.signals["encoder_speed[0]"] = counts_per_s
 
 
+SURFACE_DEPTH_M: Final = 0.005
+STIFFNESSES: Final = (1e3, 1e4, 1e5)
+PRESS_N: Final = 20.0
+
+
+def pressed(stiffness: float, scaling: float, duration_s: float) -> tuple[list[float], list[float]]:
+    """Times and force on a surface below the tool, N, of pressing from above at 0.02 m/s."""
+    height = load_model(MODEL).arm.forward(HOME)[11]
+    plane = Plane((0.0, 0.0, height - SURFACE_DEPTH_M), (0.0, 0.0, 1.0), stiffness)
+    robot = VirtualRobot(MODEL, joints=HOME, contact=ContactConfig((plane,)))
+    rows = traced(
+        program(
+            f"force_mode_set_gain_scaling({scaling})",
+            "limits = [0.02, 0.02, 0.02, 0.5, 0.5, 0.5]",
+            f"force_mode([0, 0, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0], [0, 0, {-PRESS_N}, 0, 0, 0], 0, limits)",
+            f"sleep({duration_s})",
+        ),
+        robot=robot,
+    )
+    rows = [row for row in rows if row.t < duration_s]
+    forces = [max(0.0, stiffness * (height - SURFACE_DEPTH_M - row.tcp_pose[2])) for row in rows]
+    return times_of(rows), forces
+
+
+def force() -> str:
+    """Coming down on surfaces of three stiffnesses, and with three gains on the hardest."""
+    surfaces, gains = [], []
+    for colour, stiffness in enumerate(STIFFNESSES):
+        surfaces.append(Curve(f"{stiffness:g} N/m", *pressed(stiffness, 0.2, 1.0), colour))
+    for colour, scaling in enumerate((0.1, 0.2, 0.5)):
+        times, forces = pressed(1e5, scaling, 1.0)
+        gains.append(Curve(f"scaling {scaling:g}", times, forces, colour))
+    return drawing(
+        "force_mode: 20 N downwards, from 5 mm above a surface, at most 0.02 m/s",
+        (
+            Panel("N: scaling 0.2", tuple(surfaces), (PRESS_N,), level="target"),
+            Panel("N: 1e5 N/m", tuple(gains), (PRESS_N,), level="target"),
+        ),
+    )
+
+
 FIGURES: Final[dict[str, Callable[[], str]]] = {
     "belt.svg": belt,
+    "force.svg": force,
     "points.svg": points,
     "plant.svg": plant,
 }

@@ -5,7 +5,7 @@ tests compare the traces in `tests/golden` as text, and only this tool writes th
 you commit it.
 
 An example that needs something from outside says so in its head, as the command that runs it: `# Run` and the command
-line, whose `--set` options count here too.
+line, whose `--set` and `--cell` options count here too.
 
 One line for each event: tick, script line (`-` where there is none), thread, event. Floats are rounded to nine
 significant digits and nine decimals, which is far below what the arm can do and far above the last digits in
@@ -40,17 +40,17 @@ def golden_file(program: Path) -> Path:
     return GOLDEN / f"{program.stem}.events"
 
 
-def settings(program: Path) -> list[str]:
-    """The `--set` options of the line `# Run` in the head of an example."""
+def settings(program: Path, wanted: str = "--set") -> list[str]:
+    """The values of one option of the line `# Run` in the head of an example."""
     head = program.read_text(encoding="utf-8").splitlines()[:20]
     words = [word for line in head if line.startswith("# Run ") for word in line.split()]
-    return [value for option, value in pairwise(words) if option == "--set"]
+    return [value for option, value in pairwise(words) if option == wanted]
 
 
 def run_example(program: Path) -> Run:
     """Run an example as `elitescript run` does with the options that it asks for."""
     signals, presets = parse_settings(settings(program))
-    robot = VirtualRobot("CS66")
+    robot = VirtualRobot("CS66", cell=next((ROOT / name for name in settings(program, "--cell")), None))
     for name, value in signals.items():
         robot.signals[name] = value
     return robot.run(program, presets=presets)

@@ -11,6 +11,7 @@ from keyword import iskeyword
 from pathlib import Path
 from typing import Any, Final, Literal
 
+from elitescript.controller.contact import ContactConfig
 from elitescript.controller.controller import Controller
 from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
@@ -85,6 +86,7 @@ class VirtualRobot:
         strict: bool = False,
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
+        contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
         cell: str | Path | None = None,
@@ -106,6 +108,7 @@ class VirtualRobot:
             on_event=self._event,
             home=home,
             speed_scale=speed,
+            contact=surroundings.take("contact", contact),
             safety=surroundings.take("safety", safety),
             plant=surroundings.take("plant", plant),
         )
@@ -406,7 +409,7 @@ class VirtualRobot:
         if run is not None and run.state == "":
             run.state = state  # type: ignore[assignment]
             run.globals = self._host.monitor()
-        self.controller.task_ended()
+        self.controller.task_ended(has_finished=state == "finished")
 
     def _event(self, event: Event) -> None:
         if self._run is not None and not self._run.is_over:

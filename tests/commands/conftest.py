@@ -52,6 +52,9 @@ class FakeMachine:
     def joint_torques(self) -> Six:
         return (0.1, -20.5, 8.25, 0.5, -0.25, 0.0)
 
+    def tcp_wrench(self, is_compensated: bool) -> Six:
+        return (3.0, 4.0, 12.0, 0.1, 0.2, 0.3) if is_compensated else (3.5, 4.5, 12.5, 0.1, 0.2, 0.3)
+
     def state(self) -> RobotState:
         flange = self.arm.forward(Q_ACTUAL)
         offset = transform_from_pose(self.tcp_offset)

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from elitescript.errors import MotionError
-from elitescript.messages.motion import MoveC, MoveJ, MoveL, StopJ, StopL
+from elitescript.errors import ArgumentRangeError, MotionError
+from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveP, StopJ, StopL
 
 Q = [0.1, -1.5, 1.2, -1.3, -1.57, 0.3]
 P = [0.4, -0.2, 0.4, 3.14, 0.0, 0.0]
@@ -29,8 +29,17 @@ def test_zero_for_a_or_v_takes_the_default_of_the_machine(call: Any, robot: Any)
     call("movec", VIA, P, 0.7, 0)
     call("movep", P, 0, 0)
     joint_a, joint_v, tool_a, tool_v = robot.machine.default_motion
-    requested = [(asked.a, asked.v) for asked in robot.asked if isinstance(asked, (MoveJ, MoveL, MoveC))]
+    requested = [(asked.a, asked.v) for asked in robot.asked if isinstance(asked, (MoveJ, MoveL, MoveC, MoveP))]
     assert requested == [(joint_a, joint_v), (joint_a, 0.5), (tool_a, tool_v), (0.7, tool_v), (tool_a, tool_v)]
+
+
+def test_a_radius_that_generators_write_for_no_rounding_is_none_and_is_warned_of(call: Any, robot: Any) -> None:
+    call("movej", Q, 1.4, 1.05, r=-0.001)
+    warning, move = robot.asked
+    assert warning[:2] == ("warn_once", "negative radius")
+    assert move == MoveJ(tuple(Q), 1.4, 1.05, 0.0, 0.0)
+    with pytest.raises(ArgumentRangeError, match=r"-0\.001"):
+        call("movel", P, r=-0.002)
 
 
 def test_movel_takes_its_target_under_both_names(call: Any, robot: Any) -> None:

@@ -13,9 +13,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
 @pytest.mark.parametrize(
     "text",
     [
-        "freedrive_mode()",
-        "freedrive_mode([0, 1, 0, 0, 0, 0], 'tool')",
-        "freedrive_mode(frame=[0, 0, 0.1, 0, 0, 0])",
         "modbus_set_output_register('s', 70000)",
         "modbus_set_output_register('s', [1, -1])",
         "modbus_set_output_signal('s', [True, 0])",

@@ -8,7 +8,7 @@ import pytest
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.errors import InvalidValueError, NotSimulatedError
 from elitescript.messages.machine import SetOption
-from elitescript.messages.motion import MoveL
+from elitescript.messages.motion import MoveP
 
 P = [0.4, -0.2, 0.4, 3.14, 0.0, 0.0]
 
@@ -24,11 +24,9 @@ def test_preamble_of_generated_programs_is_accepted(call: Any, robot: Any) -> No
     ]
 
 
-def test_movep_is_movel_and_says_so(call: Any, robot: Any) -> None:
+def test_movep_is_a_line_of_a_chain(call: Any, robot: Any) -> None:
     call("movep", P, 1.2, 0.006, 0.001)
-    warning, move = robot.asked
-    assert warning[:2] == ("warn_once", "movep")
-    assert move == MoveL(tuple(P), 1.2, 0.006, 0.0, 0.001)
+    assert robot.asked == [MoveP(tuple(P), 1.2, 0.006, 0.001)]
 
 
 def test_frame_through_three_points(call: Any) -> None:

@@ -23,6 +23,7 @@ class Drift:
         self.left = ticks
         self.gone = 0
         self.peeks = 0
+        self.heard: list[str] = []
 
     @property
     def is_active(self) -> bool:
@@ -36,11 +37,15 @@ class Drift:
         self.gone += 1
         self.left -= self.left > 1 or is_resting
 
-    def pause(self, tick: int) -> None: ...
-    def resume(self, tick: int) -> None: ...
+    def pause(self, tick: int) -> None:
+        self.heard.append("pause")
+
+    def resume(self, tick: int) -> None:
+        self.heard.append("resume")
 
     def stop(self, tick: int) -> None:
-        self.left = 1
+        self.heard.append("stop")
+        self.left = min(self.left, 1)
 
 
 class Halfway:
@@ -103,6 +108,33 @@ def test_a_correction_ends_only_when_the_nominal_motion_rests() -> None:
         assert arm.next_tick == tick
         arm.settle(tick)
     near(arm.joints(tick).q_target, MODEL.home[0] + 0.1 + 0.01 * tick)
+
+
+def test_a_correction_that_ends_leaves_the_ones_after_it_where_they_are() -> None:
+    arm = ArmState(motion(), (Drift(2), Drift(4)))
+    places = []
+    for tick in range(1, 8):
+        arm.settle(tick)
+        places.append(arm.joints(tick).q_target[0] - MODEL.home[0])
+    assert places == pytest.approx([0.02, 0.04, 0.05, 0.06, 0.06, 0.06, 0.06])
+
+
+def test_a_correction_does_not_end_before_those_on_which_it_stands() -> None:
+    arm = ArmState(motion(), (Drift(4), Drift(2)))
+    places = []
+    for tick in range(1, 8):
+        arm.settle(tick)
+        places.append(arm.joints(tick).q_target[0] - MODEL.home[0])
+    assert places == pytest.approx([0.02, 0.04, 0.06, 0.08, 0.08, 0.08, 0.08])
+
+
+def test_corrections_hear_of_pauses_and_stops_when_they_are_idle() -> None:
+    drift = Drift(0)
+    arm = ArmState(motion(), (drift,))
+    arm.pause(0)
+    arm.resume(0)
+    arm.stop(0)
+    assert drift.heard == ["pause", "resume", "stop"]
 
 
 def test_a_plant_lags_behind_until_it_has_settled() -> None:

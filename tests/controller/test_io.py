@@ -116,11 +116,16 @@ def test_only_an_enabled_output_pin_is_driven(image, is_enabled, words):
     assert image.non_defaults() == {}
 
 
-def test_an_input_action_is_bound_and_unbound(image):
+def test_a_high_input_asks_for_hand_guiding_as_long_as_it_is_bound_to_it(image):
+    image.write(WriteSignal("standard_digital_in", 4, True))
+    assert image.freedrive_point is None
     image.set_input_action(SetInputAction("standard_digital_in", 4, is_freedrive=True))
-    assert image.is_freedrive_input("standard_digital_in", 4)
+    assert image.freedrive_point == "standard_digital_in[4]"
+    image.write(WriteSignal("standard_digital_in", 4, False))
+    assert image.freedrive_point is None
+    image.write(WriteSignal("standard_digital_in", 4, True))
     image.set_input_action(SetInputAction("standard_digital_in", 4, is_freedrive=False))
-    assert not image.is_freedrive_input("standard_digital_in", 4)
+    assert image.freedrive_point is None
 
 
 def test_a_new_domain_gives_an_output_that_nobody_set_the_lowest_level(image):

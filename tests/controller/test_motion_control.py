@@ -265,7 +265,7 @@ def test_a_session_leaps_as_it_steps(seed):
 
 def test_what_is_not_quite_as_asked_is_said_once_for_each_line_of_a_program(machine):
     def say(line):
-        machine.controller.request_motion(MoveJ(TARGET, 1.4, 1.05, 0.01, 0.05), line, "main")
+        machine.controller.request_motion(MoveJ(TARGET, 1.4, 1.05, 0.01), line, "main")
         machine.run(1000)
         machine.controller.request_motion(MoveJ(HOME, 1.4, 1.05), 99, "main")
         machine.run(1000)
@@ -274,11 +274,11 @@ def test_what_is_not_quite_as_asked_is_said_once_for_each_line_of_a_program(mach
     for line in (3, 3, 4):
         say(line)
     warnings = [event for event in machine.events if isinstance(event, Warned)]
-    assert [(warning.line, "blends" in warning.text) for warning in warnings] == [(3, False), (3, True), (4, False)]
+    assert [warning.line for warning in warnings] == [3, 4]
     machine.controller.task_ended()
     machine.controller.task_started("second")
     say(3)
-    assert len([event for event in machine.events if isinstance(event, Warned)]) == 5
+    assert len([event for event in machine.events if isinstance(event, Warned)]) == 3
 
 
 def test_the_end_of_the_task_brakes_the_arm(machine):

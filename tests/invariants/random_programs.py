@@ -26,6 +26,7 @@ class _Writer:
         self._line(1, "done = False")
         self._line(1, "seen = []")
         self._line(1, "set_payload(2, [0.03, -0.02, 0.08])")
+        self._line(1, "import math")
         self._line(1, "import queue")
         self._line(1, "box = queue.Queue(2)")
         threads = chance.randrange(0, 3)
@@ -60,7 +61,7 @@ class _Writer:
         chance = self._random
         kinds = ["sleep", "sync", "out", "message", "poll", "queue", "work", "read"]
         if may_move:
-            kinds += ["movej", "movej", "movel", "loop", "speed_read", "drive", "stream"]
+            kinds += ["movej", "movej", "movel", "loop", "speed_read", "drive", "stream", "blends", "blends", "chain"]
         kind = chance.choice(kinds)
         if kind == "sleep":
             self._line(depth, f"sleep({chance.uniform(0.0, 0.4):.5f})")
@@ -114,10 +115,75 @@ class _Writer:
             self._drive(depth)
         elif kind == "stream":
             self._stream(depth)
+        elif kind == "blends":
+            self._blends(depth)
+        elif kind == "chain":
+            self._chain(depth)
         else:
             self._line(depth, f"for i in range({chance.randrange(1, 4)}):")
             self._statement(depth + 1, may_move=False)
             self._line(depth, "end")
+
+    def _blends(self, depth: int) -> None:
+        """Moves with radii, one after the other, sometimes with something between them."""
+        chance = self._random
+        self._line(depth, "try:")
+        for _ in range(chance.randrange(2, 7)):
+            radius = chance.choice((0, 0.0005, 0.004, 0.02, 0.1))
+            law = f"a={chance.uniform(0.3, 2):.3f}, v={chance.uniform(0.03, 0.5):.3f}, r={radius}"
+            kind = chance.random()
+            if kind < 0.4:
+                joints = [round(joint + chance.uniform(-0.4, 0.4), 4) for joint in HOME]
+                duration = f", t={chance.uniform(0.5, 2.0):.3f}" if chance.random() < 0.2 else ""
+                self._line(
+                    depth + 1,
+                    f"movej({joints}, a={chance.uniform(0.5, 4):.3f}, v={chance.uniform(0.2, 2):.3f}, "
+                    f"r={radius}{duration})",
+                )
+            elif kind < 0.85:
+                self._line(depth + 1, "p = get_target_waypoint()")
+                for _ in range(chance.randrange(1, 4)):
+                    index = chance.randrange(5)
+                    size = 0.05 if index < 3 else 0.06
+                    self._line(depth + 1, f"p[{index}] += {chance.uniform(-size, size):.4f}")
+                duration = f", t={chance.uniform(0.3, 2.0):.3f}" if chance.random() < 0.15 else ""
+                self._line(depth + 1, f"movel(p, {law}{duration})")
+            else:
+                self._line(depth + 1, "p = get_target_waypoint()")
+                self._line(depth + 1, "via = list(p)")
+                self._line(depth + 1, f"via[0] += {chance.uniform(0.005, 0.03):.4f}")
+                self._line(depth + 1, f"via[1] += {chance.uniform(-0.03, 0.03):.4f}")
+                self._line(depth + 1, f"p[1] += {chance.uniform(-0.06, 0.06):.4f}")
+                self._line(depth + 1, f"p[2] += {chance.uniform(0.002, 0.03):.4f}")
+                self._line(depth + 1, f"movec(via, p, {law}, mode=1)")
+            if chance.random() < 0.25:
+                self._statement(depth + 1, may_move=False)
+        self._line(depth, "except Exception as e:")
+        self._line(depth + 1, 'textmsg("refused ", e)')
+        self._line(depth, "end")
+
+    def _chain(self, depth: int) -> None:
+        """Steps of `movep` along a random curve."""
+        chance = self._random
+        self._line(depth, "try:")
+        self._line(depth + 1, "p = get_target_waypoint()")
+        self._line(depth + 1, f"for i in range({chance.randrange(1, 60)}):")
+        for _ in range(chance.randrange(1, 3)):
+            size = chance.choice((0.0005, 0.002, 0.008))
+            turn = f" * math.cos(i * {chance.uniform(0, 2):.3f})" if chance.random() < 0.6 else ""
+            self._line(depth + 2, f"p[{chance.randrange(3)}] += {chance.uniform(-size, size):.6f}{turn}")
+        if chance.random() < 0.3:
+            self._line(depth + 2, f"p[{chance.randrange(3, 6)}] += {chance.uniform(-0.02, 0.02):.4f}")
+        radius = chance.choice((0.0, 0.0, 0.0003, 0.01))
+        self._line(
+            depth + 2, f"movep(p, {chance.uniform(0.3, 2):.3f}, {chance.choice((0.006, 0.05, 0.25, 1)):.3f}, {radius})"
+        )
+        if chance.random() < 0.2:
+            self._line(depth + 2, f"sleep({chance.uniform(0, 0.05):.4f})")
+        self._line(depth + 1, "end")
+        self._line(depth, "except Exception as e:")
+        self._line(depth + 1, 'textmsg("refused ", e)')
+        self._line(depth, "end")
 
     def _drive(self, depth: int) -> None:
         """Motions at a speed, one after the other, with whatever else between them; a stop at the end."""

@@ -8,7 +8,15 @@ from math import sqrt
 import pytest
 
 from elitescript.errors import InternalError
-from elitescript.motion.profile import RAMP_SHARE, Profile, trapezoid, trapezoid_lasting
+from elitescript.motion.profile import (
+    RAMP_SHARE,
+    Law,
+    Profile,
+    trapezoid,
+    trapezoid_lasting,
+    trapezoid_of,
+    trapezoid_of_duration,
+)
 
 
 def random_laws(count: int, seed: int) -> list[tuple[float, float, float]]:
@@ -126,6 +134,64 @@ def test_stretching_keeps_the_way_and_lowers_speed_and_acceleration() -> None:
 def test_profile_is_never_stretched_to_a_shorter_time() -> None:
     with pytest.raises(InternalError):
         trapezoid(1.0, 0.5, 2.0).stretched(0.1)
+
+
+def random_entries(count: int, seed: int) -> list[tuple[float, Law, float, float]]:
+    """Length, law, start position and a speed from which the rest is enough to stop."""
+    rng = random.Random(seed)
+    entries = []
+    for length, v, a in random_laws(count, seed):
+        law = Law(v, a, a * rng.uniform(0.3, 1.0))
+        start = length * rng.choice((0.0, rng.uniform(0.0, 0.9)))
+        fastest = sqrt(2.0 * law.brake * (length - start))
+        entries.append((length, law, start, rng.choice((0.0, 1.0, rng.random())) * min(fastest, 1.5 * v)))
+    return entries
+
+
+@pytest.mark.parametrize(("length", "law", "start", "v_start"), random_entries(200, 3))
+def test_a_profile_from_a_position_and_a_speed_keeps_its_law_and_ends_exactly(
+    length: float, law: Law, start: float, v_start: float
+) -> None:
+    profile = trapezoid_of(length, law, start, v_start)
+    position, speed = profile.at(0.0)
+    assert position == start
+    assert speed == pytest.approx(v_start, abs=1e-9 * law.v)
+    assert profile.at(profile.duration_s) == (length, 0.0)
+    dt = profile.duration_s / 60
+    for step in range(1, 61):
+        next_position, next_speed = profile.at(step * dt)
+        assert next_speed <= max(law.v, v_start) * (1.0 + 1e-9)
+        change = next_speed - speed
+        assert -law.brake * dt * (1.0 + 1e-6) - 1e-9 * law.v <= change <= law.a * dt * (1.0 + 1e-6) + 1e-9 * law.v
+        assert profile.time_at(next_position) <= step * dt * (1.0 + 1e-9) + 1e-12
+        assert profile.at(profile.time_at(next_position))[0] == pytest.approx(next_position, abs=1e-9 * length)
+        position, speed = next_position, next_speed
+
+
+@pytest.mark.parametrize(("length", "law", "start", "v_start"), random_entries(100, 4))
+def test_a_duration_from_a_position_and_a_speed_is_kept_or_impossible(
+    length: float, law: Law, start: float, v_start: float
+) -> None:
+    quickest = trapezoid_of(length, law, start, v_start).duration_s
+    for factor in (1.0 + 1e-6, 1.3, 10.0):
+        profile = trapezoid_of_duration(length, law, quickest * factor, start, v_start)
+        if profile is None:
+            # All of the way is braking.
+            assert 0.5 * v_start**2 / law.brake >= (length - start) * 0.98
+            continue
+        assert profile.duration_s == pytest.approx(quickest * factor, rel=1e-6)
+    if quickest > 0.0:
+        assert trapezoid_of_duration(length, law, 0.99 * quickest, start, v_start) is None
+
+
+def test_what_cannot_stop_is_an_error() -> None:
+    with pytest.raises(InternalError):
+        trapezoid_of(1.0, Law(2.0, 1.0, 1.0), 0.9, 1.0)
+
+
+def test_the_last_braking_begins_where_nothing_else_follows() -> None:
+    assert trapezoid(1.0, 0.5, 1.0).last_brake_s == pytest.approx(2.0)
+    assert trapezoid_of(0.125, Law(1.0, 1.0, 1.0), 0.0, 0.5).last_brake_s == 0.0
 
 
 def test_one_motion_after_another() -> None:

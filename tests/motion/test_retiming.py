@@ -8,8 +8,9 @@ from elitescript.kinematics.transforms import compose, transform_from_pose
 from elitescript.messages.motion import Six
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.path import line
-from elitescript.motion.profile import Profile, trapezoid, trapezoid_lasting
-from elitescript.motion.retiming import keeps_limits, retimed
+from elitescript.motion.profile import Law, Profile, trapezoid, trapezoid_lasting, trapezoid_of
+from elitescript.motion.retiming import entered, keeps_limits, retimed
+from elitescript.motion.segment import RunningSegment
 from elitescript.motion.track import JointTrack, follow
 from tests.motion.moves import (
     ARM,
@@ -141,3 +142,40 @@ def test_prescribed_duration_is_checked_against_the_joints() -> None:
     quick = trapezoid_lasting(track.length, 0.6, 2.5, 40.0)
     assert slow is not None and keeps_limits(track, LIMITS, slow)
     assert quick is not None and not keeps_limits(track, LIMITS, quick)
+
+
+def test_entering_at_speed_goes_on_from_there_within_the_limits() -> None:
+    track = track_by(Q_NEAR_WRIST, LIMITS, 0.5, 4.0, *PASSING)
+    law = Law(0.5, 4.0, 3.2)
+    from_rest = entered(track, LIMITS, law, 0.0, 0.0)
+    assert from_rest is not None
+    start, speed = 0.4 * track.length, from_rest.speed_at_position(0.4 * track.length)
+    profile = entered(track, LIMITS, law, start, 0.9 * speed)
+    assert profile is not None
+    assert profile.at(0.0) == (start, pytest.approx(0.9 * speed))
+    assert profile.at(profile.duration_s) == (track.length, 0.0)
+    segment = RunningSegment(track, profile)
+    for k in range(500):
+        t_s = (segment.duration_s - 1e-5) * k / 500
+        qd, qd_later = segment.sample_speed(t_s), segment.sample_speed(t_s + 1e-5)
+        for w, w_later, top, a_top in zip(qd, qd_later, LIMITS.qd_max, LIMITS.qdd_max, strict=True):
+            assert abs(w) <= top * 1.001
+            assert abs(w_later - w) <= a_top * 1e-5 * 1.03
+
+
+def test_entering_faster_than_the_limits_allow_is_impossible() -> None:
+    track = track_by(Q_NEAR_WRIST, LIMITS, 0.5, 4.0, *PASSING)
+    law = Law(0.5, 4.0, 4.0)
+    retimed_profile = retimed(track, LIMITS, trapezoid(track.length, 0.5, 4.0)).profile
+    slow_s = min((0.02 * k * track.length for k in range(5, 45)), key=retimed_profile.speed_at_position)
+    assert entered(track, LIMITS, law, slow_s, 0.5) is None
+    assert entered(track, LIMITS, law, track.length, 0.1) is None
+    assert entered(track, LIMITS, law, 0.999 * track.length, 0.4) is None
+
+
+def test_entering_a_free_path_is_the_trapezoid() -> None:
+    track = track_by(Q_WORK, LIMITS, 0.1, 1.0, 0.0, 0.1)
+    law = Law(0.1, 1.0, 0.8)
+    profile = entered(track, LIMITS, law, 0.01, 0.05)
+    assert profile is not None
+    assert profile.duration_s == trapezoid_of(track.length, law, 0.01, 0.05).duration_s

@@ -210,3 +210,14 @@ def test_senseless_decelerations_are_refused(deceleration: float) -> None:
         stop_ramp(MOVEJ, 0.5, 1.0, deceleration)
     with pytest.raises(UsageError, match="deceleration"):
         stop_ramp_tool(MOVEJ, 0.5, 1.0, deceleration)
+
+
+def test_a_rebased_scale_goes_on_with_rate_and_ramp() -> None:
+    scale = TimeScale.start(1.0, 1.0).with_target(2.0, 0.3, 0.5)
+    for t_s in (2.0, 2.2, 2.5, 7.0):
+        rebased = scale.rebased(t_s)
+        assert rebased.path_time(t_s) == 0.0
+        for later_s in (t_s, t_s + 0.1, t_s + 0.4, t_s + 3.0):
+            assert rebased.rate(later_s) == pytest.approx(scale.rate(later_s), abs=1e-12)
+            gone_s = scale.path_time(later_s) - scale.path_time(t_s)
+            assert rebased.path_time(later_s) == pytest.approx(gone_s, abs=1e-12)

@@ -184,7 +184,7 @@ class TestPopups:
 
 
 def test_a_warning_is_given_once_for_each_program():
-    text = "def a():\n  for n in range(3):\n    movep([0.4, 0, 0.4, 0, 0, 0])\nend\n"
+    text = "def a():\n  for n in range(3):\n    movel([0.4, 0, 0.4, 0, 0, 0], r=-0.001)\nend\n"
     bench = Bench().start(text).run()
     assert len(bench.warnings) == 1
     bench.start(text).run()

@@ -85,9 +85,17 @@ class TestPages:
     def test_an_expectation_is_named_by_its_conditions(self):
         assert [e.label for e in parse_page(PAGE)[0].expectations] == ["", "strict firmware=2.10"]
 
+    def test_cell_and_inputs_belong_to_their_case(self):
+        world = "```cell\n[contact]\n```\n```inputs\n0.5: flag[1] = 1\n1: external_wrench[0] = -2.5\n```\n"
+        case, other = parse_page(page("") + world + page("").replace("# T", "# U"))
+        assert case.cell == "[contact]\n"
+        assert case.inputs == ((0.5, "flag[1]", 1.0), (1.0, "external_wrench[0]", -2.5))
+        assert (other.cell, other.inputs) == ("", ())
+
     @pytest.mark.parametrize(
         ("text", "place"),
         [
+            ("# T\n```inputs\n0.5 flag = 1\n```\n", "line 3"),
             ("# T\n```elite\nx\n", "line 2"),
             ("# T\n```elite\nx\n```\n", "line 3"),
             ("# T\n```expect\n```\n", "line 2"),

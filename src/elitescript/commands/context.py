@@ -17,6 +17,7 @@ from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, 
 from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import JointState, Payload, RobotState
+from elitescript.messages.yielding import YieldRequest
 
 
 class Machine(Protocol):
@@ -63,6 +64,13 @@ class Machine(Protocol):
     def joint_torques(self) -> Six:
         """Torques of this tick without those that the arm needs to carry and to move itself, N m."""
 
+    def tcp_wrench(self, is_compensated: bool) -> Six:
+        """What the surroundings exert on the TCP in this tick, in its frame: N, N m.
+
+        Args:
+            is_compensated: without the payload and less the zero of the sensor.
+        """
+
     def state(self) -> RobotState:
         """The whole machine at this tick."""
 
@@ -89,7 +97,7 @@ class Machine(Protocol):
     def timestamp_s(self) -> float:
         """The controller's clock, seconds since 1970."""
 
-    def request_motion(self, request: MotionRequest | TrackRequest, line: int, thread: str) -> int:
+    def request_motion(self, request: MotionRequest | TrackRequest | YieldRequest, line: int, thread: str) -> int:
         """Begin to move (or to brake) at this tick; return the number of the move.
 
         Raises:
@@ -141,13 +149,13 @@ class Robot(Protocol):
             ScriptPermissionError: the path leads out of the task folder.
         """
 
-    def move(self, request: MoveRequest | DriveRequest) -> None:
-        """Ask for a move and wait for its end, or for a drive and wait until its call is over."""
+    def move(self, request: MoveRequest | DriveRequest | YieldRequest) -> None:
+        """Ask for a move and wait for its end, or for anything else and wait until its call is over."""
 
     def track(self, request: TrackRequest) -> None:
         """Begin to go along with a conveyor, or ask for the end of that and wait for standstill."""
 
-    def stop_motion(self, request: MotionRequest) -> None:
+    def stop_motion(self, request: MotionRequest | YieldRequest) -> None:
         """Ask for a stop and wait for standstill."""
 
     def request(self, request: MachineRequest) -> None:

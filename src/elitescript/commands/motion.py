@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.quantities import (
+    BlendRadius,
     JointAcceleration,
     JointPositions,
     JointSpeed,
-    Metres,
     Number,
     Pose,
     Seconds,
@@ -27,6 +27,14 @@ if TYPE_CHECKING:
     from elitescript.commands.context import Robot
 
 
+def blend_radius(robot: Robot, r: float) -> float:
+    """Return the radius that an argument r stands for, m: below 0 there is none, and a warning says so once."""
+    if r < 0.0:
+        robot.warn_once("negative radius", f"r = {r:g} m is taken for 0: the arm stops at the waypoint")
+        return 0.0
+    return r
+
+
 @command(family="motion", manual="2.1.1", waits=True, works_in_sec=False)
 def movej(
     robot: Robot,
@@ -34,7 +42,7 @@ def movej(
     a: JointAcceleration = 1.396263,
     v: JointSpeed = 1.047197,
     t: Seconds = 0,
-    r: Metres = 0,
+    r: BlendRadius = 0,
 ) -> None:
     """Move straight in joint space to `q`; return when the move ends or its blend begins.
 
@@ -48,14 +56,15 @@ def movej(
         v: speed of the leading joint; 0 takes the machine's default (*assumed*). What exceeds the model's limit
             is lowered to it.
         t: duration of the whole move; `a` and `v` do not count then. 0 plans from `a` and `v`.
-        r: blend radius; 0 stops at the target.
+        r: blend radius; 0 stops at the target. Down to -0.001 it counts as 0 (*observed*: generators write that for
+            no rounding).
 
     Raises:
         MotionError: the target is outside the joint limits.
         ScriptStateError: the arm is not ready, or another thread moves it.
     """
     default_a, default_v, _, _ = robot.machine.default_motion
-    robot.move(MoveJ(q, a or default_a, v or default_v, t, r))
+    robot.move(MoveJ(q, a or default_a, v or default_v, t, blend_radius(robot, r)))
 
 
 @command(family="motion", manual="2.1.3", spellings={"pose": "p"}, waits=True, works_in_sec=False)
@@ -65,7 +74,7 @@ def movel(
     a: ToolAcceleration = 1.2,
     v: ToolSpeed = 0.25,
     t: Seconds = 0,
-    r: Metres = 0,
+    r: BlendRadius = 0,
 ) -> None:
     """Move the TCP on a straight line to the pose `p`; return when the move ends or its blend begins.
 
@@ -78,14 +87,15 @@ def movel(
         a: tool acceleration; 0 takes the machine's default (*assumed*).
         v: tool speed; 0 takes the machine's default (*assumed*).
         t: duration of the whole move; `a` and `v` do not count then. 0 plans from `a` and `v`.
-        r: blend radius; 0 stops at the target.
+        r: blend radius; 0 stops at the target. Down to -0.001 it counts as 0 (*observed*: generators write that for
+            no rounding).
 
     Raises:
         MotionError: a point of the line is out of reach, outside the joint limits or too near a singularity.
         ScriptStateError: the arm is not ready, or another thread moves it.
     """
     _, _, default_a, default_v = robot.machine.default_motion
-    robot.move(MoveL(p, a or default_a, v or default_v, t, r))
+    robot.move(MoveL(p, a or default_a, v or default_v, t, blend_radius(robot, r)))
 
 
 @command(family="motion", manual="2.1.2", waits=True, works_in_sec=False)
@@ -95,7 +105,7 @@ def movec(
     pose_to: Pose,
     a: ToolAcceleration = 1.2,
     v: ToolSpeed = 0.25,
-    r: Metres = 0,
+    r: BlendRadius = 0,
     mode: Whole = 0,
 ) -> None:
     """Move the TCP on the circular arc from where it is through `pose_via` to `pose_to`.
@@ -107,7 +117,7 @@ def movec(
         pose_to: pose at the end of the arc, in the base frame.
         a: tool acceleration; 0 takes the machine's default (*assumed*).
         v: tool speed; 0 takes the machine's default (*assumed*).
-        r: blend radius; 0 stops at the end of the arc.
+        r: blend radius; 0 stops at the end of the arc. Down to -0.001 it counts as 0 (*observed*).
         mode: 0 keeps the orientation as it is relative to the tangent of the arc, any other number turns it evenly
             from start to end (*assumed*: the manual says fixed and unconstrained).
 
@@ -116,7 +126,7 @@ def movec(
         ScriptStateError: the arm is not ready, or another thread moves it.
     """
     _, _, default_a, default_v = robot.machine.default_motion
-    robot.move(MoveC(pose_via, pose_to, a or default_a, v or default_v, r, mode == 0))
+    robot.move(MoveC(pose_via, pose_to, a or default_a, v or default_v, blend_radius(robot, r), mode == 0))
 
 
 @command(family="motion", manual="2.1.27", waits=True, works_in_sec=False)

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Final
 
+from elitescript.commands.motion import blend_radius
 from elitescript.commands.quantities import (
     Any_,
+    BlendRadius,
     Bool,
     Integer,
     Metres,
@@ -25,7 +27,7 @@ from elitescript.commands.registry import command
 from elitescript.errors import InvalidValueError, NotSimulatedError
 from elitescript.kinematics.pose import frame_from_points
 from elitescript.messages.machine import SetOption
-from elitescript.messages.motion import MoveL
+from elitescript.messages.motion import MoveP
 
 if TYPE_CHECKING:
     from elitescript.commands.context import Robot
@@ -78,24 +80,25 @@ def set_tool_second_power_on(robot: Robot, b: Bool) -> None:
 
 
 @command(family="observed", evidence="observed", spellings={"p": "pose"}, waits=True, works_in_sec=False)
-def movep(robot: Robot, pose: Pose, a: ToolAcceleration = 1.2, v: ToolSpeed = 0.25, r: Metres = 0) -> None:
+def movep(robot: Robot, pose: Pose, a: ToolAcceleration = 1.2, v: ToolSpeed = 0.25, r: BlendRadius = 0) -> None:
     """Move the TCP on a straight line, at constant tool speed; seen in generated welding programs.
 
-    Here it is a `movel`, which brakes at every waypoint without a blend; a warning says so once.
+    One `movep` after another is a chain (*assumed*): the arm looks ahead and keeps its speed at the corners, as far as
+    the acceleration allows, and stops at the end of the last. The call returns when the next one should be known, and
+    at once while the arm has not enough path ahead.
 
     Args:
         pose: target pose of the TCP in the base frame.
         a: tool acceleration; 0 takes the machine's default.
         v: tool speed; 0 takes the machine's default.
-        r: blend radius; 0 stops at the target.
+        r: blend radius; 0 rounds the corner by at most 0.1 mm (*assumed*).
 
     Raises:
         MotionError: a point of the line is out of reach, outside the joint limits or too near a singularity.
         ScriptStateError: the arm is not ready, or another thread moves it.
     """
-    robot.warn_once("movep", "movep is in no manual; it is run as movel")
     _, _, default_a, default_v = robot.machine.default_motion
-    robot.move(MoveL(pose, a or default_a, v or default_v, 0.0, r))
+    robot.move(MoveP(pose, a or default_a, v or default_v, blend_radius(robot, r)))
 
 
 @command(family="observed", evidence="observed", spellings={"x_vec": "x_axis", "y_vec": "y_axis"})

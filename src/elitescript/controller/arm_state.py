@@ -23,7 +23,10 @@ difference, the bending of a path some 1e-5."""
 
 
 class Correction(Protocol):
-    """Changes the nominal setpoint from tick to tick."""
+    """Changes the nominal setpoint from tick to tick.
+
+    It hears of pauses and stops whether it is active or not.
+    """
 
     @property
     def is_active(self) -> bool:
@@ -45,8 +48,9 @@ class Correction(Protocol):
             tick: present tick + 1.
             nominal: as for `peek`.
             now: as for `peek`.
-            is_resting: whether the nominal motion stands still at that tick; only then a correction may end with
-                the arm away from its nominal place, which is then moved to where the arm is.
+            is_resting: whether the nominal motion stands still at that tick, and no correction that comes before is
+                active; only then a correction may end with the arm away from its nominal place, which is then moved
+                to where this correction has left the arm.
         """
 
     def pause(self, tick: int) -> None:
@@ -154,36 +158,41 @@ class ArmState:
 
     def settle(self, tick: int) -> None:
         """Go on to a tick that is not later than the next one that is due, and note what has happened by then."""
-        has_ended = False
+        q_left: Six | None = None
         if tick > self._tick and self._is_stepped:
-            has_ended = self._step(tick)
+            q_left = self._step(tick)
         elif tick > self._tick or not self._is_stepped:
             self._joints_tick = -1
         self._tick = tick
         self._motion.settle(tick)
-        if has_ended:
-            self._motion.rebase(self._joints.q_target)
+        if q_left is not None:
+            self._motion.rebase(q_left)
 
     def pause(self, tick: int) -> None:
         """Come to rest, to go on later."""
         self._motion.pause(tick)
         for correction in self._corrections:
-            if correction.is_active:
-                correction.pause(tick)
+            correction.pause(tick)
 
     def resume(self, tick: int) -> None:
         """Go on after a pause."""
         self._motion.resume(tick)
         for correction in self._corrections:
-            if correction.is_active:
-                correction.resume(tick)
+            correction.resume(tick)
 
-    def stop(self, tick: int) -> None:
-        """Come to rest: the program is over."""
-        self._motion.stop(tick)
+    def stop(self, tick: int, *, arrives: bool = False) -> None:
+        """Come to rest: the program is over.
+
+        Args:
+            tick: the present one.
+            arrives: what goes on to its target after its call may do so.
+        """
+        if arrives:
+            self._motion.finish(tick)
+        else:
+            self._motion.stop(tick)
         for correction in self._corrections:
-            if correction.is_active:
-                correction.stop(tick)
+            correction.stop(tick)
 
     @property
     def _is_stepped(self) -> bool:
@@ -201,21 +210,25 @@ class ArmState:
         actual = target if self._plant is None else self._plant.peek(tick, target, now)
         return JointState(*target, *actual)
 
-    def _step(self, tick: int) -> bool:
-        """Go on to the next tick; return whether a correction has ended and left the arm beside its nominal place."""
+    def _step(self, tick: int) -> Six | None:
+        """Go on to the next tick; return where a correction that has ended left the arm, beside its nominal place."""
         now = self.joints(self._tick)
         target = self._motion.setpoint(tick)
-        has_ended = False
+        q_left: Six | None = None
         is_resting = self._motion.rests_at(tick)
         for correction in self._corrections:
             if correction.is_active:
                 corrected = correction.peek(tick, target, now)
                 correction.commit(tick, target, now, is_resting)
                 target = corrected
-                has_ended = has_ended or not correction.is_active
+                if correction.is_active:
+                    # What comes after stands on something that moves, or has left the arm beside its nominal place.
+                    is_resting = False
+                elif is_resting:
+                    q_left = target.q
         actual = target
         if self._plant is not None:
             actual = self._plant.peek(tick, target, now)
             self._plant.commit(tick, target, now)
         self._joints, self._joints_tick = JointState(*target, *actual), tick
-        return has_ended and is_resting
+        return q_left

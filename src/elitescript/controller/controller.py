@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from elitescript.controller.arm_state import ArmState
+from elitescript.controller.contact import ContactConfig
 from elitescript.controller.conveyor import Tracking
 from elitescript.controller.encoders import ENCODER_HANDLERS
 from elitescript.controller.inbox import Inbox
@@ -17,7 +18,7 @@ from elitescript.controller.io import SIGNAL_SETTINGS, SignalImage
 from elitescript.controller.joint_encoders import JointEncoders
 from elitescript.controller.joint_loads import JointLoads
 from elitescript.controller.model_limits import motion_limits
-from elitescript.controller.modes import Power
+from elitescript.controller.modes import WHY_NOT_READY, Power
 from elitescript.controller.motion_control import MotionControl
 from elitescript.controller.plant import LaggingJoints
 from elitescript.controller.safety_control import SafetyControl
@@ -26,6 +27,8 @@ from elitescript.controller.setup import SETUP_HANDLERS, Setup
 from elitescript.controller.snapshot import build_state
 from elitescript.controller.task_requests import TASK_HANDLERS
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
+from elitescript.controller.yield_control import YIELD_SETTINGS, YieldControl
+from elitescript.controller.yielding import Caller
 from elitescript.errors import ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
@@ -34,16 +37,15 @@ from elitescript.messages.events import Event, LineMarked, RobotModeChanged, Sig
 from elitescript.messages.machine import (
     AskSafety,
     MachineRequest,
-    SetInputAction,
     SetLineMark,
     SetSpeedScale,
-    WriteSignal,
 )
 from elitescript.messages.motion import MotionRequest, Six, TrackRequest
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.timing import seconds
+from elitescript.messages.yielding import YieldRequest
 from elitescript.models.model import RobotModel
 
 
@@ -56,6 +58,7 @@ class Controller:
         on_event: receives every event in order.
         home: joint positions at the start, rad; the model's home if None.
         speed_scale: speed percentage at the start, as a fraction.
+        contact: what the TCP can touch; nothing if None.
         safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
     """
@@ -63,6 +66,7 @@ class Controller:
     __slots__ = (
         "_arm_state",
         "_epoch_s",
+        "_has_finished",
         "_inbox",
         "_joint_encoders",
         "_model",
@@ -74,6 +78,7 @@ class Controller:
         "_signals",
         "_tick",
         "_tracking",
+        "_yield",
         "arm",
         "joint_ranges",
         "loads",
@@ -90,10 +95,12 @@ class Controller:
         on_event: Callable[[Event], None],
         home: Six | None = None,
         speed_scale: float = 1.0,
+        contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
     ) -> None:
         plant = PlantConfig() if plant is None else plant
+        self._has_finished = False
         self._model = model
         self.arm: Arm = model.arm
         self.joint_ranges: tuple[tuple[float, float], ...] = model.joint_ranges
@@ -117,10 +124,11 @@ class Controller:
         )
         self._motion.set_speed_scale(speed_scale, 0)
         self._tracking = Tracking(model, limits, self._motion.take_over, on_event)
-        joints = LaggingJoints(plant, limits.qd_max) if plant.lag_s > 0.0 else None
-        self._arm_state = ArmState(self._motion, (self._tracking,), joints)
-        self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._setup = Setup(model)
+        self._yield = YieldControl(model, self._setup, self._signals, contact, on_event, self._motion_ended)
+        joints = LaggingJoints(plant, limits.qd_max) if plant.lag_s > 0.0 else None
+        self._arm_state = ArmState(self._motion, (self._tracking, *self._yield.corrections), joints)
+        self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._node: tuple[int, str] = (0, "")
         self.loads = JointLoads(model, plant, self._arm_state, self._setup)
         watched = safety or SafetyLimits()
@@ -262,6 +270,10 @@ class Controller:
         """Whether every tick looks the same until something is due."""
         return self._arm_state.is_resting and self._joint_encoders.is_exact
 
+    def tcp_wrench(self, is_compensated: bool) -> Six:
+        """What the surroundings exert on the TCP in this tick, TCP frame; see `wrench_sensor`."""
+        return self._yield.wrench(self._arm_state, self._tick, is_compensated)
+
     def joints_at(self, tick: int) -> JointState:
         """Target and measured joints at a tick from the present one up to the next at which something is due."""
         return self._joint_encoders.read(tick, self._arm_state.joints(tick))
@@ -319,11 +331,14 @@ class Controller:
 
     # ---------------------------------------------------------------- requests
 
-    def request_motion(self, request: MotionRequest | TrackRequest, line: int, thread: str) -> int:
+    def request_motion(self, request: MotionRequest | TrackRequest | YieldRequest, line: int, thread: str) -> int:
         """See `commands.context.Machine.request_motion`."""
         self._power.require_ready()
         self.safety.require("move")
         T_flange_tcp = self._setup.T_flange_tcp
+        if isinstance(request, YieldRequest) or self._yield.is_ended_by(request):
+            is_moving = self._motion.is_moving or self._tracking.is_active
+            return self._yield.request(request, self._tick, is_moving, Caller(line, thread))
         if isinstance(request, TrackRequest):
             return self._tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
         request = self.safety.prepared(request, line, thread)
@@ -331,7 +346,7 @@ class Controller:
 
     def is_move_done(self, move: int) -> bool:
         """Whether that move is over."""
-        return self._motion.is_done(move)
+        return self._motion.is_done(move) and self._yield.is_done(move)
 
     def cancel_move(self, move: int) -> None:
         """Brake that move, if it is under way."""
@@ -361,11 +376,13 @@ class Controller:
         self.task.name = name
         self._node = (0, "")
         self._motion.begin_program()
+        self._yield.begin_program()
         self.task.apply("start")
         self.safety.task_started()
 
-    def task_ended(self) -> None:
-        """The program is over; the arm brakes if it still moves."""
+    def task_ended(self, *, has_finished: bool = False) -> None:
+        """The program is over: the arm brakes, but goes on to its waypoint after a program that has finished."""
+        self._has_finished = has_finished
         if self.task.is_running:
             self.task.apply("stop")
 
@@ -377,7 +394,7 @@ class Controller:
             self._arm_state.resume(self._tick)
             self.safety.disturb()
         if after is TaskState.STOPPED:
-            self._arm_state.stop(self._tick)
+            self._arm_state.stop(self._tick, arrives=self._has_finished)
         if TaskState.STOPPED in (before, after):
             self._signals.set_running(self.task.is_running)
 
@@ -396,27 +413,12 @@ class Controller:
 
     # ---------------------------------------------------------------- handlers, one for each kind of request
 
-    def _write_signal(self, request: WriteSignal) -> None:
-        self._signals.write(request)
-        self._warn_of_hand_guiding(request.name, request.index)
-
-    def _warn_of_hand_guiding(self, name: str, index: int) -> None:
-        if self._signals.is_freedrive_input(name, index) and self._signals.read(name, index):
-            point = signal_name(SIGNALS[name], index)
-            self.emit(Warned(self._tick, f"{point} asks for hand guiding, which is not simulated yet"))
-
     def _set_speed_scale(self, request: SetSpeedScale) -> None:
         self.safety.set_speed_scale(request.fraction)
 
     def _declare(self, request: Any) -> None:
         SETUP_HANDLERS[type(request)](self._setup, request)
         self.safety.disturb()
-
-    def _ask_safety(self, request: AskSafety) -> None:
-        self.safety.ask(request)
-
-    def _set_encoder(self, request: Any) -> None:
-        ENCODER_HANDLERS[type(request)](self._tracking.encoders, request, self._tick)
 
     def _set_line_mark(self, request: SetLineMark) -> None:
         self._node = (request.number, request.label)
@@ -430,18 +432,18 @@ class Controller:
 
     def _signal_setting(self, request: Any) -> None:
         SIGNAL_SETTINGS[type(request)](self._signals, request)
-        if isinstance(request, SetInputAction):
-            self._warn_of_hand_guiding(request.name, request.index)
+        why_not = WHY_NOT_READY.get(self._power.mode) or self.safety.refusal("move")
+        self._yield.guide_by_input(why_not, self._arm_state, self._tick)
 
 
 HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
-    WriteSignal: Controller._write_signal,
     SetSpeedScale: Controller._set_speed_scale,
     SetLineMark: Controller._set_line_mark,
-    AskSafety: Controller._ask_safety,
+    AskSafety: lambda c, request: c.safety.ask(request),
     **TASK_HANDLERS,
     **dict.fromkeys(SIGNAL_SETTINGS, Controller._signal_setting),
     **dict.fromkeys(SETUP_HANDLERS, Controller._declare),
-    **dict.fromkeys(ENCODER_HANDLERS, Controller._set_encoder),
+    **dict.fromkeys(ENCODER_HANDLERS, lambda c, r: ENCODER_HANDLERS[type(r)](c._tracking.encoders, r, c._tick)),
+    **dict.fromkeys(YIELD_SETTINGS, lambda c, r: YIELD_SETTINGS[type(r)](c._yield, r, c._arm_state.joints(c._tick))),
 }
 """Every kind of machine request and who handles it."""

@@ -232,14 +232,15 @@ class Tracking:
         known = self._step_of
         if self._step is None or known is None or known[0] is not nominal or known[1] is not now or known[2] is not law:
             self._step_of = (nominal, now, law)
-            self._step = self._work_out(tick, nominal, now, law)
+            self._step = self._work_out(tick, nominal, law)
         return self._step
 
-    def _work_out(self, tick: int, nominal: Setpoint, now: JointState, law: Following | Coast) -> Step:
+    def _work_out(self, tick: int, nominal: Setpoint, law: Following | Coast) -> Step:
         law_tick = self._law_tick if law is self._law else self._tick
         way, speed = self._on(law, tick, (tick - law_tick) * PERIOD_S)
-        target = self._carried(nominal, now.q_target, way, speed)
-        before = Setpoint(now.q_target, now.qd_target)
+        # Its own state: a correction that comes after may have moved the target away from it.
+        before = self._setpoint
+        target = self._carried(nominal, before.q, way, speed)
         if isinstance(target, Setpoint):
             obstacle = None if target is nominal else self.obstacle(target, before)
             if obstacle is None:

@@ -81,6 +81,10 @@ class Drive:
         """Tick from which standstill ends the drive: a call lasts as long as it was asked to."""
         return NEVER if self.is_paused else 0 if self.is_returned else self._timeout_tick or 0
 
+    def note_return(self, tick: int) -> None:
+        """The call is over; the motion goes on."""
+        self.is_returned = True
+
     def advance(self, tick: int) -> None:
         """Let the state be that of a tick which is not after the next one that is due."""
 

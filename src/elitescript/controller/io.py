@@ -169,9 +169,13 @@ class SignalImage:
         """Unbind every input."""
         self._freedrive_inputs.clear()
 
-    def is_freedrive_input(self, name: str, index: int) -> bool:
-        """Whether hand guiding is bound to this input."""
-        return (name, index) in self._freedrive_inputs
+    @property
+    def freedrive_point(self) -> str | None:
+        """Name of an input that is high and bound to hand guiding; None without one."""
+        for name, index in sorted(self._freedrive_inputs):
+            if self.read(name, index):
+                return signal_name(SIGNALS[name], index)
+        return None
 
     def set_tool_pin(self, request: SetToolPin) -> None:
         """Configure one digital pin of the tool."""
@@ -243,6 +247,7 @@ class SignalImage:
 
 
 SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {
+    WriteSignal: SignalImage.write,
     SetAnalogDomain: SignalImage.set_analog_domain,
     SetAnalogFraction: SignalImage.set_analog_fraction,
     SetRunstateChoice: SignalImage.set_runstate,
@@ -251,4 +256,4 @@ SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {
     SetToolAnalogMode: SignalImage.set_tool_analog_mode,
     SetToolPin: SignalImage.set_tool_pin,
 }
-"""Every request that changes how signals behave, and what handles it."""
+"""Every request that changes a signal or how it behaves, and what handles it."""

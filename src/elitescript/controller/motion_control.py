@@ -6,29 +6,26 @@ percentage, pause, resume and stop change only how path time of a planned move r
 (`motion.timescale`), so its position never jumps; whatever takes over from something else begins with its
 position and speed.
 
-A planned move begins at standstill. Motions at a speed and streams (`drives`) begin in any state, and end what
-ran before.
+A planned move begins at standstill, or with a blend (`succession`). Motions at a speed and streams (`drives`) begin in
+any state, and end what ran before.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
-from elitescript.controller.drives import Drive, JointDrive, busy_error
+from elitescript.controller.drives import Drive, JointDrive
 from elitescript.controller.sources import NEVER, Braking, Move
 from elitescript.controller.stepped_drives import ServoDrive, ToolDrive
+from elitescript.controller.succession import Call, Order, Succession, lay_behind
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
-from elitescript.kinematics.transforms import Transform, pose_from_transform
+from elitescript.kinematics.transforms import Transform
 from elitescript.messages.events import Event, MotionEnded, MotionStarted, Warned
 from elitescript.messages.motion import (
     DriveRequest,
     MotionRequest,
-    MoveC,
-    MoveJ,
-    MoveL,
-    MoveML,
-    MoveRequest,
     ServoJ,
     Six,
     SpeedJ,
@@ -39,10 +36,9 @@ from elitescript.messages.motion import (
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error
-from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.speed import Obstacle, SpeedProfile, braked, halted
-from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
+from elitescript.motion.timescale import stop_ramp, stop_ramp_tool
 from elitescript.motion.twist import ToolMotion
 
 AnyDrive = JointDrive | ToolDrive | ServoDrive
@@ -77,7 +73,9 @@ class MotionControl:
         "_source",
         "_speed_ramp_s",
         "_speed_scale",
+        "_started",
         "_stop_joint_deceleration",
+        "_succession",
         "on_obstacle",
         "waypoint",
     )
@@ -94,6 +92,7 @@ class MotionControl:
     ) -> None:
         self._arm = arm
         self._limits = limits
+        self._succession = Succession(arm, limits)
         self._q_rest = home
         self._stop_joint_deceleration = stop_joint_deceleration
         self._speed_ramp_s = speed_ramp_s
@@ -101,6 +100,7 @@ class MotionControl:
         self._on_end = on_end
         self._source: AnySource | None = None
         self._next: Move | None = None
+        self._started: MotionStarted | None = None
         self._count = 0
         self._speed_scale = 1.0
         self._is_paused = False
@@ -113,6 +113,7 @@ class MotionControl:
     def set_limits(self, limits: MotionLimits) -> None:
         """Take other limits for motions that are asked for from now on."""
         self._limits = limits
+        self._succession = Succession(self._arm, limits)
 
     def begin_program(self) -> None:
         """Say again, once for each line, what has been said to the program before."""
@@ -175,31 +176,26 @@ class MotionControl:
             return self._brake(request, tick, T_flange_tcp)
         if isinstance(request, SpeedJ | SpeedL | ServoJ):
             return self._drive(request, tick, T_flange_tcp, line, thread)
-        source = self._source
-        if source is not None and (self._next is not None or not source.is_stopping or source.end_tick >= NEVER):
-            raise busy_error(source, (self._next or source).thread)
-        start_tick = tick if source is None else source.end_tick
-        q_start = self._q_rest if source is None else source.q_rest
-        plan = self._plan(request, q_start, T_flange_tcp)
+        rate = 0.0 if self._is_paused else self._speed_scale
+        call = Call(self._count + 1, tick, line, thread, T_flange_tcp)
+        move, order, cautions = self._succession.accept(request, call, self._source, self._next, self._q_rest, rate)
         self._count += 1
-        scale = TimeScale.start(start_tick * PERIOD_S, 0.0 if self._is_paused else self._speed_scale)
-        waypoint = pose_from_transform(plan.segment.T_base_tcp_end)
-        if isinstance(request, MoveL | MoveC):
-            waypoint = request.p_target
-        accepted = Move(self._count, plan.segment, start_tick, scale, thread, waypoint)
-        if source is None:
-            self._source = accepted
-            self._sampled_tick = -1
+        if order is Order.NEXT:
+            self._next = move
+        elif order is not Order.EXTENDED:
+            self._source = move
+        self._sampled_tick = -1
+        if order is Order.BLENDED:
+            self._on_event(MotionEnded(tick, True))
+        self.waypoint = move.waypoint
+        started = MotionStarted(tick, request, line, thread, move.segment.duration_s)
+        if order is Order.NEXT:
+            self._started = started
         else:
-            self._next = accepted
-        self.waypoint = waypoint
-        self._on_event(MotionStarted(tick, request, line, thread, plan.segment.duration_s))
-        for note in plan.notes:
-            self._warn_once(line, note.kind, Warned(tick, note.text, thread, line))
-        if request.r > 0.0:
-            text = f"blends are not simulated yet: the arm stops at each waypoint (here r = {request.r:g} m)"
-            self._warn_once(0, "blend", Warned(tick, text, thread, line))
-        return accepted.number
+            self._on_event(started)
+        for caution in cautions:
+            self._warn_once(caution.key_line, caution.kind, Warned(tick, caution.text, thread, caution.line))
+        return call.number
 
     def is_done(self, number: int) -> bool:
         """Whether the call of that number is over."""
@@ -208,13 +204,13 @@ class MotionControl:
     def cancel(self, number: int, tick: int) -> None:
         """Brake what that call waits for, if it is under way or about to be."""
         if self._next is not None and self._next.number == number:
-            self._drop_next(tick)
+            self._drop_next()
         elif self._source is not None and self._source.is_awaited(number):
             self.stop(tick)
 
     def stop(self, tick: int) -> None:
         """Brake whatever is under way with the program-stop deceleration."""
-        self._drop_next(tick)
+        self._drop_next()
         self._advance(tick)
         source = self._source
         if isinstance(source, Move):
@@ -225,9 +221,15 @@ class MotionControl:
             qd = self.setpoint(tick).qd
             self._brake_joints(source.number, tick, max(map(abs, qd)) / self._stop_joint_deceleration)
 
+    def finish(self, tick: int) -> None:
+        """The program is over by itself: what goes on to its target after its call may arrive, anything else brakes."""
+        source = self._source
+        if not (isinstance(source, Move) and source.is_returned and self._next is None):
+            self.stop(tick)
+
     def take_over(self, profile: SpeedProfile, tick: int, thread: str) -> int:
         """Come to rest by a profile that begins in the present state; return the number of the call that ends then."""
-        self._drop_next(tick)
+        self._drop_next()
         number = 0 if self._source is None else self._source.number
         if not number or self.is_done(number):
             number = self._count = self._count + 1
@@ -247,7 +249,7 @@ class MotionControl:
         self._advance(tick)
         source = self._source
         if isinstance(source, Move) and not source.is_stopping:
-            source.set_rate(tick, 0.0, self._program_stop_ramp_s(source, tick))
+            source.pause(tick, self._program_stop_ramp_s(source, tick))
         elif isinstance(source, Drive) and not source.is_stopping:
             source.pause(tick)
         self._changed(tick)
@@ -274,9 +276,12 @@ class MotionControl:
             end_tick = source.end_tick
             self._source, self._next = self._next, None
             self._on_event(MotionEnded(end_tick, source.reaches_end))
+            if self._source is not None and self._started is not None:
+                self._on_event(replace(self._started, tick=end_tick))
+            self._started = None
             self._on_end(source.number if source.is_awaited(source.number) else 0, source.reaches_end)
-        if isinstance(source, Drive) and source.return_tick <= tick:
-            source.is_returned = True
+        if isinstance(source, Drive | Move) and source.return_tick <= tick:
+            source.note_return(tick)
             self._on_end(source.number, True)
 
     def _warn_once(self, line: int, kind: str, warning: Warned) -> None:
@@ -284,20 +289,25 @@ class MotionControl:
             self._noted.add((line, kind))
             self._on_event(warning)
 
-    def _drop_next(self, tick: int) -> None:
+    def _drop_next(self) -> None:
         """Forget the move that was to begin at standstill."""
         move, self._next = self._next, None
+        self._started = None
         if move is not None:
-            self._on_event(MotionEnded(tick, False))
             self._on_end(move.number, False)
 
     def _set_rates(self, rate: float, tick: int) -> None:
         self._advance(tick)
-        for source in (self._source, self._next):
-            if isinstance(source, Move) and not source.is_stopping:
-                source.set_rate(max(tick, source.start_tick), rate, self._speed_ramp_s)
-            elif isinstance(source, Drive):
-                source.set_fraction(tick, rate)
+        source, waiting = self._source, self._next
+        if isinstance(source, Drive):
+            source.set_fraction(tick, rate)
+        elif isinstance(source, Move) and not source.is_stopping:
+            source.set_rate(max(tick, source.start_tick), rate, self._speed_ramp_s)
+            if waiting is not None:
+                lay_behind(source, waiting)
+                waiting = None
+        if waiting is not None:
+            waiting.set_rate(max(tick, waiting.start_tick), rate, self._speed_ramp_s)
         self._changed(tick)
 
     # ---------------------------------------------------------------- drives and brakes
@@ -321,7 +331,7 @@ class MotionControl:
         if obstacle is not None and drive.leads_into(obstacle, self.setpoint(tick).q):
             raise obstacle.error()
         self._count = number
-        self._drop_next(tick)
+        self._drop_next()
         if self._is_paused:
             drive.pause(tick)
         self._source = drive
@@ -397,7 +407,7 @@ class MotionControl:
         source = self._source
         if source is None:
             return 0
-        self._drop_next(tick)
+        self._drop_next()
         if isinstance(source, Move):
             if not source.is_stopping:
                 path_time_s, rate = source.path_time_s(tick), source.scale.rate(tick * PERIOD_S)
@@ -433,14 +443,3 @@ class MotionControl:
     def _program_stop_ramp_s(self, move: Move, tick: int) -> float:
         rate = move.scale.rate(tick * PERIOD_S)
         return max(stop_ramp(move.segment, move.path_time_s(tick), rate, self._stop_joint_deceleration), PERIOD_S)
-
-    def _plan(self, request: MoveRequest, q_start: Six, T_flange_tcp: Transform) -> Plan:
-        if isinstance(request, MoveJ):
-            return plan_movej(self._arm, self._limits, q_start, request, T_flange_tcp)
-        if isinstance(request, MoveL):
-            return plan_movel(self._arm, self._limits, q_start, T_flange_tcp, request)
-        if isinstance(request, MoveML):
-            from elitescript.motion.microline import plan_moveml
-
-            return plan_moveml(self._arm, self._limits, q_start, T_flange_tcp, request)
-        return plan_movec(self._arm, self._limits, q_start, T_flange_tcp, request)

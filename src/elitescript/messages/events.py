@@ -12,6 +12,7 @@ from typing import Any
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import MotionRequest, TrackCircular, TrackLinear
 from elitescript.messages.signals import Value
+from elitescript.messages.yielding import YieldRequest
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +89,10 @@ class SignalChanged:
 
 @dataclass(frozen=True, slots=True)
 class MotionStarted:
-    """A request to move was accepted."""
+    """The arm begins what was asked for: at once, at the begin of a blend, or when it has come to rest before.
+
+    A line of a `movep` chain that runs already is told of when it is accepted.
+    """
 
     tick: int
     request: MotionRequest
@@ -101,7 +105,10 @@ class MotionStarted:
 
 @dataclass(frozen=True, slots=True)
 class MotionEnded:
-    """The arm stands still again, at its target or because it was stopped; or a motion at a speed has taken over."""
+    """The arm stands still again, at its target or because it was stopped; or another motion has taken over.
+
+    A move that ends because the next one is blended with it is complete.
+    """
 
     tick: int
     is_complete: bool
@@ -159,6 +166,17 @@ class LineMarked:
     label: str
 
 
+@dataclass(frozen=True, slots=True)
+class YieldingChanged:
+    """Force mode or hand guiding began, changed or is asked to end; the end of a program says nothing more."""
+
+    tick: int
+    request: YieldRequest
+    line: int
+    """0 if an input asked for it."""
+    thread: str
+
+
 Event = (
     TextMessage
     | Printed
@@ -174,4 +192,5 @@ Event = (
     | RobotModeChanged
     | SafetyModeChanged
     | LineMarked
+    | YieldingChanged
 )

@@ -172,6 +172,25 @@ class StopTask:
 
 
 @dataclass(frozen=True, slots=True)
+class SetForceGain:
+    """How quickly force control answers, 0 to 2."""
+
+    scaling: float
+
+
+@dataclass(frozen=True, slots=True)
+class SetForceDamping:
+    """Damping of force control, 0 to 1."""
+
+    damping: float
+
+
+@dataclass(frozen=True, slots=True)
+class ZeroForceSensor:
+    """Take the present compensated wrench as zero."""
+
+
+@dataclass(frozen=True, slots=True)
 class AskSafety:
     """An action of the safety system that people and clients ask for."""
 
@@ -203,6 +222,9 @@ MachineRequest = (
     | ResumeTask
     | StopTask
     | AskSafety
+    | SetForceGain
+    | SetForceDamping
+    | ZeroForceSensor
 )
 
 Request = MotionRequest | MachineRequest

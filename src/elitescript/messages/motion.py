@@ -55,6 +55,17 @@ class MoveC:
 
 
 @dataclass(frozen=True, slots=True)
+class MoveP:
+    """TCP on a straight line to `p_target`, as one of a chain of lines that keeps its speed at the corners."""
+
+    p_target: Six
+    a: float
+    v: float
+    r: float = 0.0
+    """Blend radius at `p_target`, m; 0 rounds the corner as little as the speed allows."""
+
+
+@dataclass(frozen=True, slots=True)
 class StopJ:
     """Brake to standstill with joint deceleration `a` (rad/s^2)."""
 
@@ -190,7 +201,7 @@ class StopTracking:
     """Do not go along with a conveyor any more, and come to rest."""
 
 
-MoveRequest = MoveJ | MoveL | MoveC | MoveML
+MoveRequest = MoveJ | MoveL | MoveC | MoveP | MoveML
 """A move to a target, planned as a whole."""
 DriveRequest = SpeedJ | SpeedL | ServoJ
 """A motion that begins in any state and goes on after the call."""

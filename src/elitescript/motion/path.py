@@ -18,7 +18,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from math import atan2, cos, hypot, pi, sin
-from typing import Final
+from typing import Final, Protocol
 
 from elitescript.errors import MotionError
 from elitescript.kinematics.rotations import (
@@ -44,6 +44,51 @@ SAME_PLACE: Final = 1e-9
 ARC_HEIGHT_MIN_M: Final = 1e-6
 """Three points whose triangle is lower than this lie on a line as far as poses with six printed
 decimals can tell; they have no circle."""
+
+
+class FlangePath(Protocol):
+    """Pose of the flange over a path position: a line, an arc, or the corner of a blend."""
+
+    @property
+    def kind(self) -> str:
+        """`line`, `arc` or `blend`."""
+
+    @property
+    def unit(self) -> str:
+        """Unit of the path position."""
+
+    @property
+    def length(self) -> float:
+        """Path position at the end."""
+
+    @property
+    def way(self) -> float:
+        """Way of the TCP over the path, m; 0 for a pure rotation."""
+
+    @property
+    def sweep(self) -> float:
+        """Largest angle, rad, by which tool or direction of travel turns over the path."""
+
+    @property
+    def turn(self) -> float:
+        """Angle by which the tool turns, rad."""
+
+    @property
+    def T_base_tcp_end(self) -> Transform:
+        """TCP pose at the end."""
+
+    @property
+    def tool_rates(self) -> tuple[float, float]:
+        """Way (m) and rotation (rad) of the tool per unit of path position, or bounds of them."""
+
+    def place(self, s: float) -> str:
+        """Return in words where on the move a path position is."""
+
+    def flange(self, s: float) -> Transform:
+        """Return `T_base_flange` at a path position."""
+
+    def flange_slope(self, s: float, T_base_flange: Transform) -> Six:
+        """Return the twist of the flange per unit of path position, given its pose there."""
 
 
 class CartesianPath(ABC):
@@ -110,9 +155,19 @@ class CartesianPath(ABC):
         return (1.0 if self.unit == "m" else 0.0), self._turn_rate
 
     @property
+    def way(self) -> float:
+        """Way of the TCP over the path, m; 0 for a pure rotation."""
+        return self.length if self.unit == "m" else 0.0
+
+    @property
     def sweep(self) -> float:
         """Largest angle, rad, by which tool or direction of travel turns over the path."""
         return self.turn
+
+    @property
+    def rotation_slope(self) -> Vector3:
+        """Rotation vector of the tool per unit of path position, base frame."""
+        return _scaled(self._axis, self._turn_rate)
 
     def place(self, s: float) -> str:
         """Return in words where on the move a path position is."""

@@ -15,6 +15,8 @@ Laws, with v, a the wanted speed and acceleration and d the length of the path:
   takes the shortest rotation in step with the path (*assumed*); a pure rotation uses v and a as
   rad/s and rad/s^2 (*assumed*); where a joint would pass its limits, as near singularities, the
   tool is slowed down for as long as needed and stays on its path (*assumed*);
+- with a blend radius r > 0 the last braking uses `APPROACH_SHARE` of a, and a move is planned to stop at its
+  target all the same: the speed in the sphere is one from which the arm can stop there (*assumed*);
 - a duration t > 0 replaces v and a (documented) and is kept exactly; when the limits of the arm
   do not allow it the move takes the shortest possible time (*assumed*);
 - a move whose target is where the arm stands takes no time, whatever t (*assumed*).
@@ -22,9 +24,9 @@ Laws, with v, a the wanted speed and acceleration and d the length of the path:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from math import inf, isfinite, sqrt
+from math import hypot, inf, isfinite, sqrt
 from typing import Final
 
 from elitescript.errors import MotionError
@@ -35,10 +37,11 @@ from elitescript.messages.motion import MoveC, MoveJ, MoveL, Six
 from elitescript.motion.jointline import JointLine
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.path import CartesianPath, arc, line
-from elitescript.motion.profile import Profile, resting, trapezoid, trapezoid_lasting
+from elitescript.motion.profile import Law, Profile, resting, trapezoid, trapezoid_lasting, trapezoid_of
 from elitescript.motion.retiming import SlowPlace, keeps_limits, retimed
 from elitescript.motion.segment import Segment
 from elitescript.motion.track import JointTrack, follow
+from elitescript.motion.zones import Zone, zone_before
 
 NEAR_WRIST_SINE: Final = 0.2
 """A slow place with |sin q5| below this is blamed on the wrist singularity: at ordinary tool
@@ -54,6 +57,12 @@ NOTEWORTHY: Final = 1e-3
 """A move that lasts longer than wanted by a smaller share than this needs no note."""
 
 
+APPROACH_SHARE: Final = 0.8
+"""Share of the acceleration with which a move with a blend radius brakes. What is left turns the arm: an arm that
+brakes with all of its acceleration could turn into no direction but its own, and would have to stop at a sharp
+corner. With a fifth left a corner of any angle can be passed (back along its own path at a quarter of the speed,
+at a right angle at three quarters of it)."""
+
 SURELY_DEGREES: Final = 10.0
 """A joint angle of this size, in rad, was meant in degrees."""
 
@@ -67,6 +76,7 @@ class NoteKind(StrEnum):
     LOWERED_TO_LIMITS = "lowered_to_limits"
     SPEED_LOWERED_NEAR_SINGULARITY = "speed_lowered_near_singularity"
     SPEED_LOWERED_FOR_JOINT_LIMITS = "speed_lowered_for_joint_limits"
+    RADIUS_SHORTENED = "radius_shortened"
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,12 +87,23 @@ class Note:
     text: str
 
 
+_NO_LAW: Final = Law(0.0, 0.0, 0.0)
+
+
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """An accepted move."""
+    """An accepted move, from standstill to standstill, and what a blend has to know of it."""
 
     segment: Segment
     notes: tuple[Note, ...] = ()
+    law: Law = _NO_LAW
+    """What its time law may use."""
+    tool_acceleration: float = 0.0
+    """Greatest acceleration of the TCP that the move may use, m/s^2; 0 for moves that do not guide the TCP."""
+    t_s: float = 0.0
+    """Duration that was asked for; 0 when there was none."""
+    zone: Zone | None = None
+    """Where a blend begins."""
 
 
 def plan_movej(
@@ -112,18 +133,27 @@ def plan_movej(
     # The limits of every joint, as limits of the leading one.
     v_max = min(limit / abs(share) for limit, share in zip(limits.qd_max, path.slope, strict=True) if share)
     a_max = min(limit / abs(share) for limit, share in zip(limits.qdd_max, path.slope, strict=True) if share)
+    notes: tuple[Note, ...] = ()
     if request.t_s == 0.0:
-        profile = trapezoid(path.length, min(request.v, v_max), min(request.a, a_max))
+        law = _law(min(request.v, v_max), min(request.a, a_max), request.r)
+        profile = trapezoid_of(path.length, law)
         _check_end(profile, request.a, request.v)
-        return Plan(Segment(path, profile), _lowered(path.length, request.v, v_max, request.a, a_max, "rad"))
-    lasting = trapezoid_lasting(path.length, request.t_s, v_max, a_max)
-    if lasting is not None:
-        return Plan(Segment(path, lasting))
-    profile = trapezoid(path.length, v_max, a_max)
-    return Plan(Segment(path, profile), (_t_too_short(request.t_s, profile),))
+        notes = _lowered(path.length, request.v, v_max, request.a, a_max, "rad")
+    else:
+        lasting = trapezoid_lasting(path.length, request.t_s, v_max, a_max)
+        if lasting is not None:
+            profile, law = lasting, _law_of(lasting, a_max)
+        else:
+            law = _law(v_max, a_max, request.r)
+            profile = trapezoid_of(path.length, law)
+            notes = (_t_too_short(request.t_s, profile),)
+    plan = Plan(Segment(path, profile), notes, law, 0.0, request.t_s)
+    return _with_zone(plan, arm, T_flange_tcp, request.r)
 
 
-def plan_movel(arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Transform, request: MoveL) -> Plan:
+def plan_movel(
+    arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Transform, request: MoveL, *, is_entered: bool = False
+) -> Plan:
     """Plan a straight line of the TCP.
 
     Args:
@@ -132,6 +162,7 @@ def plan_movel(arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Trans
         q_start: joint angles at the start, rad.
         T_flange_tcp: TCP offset.
         request: the move.
+        is_entered: whether a blend may enter it at speed, so that even a short path may reach v.
 
     Raises:
         MotionError: R102 a number without sense, R110 a joint would leave its range, R111 a point
@@ -145,10 +176,15 @@ def plan_movel(arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Trans
         v_max, a_max = limits.tool_turn_speed_max, limits.tool_turn_acceleration_max
     else:
         v_max, a_max = limits.tool_speed_max, limits.tool_acceleration_max
-    return _plan_cartesian(arm, limits, q_start, path, request.v, request.a, request.t_s, v_max, a_max)
+    plan = _plan_cartesian(
+        arm, limits, q_start, path, request.v, request.a, request.t_s, v_max, a_max, request.r, is_entered
+    )
+    return _with_zone(plan, arm, T_flange_tcp, request.r)
 
 
-def plan_movec(arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Transform, request: MoveC) -> Plan:
+def plan_movec(
+    arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Transform, request: MoveC, *, is_entered: bool = False
+) -> Plan:
     """Plan an arc of the TCP through `p_via` to `p_target`; arguments and errors as `plan_movel`.
 
     The speed is also held so low that the acceleration towards the centre of the circle, v^2 / R,
@@ -168,7 +204,22 @@ def plan_movec(arm: Arm, limits: MotionLimits, q_start: Six, T_flange_tcp: Trans
         request.is_orientation_fixed,
     )
     v_max = min(limits.tool_speed_max, sqrt(limits.tool_acceleration_max * path.radius))
-    return _plan_cartesian(arm, limits, q_start, path, request.v, request.a, 0.0, v_max, limits.tool_acceleration_max)
+    plan = _plan_cartesian(
+        arm,
+        limits,
+        q_start,
+        path,
+        request.v,
+        request.a,
+        0.0,
+        v_max,
+        limits.tool_acceleration_max,
+        request.r,
+        is_entered,
+    )
+    centripetal = plan.law.v * plan.law.v / path.radius
+    plan = replace(plan, tool_acceleration=hypot(plan.law.a, centripetal))
+    return _with_zone(plan, arm, T_flange_tcp, request.r)
 
 
 def _plan_cartesian(
@@ -181,33 +232,62 @@ def _plan_cartesian(
     t_s: float,
     v_max: float,
     a_max: float,
+    r: float,
+    is_entered: bool,
 ) -> Plan:
     """Solve the path and find its profile; v_max and a_max are the limits of the tool on it."""
     if path.length == 0.0:
         return Plan(Segment(follow(arm, limits, path, q_start, 0.0, 0.0), resting(t_s)))
+    notes: tuple[Note, ...] = ()
     if t_s > 0.0:
         profile = trapezoid_lasting(path.length, t_s, v_max, a_max)
         if profile is not None:
             track = follow(arm, limits, path, q_start, profile.peak_speed, profile.acceleration(0.0))
             if keeps_limits(track, limits, profile):
-                return Plan(Segment(track, profile))
-        v, a = v_max, a_max
-        notes: tuple[Note, ...] = ()
+                law = _law_of(profile, a_max)
+                return Plan(Segment(track, profile), (), law, law.a if path.unit == "m" else 0.0, t_s)
+        fastest = _law(v_max, a_max, r)
+        law = fastest if profile is None else _law_of(profile, a_max)
     else:
         notes = _lowered(path.length, v, v_max, a, a_max, path.unit)
-        v, a = min(v, v_max), min(a, a_max)
-    wanted = trapezoid(path.length, v, a)
+        fastest = law = _law(min(v, v_max), min(a, a_max), r)
+    wanted = trapezoid_of(path.length, fastest)
     _check_end(wanted, a, v)
-    track = follow(arm, limits, path, q_start, wanted.peak_speed, a)
-    result = retimed(track, limits, wanted)
+    track = follow(arm, limits, path, q_start, law.v if is_entered else wanted.peak_speed, fastest.a)
+    result = retimed(track, limits, wanted, fastest)
+    profile = result.profile
     if t_s > 0.0:
-        if result.profile.duration_s <= t_s:
-            return Plan(Segment(track, result.profile.stretched(t_s)))
-        return Plan(Segment(track, result.profile), (_t_too_short(t_s, result.profile),))
-    if result.slow_place is None or result.profile.duration_s <= (1.0 + NOTEWORTHY) * wanted.duration_s:
-        return Plan(Segment(track, result.profile), notes)
-    slowed = _speed_lowered(arm, limits, track, result.profile, wanted, result.slow_place)
-    return Plan(Segment(track, result.profile), (*notes, slowed))
+        if profile.duration_s <= t_s:
+            profile = profile.stretched(t_s)
+        else:
+            notes = (_t_too_short(t_s, profile),)
+    elif result.slow_place is not None and profile.duration_s > (1.0 + NOTEWORTHY) * wanted.duration_s:
+        notes = (*notes, _speed_lowered(arm, limits, track, profile, wanted, result.slow_place))
+    return Plan(Segment(track, profile), notes, law, law.a if path.unit == "m" else 0.0, t_s)
+
+
+def _law(v: float, a: float, r: float) -> Law:
+    return Law(v, a, APPROACH_SHARE * a if r > 0.0 else a)
+
+
+def _law_of(lasting: Profile, a_max: float) -> Law:
+    """Return what a move of a prescribed duration uses; a blend may use a little more acceleration to turn."""
+    a = lasting.acceleration(0.0)
+    return Law(lasting.peak_speed, min(a_max, a / APPROACH_SHARE), a)
+
+
+def _with_zone(plan: Plan, arm: Arm, T_flange_tcp: Transform, r: float) -> Plan:
+    path = plan.segment.path
+    if r == 0.0 or path.length == 0.0:
+        return plan
+    zone = zone_before(path, r, arm, T_flange_tcp)
+    if not zone.is_shortened:
+        return replace(plan, zone=zone)
+    note = Note(
+        NoteKind.RADIUS_SHORTENED,
+        f"r = {r:g} m is shortened to {zone.radius:.4g} m: a blend takes at most half of a move",
+    )
+    return replace(plan, zone=zone, notes=(*plan.notes, note))
 
 
 def _check_numbers(name: str, numbers: Six, a: float, v: float, t_s: float, r: float) -> None:

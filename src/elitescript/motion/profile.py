@@ -1,8 +1,9 @@
 """Time laws: the path position s as a function of time.
 
-A profile starts and ends at rest and is made of pieces of constant acceleration. The trapezoid
-(accelerate, keep the speed, brake) has three pieces, or two when the path is too short to reach
-the speed; a path that has to be slowed down in places has more.
+A profile ends at rest and is made of pieces of constant acceleration. It starts at rest too, or, for
+a path that is entered by a blend, at a position and with a speed. The trapezoid (accelerate, keep the
+speed, brake) has three pieces, or two when the path is too short to reach the speed; a path that has
+to be slowed down in places has more.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from math import sqrt
-from typing import Final
+from typing import Final, NamedTuple
 
 from elitescript.errors import InternalError
 
@@ -20,14 +21,25 @@ that speed and acceleration are then ignored). A third keeps the peak speed at 1
 acceleration at 4.5 times what the shortest possible figures, L/t and L/t^2, would ask for."""
 
 
+class Law(NamedTuple):
+    """What a time law may use, in the unit of its path per s and s^2."""
+
+    v: float
+    """Speed."""
+    a: float
+    """Acceleration."""
+    brake: float
+    """Deceleration; less than `a` where a blend is to follow."""
+
+
 class Profile:
-    """s(t) from 0 to `length` in `duration_s`, at rest at both ends; immutable.
+    """s(t) from `start` to `length` in `duration_s`, at rest at the end; immutable.
 
     `length` is in the path's own unit (m or rad), speeds and accelerations in that unit per s
     and s^2.
     """
 
-    __slots__ = ("_acceleration", "_position", "_speed", "_start_s", "duration_s", "length", "peak_speed")
+    __slots__ = ("_acceleration", "_position", "_speed", "_start_s", "duration_s", "length", "peak_speed", "start")
 
     def __init__(
         self,
@@ -41,6 +53,7 @@ class Profile:
         """Take the pieces: time, position and speed at the start of each, and its acceleration."""
         self.length = length
         self.duration_s = duration_s
+        self.start = position[0]
         self.peak_speed = max(speed)
         self._start_s = tuple(start_s)
         self._position = tuple(position)
@@ -48,9 +61,9 @@ class Profile:
         self._acceleration = tuple(acceleration)
 
     def at(self, t_s: float) -> tuple[float, float]:
-        """Return (position, speed) at a time; before the start and after the end it rests there."""
+        """Return (position, speed) at a time; before the start those of the start, after the end at rest."""
         if t_s <= 0.0:
-            return 0.0, 0.0
+            return self._position[0], self._speed[0]
         if t_s >= self.duration_s:
             return self.length, 0.0
         piece = bisect_right(self._start_s, t_s) - 1
@@ -69,11 +82,32 @@ class Profile:
 
     def speed_at_position(self, position: float) -> float:
         """Return the speed with which a position is passed; 0 outside the path."""
-        if not 0.0 <= position <= self.length or not self._position:
+        if not self.start <= position <= self.length:
             return 0.0
         piece = bisect_right(self._position, position) - 1
         speed = self._speed[piece]
         return sqrt(max(0.0, speed * speed + 2.0 * self._acceleration[piece] * (position - self._position[piece])))
+
+    def time_at(self, position: float) -> float:
+        """Return the time at which a position is passed; that of the nearer end outside the path."""
+        if position <= self.start:
+            return 0.0
+        if position >= self.length:
+            return self.duration_s
+        piece = bisect_right(self._position, position) - 1
+        way = position - self._position[piece]
+        speed = self._speed[piece]
+        # In the form that does not cancel.
+        speed_there = sqrt(max(0.0, speed * speed + 2.0 * self._acceleration[piece] * way))
+        return min(self._start_s[piece] + (2.0 * way / (speed + speed_there) if way else 0.0), self.duration_s)
+
+    @property
+    def last_brake_s(self) -> float:
+        """Time from which on it does nothing but brake."""
+        for piece in range(len(self._acceleration) - 1, -1, -1):
+            if self._acceleration[piece] >= 0.0:
+                return self._start_s[piece + 1] if piece + 1 < len(self._start_s) else self.duration_s
+        return 0.0
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -134,6 +168,75 @@ def trapezoid(length: float, v: float, a: float) -> Profile:
         (0.0, v, v),
         (a, 0.0, -a),
     )
+
+
+def trapezoid_of(length: float, law: Law, start: float = 0.0, v_start: float = 0.0) -> Profile:
+    """Return the quickest profile under a law whose ramps may differ, from a position and a speed on.
+
+    A start faster than `law.v` brakes to it first.
+
+    Raises:
+        InternalError: the rest of the path is too short to brake from the start.
+    """
+    if length == start:
+        return resting() if length == 0.0 else Profile(length, 0.0, (0.0,), (length,), (0.0,), (0.0,))
+    if law.a == law.brake and v_start == start == 0.0:
+        return trapezoid(length, law.v, law.a)
+    v, a, brake = law
+    way, x_start = length - start, v_start * v_start
+    stopping = 0.5 * x_start / brake
+    if stopping > way * (1.0 + _ROUNDING):
+        raise InternalError(f"{v_start} at {start} is too fast to stop at {length} with {brake}")
+    if v_start > v:
+        v_top, first_a, first = v, -brake, min(0.5 * (x_start - v * v) / brake, way)
+    else:
+        v_top = max(v_start, min(v, sqrt((way + 0.5 * x_start / a) / (0.5 / a + 0.5 / brake))))
+        first_a, first = a, min(0.5 * (v_top * v_top - x_start) / a, way)
+    last = min(0.5 * v_top * v_top / brake, way - first)
+    cruise = way - first - last
+    start_s, position, speed, acceleration = [], [], [], []
+    t_s, s = 0.0, start
+    for ramp, v_here, v_ahead, u in (
+        (first, v_start, v_top, first_a),
+        (cruise, v_top, v_top, 0.0),
+        (last, v_top, 0.0, -brake),
+    ):
+        if ramp > _ROUNDING * way:
+            start_s.append(t_s)
+            position.append(s)
+            speed.append(v_here)
+            acceleration.append(u)
+            t_s += 2.0 * ramp / (v_here + v_ahead)
+            s += ramp
+    return Profile(length, t_s, start_s, position, speed, acceleration)
+
+
+def trapezoid_of_duration(length: float, law: Law, duration_s: float, start: float, v_start: float) -> Profile | None:
+    """Return a profile of a duration from a position and a speed on, or None when the law does not allow it.
+
+    It has the ramps of the law; the speed between them is what makes it last.
+    """
+    quickest = trapezoid_of(length, law, start, v_start)
+    if quickest.duration_s > duration_s:
+        return None
+    low, high = 0.0, law.v
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if trapezoid_of(length, law._replace(v=middle), start, v_start).duration_s > duration_s:
+            low = middle
+        else:
+            high = middle
+    slowest = trapezoid_of(length, law._replace(v=high), start, v_start)
+    # What has to brake all the way from its start cannot take longer.
+    return slowest if slowest.duration_s >= duration_s * (1.0 - _SAME_DURATION) else None
+
+
+_ROUNDING: Final = 1e-12
+"""Lengths that differ by less than this share of the path differ by rounding."""
+
+_SAME_DURATION: Final = 1e-6
+
+_HALVINGS: Final = 50
 
 
 def trapezoid_lasting(length: float, duration_s: float, v_max: float, a_max: float) -> Profile | None:

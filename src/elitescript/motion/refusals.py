@@ -11,7 +11,7 @@ from elitescript.kinematics.inverse import reason_unreachable, solve_branch
 from elitescript.kinematics.jacobian import ELBOW_GIVE_UP_SINE, SHOULDER_GIVE_UP_M, WRIST_GIVE_UP_SINE, Singularity
 from elitescript.messages.motion import Six
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error, unwrapped
-from elitescript.motion.path import CartesianPath
+from elitescript.motion.path import FlangePath
 
 JUMP_RAD: Final = 0.5 * pi
 """A joint step this large over the narrowest interval of a grid is a jump, not a motion."""
@@ -27,7 +27,7 @@ BORDER_RESOLUTION: Final = 1e-4
 """How closely the first unreachable point of a path is looked for, m or rad."""
 
 
-def singular(path: CartesianPath, s: float, distance: Singularity) -> MotionError:
+def singular(path: FlangePath, s: float, distance: Singularity) -> MotionError:
     """Return the refusal (R112) of a point too near a singularity."""
     blocked = distance.blocked
     if blocked == "wrist":
@@ -55,7 +55,7 @@ def singular(path: CartesianPath, s: float, distance: Singularity) -> MotionErro
     )
 
 
-def jump(path: CartesianPath, s: float, q_a: Six, q_b: Six) -> MotionError:
+def jump(path: FlangePath, s: float, q_a: Six, q_b: Six) -> MotionError:
     """Return the refusal (R112) of a joint that turns over between two neighbouring points."""
     steps = [b - a for a, b in zip(q_a, q_b, strict=True)]
     joint = max(range(6), key=lambda index: abs(steps[index]))
@@ -73,7 +73,7 @@ def jump(path: CartesianPath, s: float, q_a: Six, q_b: Six) -> MotionError:
 def out_of_range(
     arm: Arm,
     limits: MotionLimits,
-    path: CartesianPath,
+    path: FlangePath,
     branch: int,
     joint: int,
     s_a: float,
@@ -100,7 +100,7 @@ def out_of_range(
     )
 
 
-def leaves_reach(arm: Arm, path: CartesianPath, branch: int, s_inside: float, s_outside: float) -> MotionError:
+def leaves_reach(arm: Arm, path: FlangePath, branch: int, s_inside: float, s_outside: float) -> MotionError:
     """Return the refusal (R111) of a path that leaves the reach of the branch between two points."""
     s_deeper = s_outside
     while s_outside - s_inside > BORDER_RESOLUTION:
@@ -122,7 +122,7 @@ def leaves_reach(arm: Arm, path: CartesianPath, branch: int, s_inside: float, s_
 
 
 def out_of_reach(
-    path: CartesianPath, s: float, reason: str, hint: str = "keep the whole path inside the workspace"
+    path: FlangePath, s: float, reason: str, hint: str = "keep the whole path inside the workspace"
 ) -> MotionError:
     """Return the refusal (R111) of one point."""
     if path.unit == "m" and path.length > SURELY_MILLIMETRES:

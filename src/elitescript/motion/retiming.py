@@ -23,7 +23,7 @@ from math import ceil, inf, sqrt
 from typing import Final, NamedTuple
 
 from elitescript.motion.limits import MotionLimits
-from elitescript.motion.profile import Profile
+from elitescript.motion.profile import Law, Profile, trapezoid_of
 from elitescript.motion.track import JointTrack
 
 SUBDIVISION: Final = 6
@@ -63,27 +63,57 @@ class Retimed(NamedTuple):
     """None when the wanted profile was kept."""
 
 
-def retimed(track: JointTrack, limits: MotionLimits, wanted: Profile) -> Retimed:
+def retimed(track: JointTrack, limits: MotionLimits, wanted: Profile, law: Law | None = None) -> Retimed:
     """Return the profile that is nowhere quicker than a wanted trapezoid and keeps the joint limits.
 
     When no joint limit binds this is the wanted profile itself.
+
+    Args:
+        track: the path.
+        limits: limits of the arm.
+        wanted: a trapezoid from standstill.
+        law: of the trapezoid, where its ramps differ.
     """
-    stations = _stations(track, wanted)
+    if law is None:
+        a = wanted.acceleration(0.0)
+        law = Law(wanted.peak_speed, a, a)
+    law = law._replace(v=wanted.peak_speed)
+    stations = _stations(track, wanted, law)
     if len(stations) == 2 and stations[0].is_free_ahead:
         return Retimed(wanted, None)
-    v, a = wanted.peak_speed, wanted.acceleration(0.0)
-    x = _passed(stations, limits, v * v, a)
-    profile = _profile(stations, x, v * v, a)
+    x = _passed(stations, limits, law, 0.0)
+    assert x is not None
+    profile = _profile(stations, x, law)
     if profile.duration_s <= wanted.duration_s * (1.0 + _SAME_DURATION):
         return Retimed(wanted, None)
     return Retimed(profile, _slow_place(stations, x, limits, wanted))
+
+
+def entered(track: JointTrack, limits: MotionLimits, law: Law, start: float, v_start: float) -> Profile | None:
+    """Return the quickest profile within law and joint limits from a position and a speed on.
+
+    None when that is too fast there, or too fast for what comes.
+    """
+    way = track.length - start
+    if way <= 0.0 or v_start > law.v or v_start * v_start > 2.0 * law.brake * way:
+        return None
+    wanted = trapezoid_of(track.length, law, start, v_start)
+    law = law._replace(v=wanted.peak_speed)
+    stations = _stations(track, wanted, law)
+    if len(stations) == 2 and stations[0].is_free_ahead:
+        return wanted
+    x = _passed(stations, limits, law, v_start * v_start)
+    if x is None:
+        return None
+    profile = _profile(stations, x, law)
+    return wanted if profile.duration_s <= wanted.duration_s * (1.0 + _SAME_DURATION) else profile
 
 
 def keeps_limits(track: JointTrack, limits: MotionLimits, wanted: Profile) -> bool:
     """Return whether every joint stays within its speed and acceleration limits under a trapezoid."""
     a = wanted.acceleration(0.0)
     first_corner, last_corner = wanted.corners[0], wanted.corners[-1]
-    for station in _stations(track, wanted):
+    for station in _stations(track, wanted, Law(wanted.peak_speed, a, a)):
         speed = wanted.speed_at_position(station.s)
         u = 0.0 if first_corner < station.s < last_corner else a
         for slope, curvature, qd_max, qdd_max in zip(
@@ -115,14 +145,14 @@ class Station(NamedTuple):
     """Whether no joint can come to its limits on the way to the next station."""
 
 
-def _stations(track: JointTrack, wanted: Profile) -> list[Station]:
+def _stations(track: JointTrack, wanted: Profile, law: Law) -> list[Station]:
     """Return the grid of the passes: free intervals joined, the others subdivided.
 
     Inside an interval the joints are taken as the cubic through angles and slopes of its ends.
     The corners of the wanted profile are stations too, so that it is met exactly where it can be.
     """
-    v, a = wanted.peak_speed, wanted.acceleration(0.0)
-    length = track.length
+    v, a = law.v, max(law.a, law.brake)
+    length, start = track.length, wanted.start
     closest = _CLOSEST * length
     stations: list[Station] = []
     was_free = False
@@ -130,22 +160,25 @@ def _stations(track: JointTrack, wanted: Profile) -> list[Station]:
     curvature: tuple[float, ...] = _ZEROS
     for k, (speed_ratio, acceleration_ratio, curvature_ratio) in enumerate(track.interval_ratios):
         s_a, s_b = track.grid_s[k], track.grid_s[k + 1]
+        if s_b <= start + closest:
+            continue
+        s_first = max(s_a, start)
         if speed_ratio * v <= 1.0 and acceleration_ratio * a + curvature_ratio * v * v <= 1.0:
             if not was_free:
-                stations.append(Station(s_a, slope, curvature, True))
+                stations.append(Station(s_first, slope, curvature, True))
                 slope = curvature = _ZEROS
             was_free = True
             continue
         h = s_b - s_a
         parts = max(SUBDIVISION, ceil(PARTS_MIN * h / length))
-        positions = [s_a + h * part / parts for part in range(parts)]
+        positions = [s_first + (s_b - s_first) * part / parts for part in range(parts)]
         for corner in wanted.corners:
-            if s_a < corner < s_b and all(abs(corner - s) > closest for s in (*positions, s_b)):
+            if s_first < corner < s_b and all(abs(corner - s) > closest for s in (*positions, s_b)):
                 insort(positions, corner)
         cubic = _Cubic(track, k)
-        at_start = cubic.slope_and_curvature(0.0)
+        at_start = cubic.slope_and_curvature((s_first - s_a) / h)
         # The cubics of two intervals bend differently where they meet; both count.
-        stations.append(Station(s_a, at_start[0], tuple(map(max, at_start[1], curvature)), False))
+        stations.append(Station(s_first, at_start[0], tuple(map(max, at_start[1], curvature)), False))
         stations += [Station(s, *cubic.slope_and_curvature((s - s_a) / h), False) for s in positions[1:]]
         slope, curvature = cubic.slope_and_curvature(1.0)
         was_free = False
@@ -195,16 +228,20 @@ def _bound(station: Station, limits: MotionLimits) -> float:
     return bound
 
 
-def _passed(stations: list[Station], limits: MotionLimits, x_max: float, a: float) -> list[float]:
-    """Return x at the stations after the pass backwards and the pass forwards."""
+def _passed(stations: list[Station], limits: MotionLimits, law: Law, x_start: float) -> list[float] | None:
+    """Return x at the stations after the pass backwards and the pass forwards; None when x_start is too much."""
+    x_max = law.v * law.v
     x = [min(x_max, _bound(station, limits)) for station in stations]
-    x[0] = x[-1] = 0.0
-    for here in range(len(x) - 2, 0, -1):
+    x[-1] = 0.0
+    for here in range(len(x) - 2, -1, -1):
         is_free = stations[here].is_free_ahead
-        x[here] = min(x[here], _reachable(stations[here], stations[here + 1], x[here + 1], is_free, limits, a))
+        x[here] = min(x[here], _reachable(stations[here], stations[here + 1], x[here + 1], is_free, limits, law.brake))
+    if x_start > x[0] * (1.0 + _SAME_DURATION):
+        return None
+    x[0] = x_start
     for here in range(1, len(x)):
         is_free = stations[here - 1].is_free_ahead
-        x[here] = min(x[here], _reachable(stations[here], stations[here - 1], x[here - 1], is_free, limits, a))
+        x[here] = min(x[here], _reachable(stations[here], stations[here - 1], x[here - 1], is_free, limits, law.a))
     return x
 
 
@@ -228,24 +265,26 @@ def _reachable(
     return reachable
 
 
-def _profile(stations: list[Station], x: list[float], x_max: float, a: float) -> Profile:
+def _profile(stations: list[Station], x: list[float], law: Law) -> Profile:
     """Return the profile through x at the stations: constant acceleration, or a trapezoid where it is free."""
     start_s: list[float] = []
     positions: list[float] = []
     speeds: list[float] = []
     accelerations: list[float] = []
     t_s = 0.0
+    x_max, a, brake = law.v * law.v, law.a, law.brake
+    share = brake / (a + brake)
     pieces: tuple[tuple[float, float, float, float], ...]
     for here, ahead, x_here, x_ahead in zip(stations, stations[1:], x, x[1:], strict=False):
         h = ahead.s - here.s
         if here.is_free_ahead:
-            x_top = min(x_max, 0.5 * (x_here + x_ahead) + a * h)
+            x_top = min(x_max, share * x_here + (1.0 - share) * x_ahead + a * (2.0 * share) * h)
             rise = (x_top - x_here) / (2.0 * a)
-            fall = (x_top - x_ahead) / (2.0 * a)
+            fall = (x_top - x_ahead) / (2.0 * brake)
             pieces = (
                 (here.s, x_here, a, rise),
                 (here.s + rise, x_top, 0.0, h - rise - fall),
-                (ahead.s - fall, x_top, -a, fall),
+                (ahead.s - fall, x_top, -brake, fall),
             )
         else:
             pieces = ((here.s, x_here, (x_ahead - x_here) / (2.0 * h), h),)

@@ -106,9 +106,15 @@ class Segment:
             return Setpoint(self.path.q_start, _REST)
         if t_s >= self.duration_s:
             return Setpoint(self.path.q_end, _REST)
-        position, speed = self.profile.at(t_s)
-        q, (d1, d2, d3, d4, d5, d6) = self.path.q_and_slope(position)
-        return Setpoint(q, (d1 * speed, d2 * speed, d3 * speed, d4 * speed, d5 * speed, d6 * speed))
+        return _state(self.path, *self.profile.at(t_s))
+
+    def profile_time(self, t_s: float) -> float:
+        """Return the time of the profile at a time of the segment; below 0 before the path is entered."""
+        return t_s
+
+    def time_at(self, position: float) -> float:
+        """Return the time at which a path position is passed."""
+        return self.profile.time_at(position)
 
     def tool_speed(self, t_s: float) -> tuple[float, float]:
         """Return the speed of the TCP, m/s, and of the tool's rotation, rad/s, at a time."""
@@ -117,4 +123,92 @@ class Segment:
         return way * speed, turn * speed
 
 
+class BlendedSegment(Segment):
+    """A move that is entered by a blend: the path before, the corner, the rest of its own path; immutable.
+
+    Args:
+        before: the path before.
+        before_profile: its time law.
+        before_s: time of that law at which this segment begins.
+        approach_s: how long the path before is still followed.
+        corner: joints over the time of the blend, s.
+        path: of the move.
+        profile: of its rest, from the end of the blend on.
+    """
+
+    __slots__ = ("approach_s", "before", "before_profile", "before_s", "corner", "entered_s")
+
+    def __init__(
+        self,
+        before: JointPath,
+        before_profile: Profile,
+        before_s: float,
+        approach_s: float,
+        corner: JointPath,
+        path: JointPath,
+        profile: Profile,
+    ) -> None:
+        super().__init__(path, profile)
+        self.before = before
+        self.before_profile = before_profile
+        self.before_s = before_s
+        self.approach_s = approach_s
+        self.corner = corner
+        self.entered_s = approach_s + corner.length
+        """When the corner is over."""
+        self.duration_s = self.entered_s + profile.duration_s
+
+    @property
+    def q_start(self) -> Six:
+        return self.sample(0.0)
+
+    def sample(self, t_s: float) -> Six:
+        return self.setpoint(t_s).q
+
+    def setpoint(self, t_s: float) -> Setpoint:
+        if t_s >= self.duration_s:
+            return Setpoint(self.path.q_end, _REST)
+        if t_s >= self.entered_s:
+            return _state(self.path, *self.profile.at(t_s - self.entered_s))
+        if t_s >= self.approach_s:
+            return Setpoint(*self.corner.q_and_slope(t_s - self.approach_s))
+        return _state(self.before, *self.before_profile.at(self.before_s + max(0.0, t_s)))
+
+    def profile_time(self, t_s: float) -> float:
+        return t_s - self.entered_s
+
+    def time_at(self, position: float) -> float:
+        return self.entered_s + self.profile.time_at(position)
+
+    def tool_speed(self, t_s: float) -> tuple[float, float]:
+        if t_s >= self.entered_s:
+            path, (position, speed) = self.path, self.profile.at(t_s - self.entered_s)
+        elif t_s >= self.approach_s:
+            return self.corner.tool_rates(t_s - self.approach_s)
+        else:
+            path, (position, speed) = self.before, self.before_profile.at(self.before_s + max(0.0, t_s))
+        way, turn = path.tool_rates(position)
+        return way * speed, turn * speed
+
+
+class RunningSegment(Segment):
+    """A path that is taken up on the way, at the position and the speed with which its profile starts; immutable."""
+
+    __slots__ = ()
+
+    def sample(self, t_s: float) -> Six:
+        return self.setpoint(t_s).q
+
+    def setpoint(self, t_s: float) -> Setpoint:
+        if t_s >= self.duration_s:
+            return Setpoint(self.path.q_end, _REST)
+        return _state(self.path, *self.profile.at(t_s))
+
+
 _REST: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def _state(path: JointPath, position: float, speed: float) -> Setpoint:
+    """Return joint angles and speeds where a path position is passed at a path speed."""
+    q, (d1, d2, d3, d4, d5, d6) = path.q_and_slope(position)
+    return Setpoint(q, (d1 * speed, d2 * speed, d3 * speed, d4 * speed, d5 * speed, d6 * speed))

@@ -58,6 +58,14 @@ class TimeScale:
             raise UsageError(f"a ramp of {ramp_s} s makes no sense; it has to be 0 or more")
         return TimeScale(t_s, self.path_time(t_s), self.rate(t_s), rate, ramp_s)
 
+    def rebased(self, t_s: float) -> TimeScale:
+        """Return the scale that goes on from t_s with the path time of something new, which begins with 0 there.
+
+        Raises:
+            UsageError: a time before this scale began.
+        """
+        return TimeScale(t_s, 0.0, self.rate(t_s), self.rate_target, max(0.0, self.settled_s - t_s))
+
     def rate(self, t_s: float) -> float:
         """Return the fraction at which path time passes at a real time.
 

@@ -25,7 +25,7 @@ from elitescript.kinematics.jacobian import joint_speeds, singularity
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error, unwrapped
-from elitescript.motion.path import CartesianPath
+from elitescript.motion.path import FlangePath
 from elitescript.motion.refusals import (
     JUMP_RAD,
     RANGE_HINT,
@@ -74,8 +74,8 @@ class JointTrack:
     """Joint angles over the path position of a Cartesian path; immutable. Made by `follow`."""
 
     __slots__ = (
-        "_arm",
         "_branch",
+        "arm",
         "grid_q",
         "grid_s",
         "grid_slope",
@@ -87,7 +87,7 @@ class JointTrack:
         self,
         arm: Arm,
         branch: int,
-        path: CartesianPath,
+        path: FlangePath,
         grid_s: Sequence[float],
         grid_q: Sequence[Six],
         grid_slope: Sequence[Six],
@@ -105,7 +105,7 @@ class JointTrack:
             interval_ratios: for each interval bounds, over its joints, of |q'| / qd_max, |q'| / qdd_max
                 and |q''| / qdd_max.
         """
-        self._arm = arm
+        self.arm = arm
         self._branch = branch
         self.path = path
         self.grid_s = tuple(grid_s)
@@ -153,7 +153,7 @@ class JointTrack:
             return self.grid_q[-1], self.grid_slope[-1]
         T_base_flange = self.path.flange(s)
         q = self._solved(s, T_base_flange)
-        slope = joint_speeds(self._arm, q, self.path.flange_slope(s, T_base_flange))
+        slope = joint_speeds(self.arm, q, self.path.flange_slope(s, T_base_flange))
         if slope is None:
             raise InternalError(f"singular {self.path.place(s)}, which the planner had checked")
         return q, slope
@@ -164,14 +164,14 @@ class JointTrack:
 
     def _solved(self, s: float, T_base_flange: Transform) -> Six:
         near = self.grid_q[bisect_right(self.grid_s, s) - 1]
-        q = solve_branch(self._arm, T_base_flange, self._branch, near[5])
+        q = solve_branch(self.arm, T_base_flange, self._branch, near[5])
         if q is None:
             raise InternalError(f"out of reach {self.path.place(s)}, which the planner had checked")
         return unwrapped(q, near)
 
 
 def follow(
-    arm: Arm, limits: MotionLimits, path: CartesianPath, q_start: Six, speed: float, acceleration: float
+    arm: Arm, limits: MotionLimits, path: FlangePath, q_start: Six, speed: float, acceleration: float
 ) -> JointTrack:
     """Solve a path from joint angles q_start (rad) on, and check it.
 
@@ -202,7 +202,7 @@ def follow(
     grid_s, grid_q, grid_slope = [0.0], [q_start], [slope_start]
     s_a, q_a, slope_a = 0.0, q_start, slope_start
     ratios: list[tuple[float, float, float]] = []
-    intervals = max(2, ceil(length / INTERVAL_M if path.unit == "m" else 1), ceil(path.sweep / INTERVAL_RAD))
+    intervals = max(2, ceil(path.way / INTERVAL_M), ceil(path.sweep / INTERVAL_RAD))
     # Path positions still ahead inside one interval of the first grid, the next one last; solved when needed.
     pending: list[tuple[float, Six | None, Six | None]] = []
     begun = 0
@@ -306,7 +306,7 @@ def _weighed(
     return _Interval(is_coarse or widest > STEP_MAX_RAD, widest, speed_ratio, acceleration_ratio, curvature_ratio)
 
 
-def _slope(arm: Arm, path: CartesianPath, s: float, T_base_flange: Transform, q: Six) -> Six:
+def _slope(arm: Arm, path: FlangePath, s: float, T_base_flange: Transform, q: Six) -> Six:
     """Return dq/ds, or refuse a point too near a singularity."""
     distance = singularity(arm, q)
     slope = None if distance.blocked else joint_speeds(arm, q, path.flange_slope(s, T_base_flange))

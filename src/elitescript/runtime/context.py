@@ -20,6 +20,7 @@ from elitescript.messages.motion import (
     TrackRequest,
 )
 from elitescript.messages.profile import Profile
+from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
@@ -172,8 +173,8 @@ class Context:
 
     # ---------------------------------------------------------------- the machine
 
-    def move(self, request: MoveRequest | DriveRequest) -> None:
-        """Ask for a move and wait for its end, or for a drive and wait until its call is over."""
+    def move(self, request: MoveRequest | DriveRequest | YieldRequest) -> None:
+        """Ask for a move and wait for its end, or for anything else and wait until its call is over."""
         if isinstance(request, ServoJ):
             reason = "the time of its target"
         elif isinstance(request, SpeedJ | SpeedL):
@@ -186,11 +187,11 @@ class Context:
         """Begin to go along with a conveyor, or ask for the end of that and wait for standstill."""
         self._wait_for_move(request, "standstill")
 
-    def stop_motion(self, request: MotionRequest) -> None:
+    def stop_motion(self, request: MotionRequest | YieldRequest) -> None:
         """Ask for a stop and wait for standstill."""
         self._wait_for_move(request, "standstill")
 
-    def _wait_for_move(self, request: MotionRequest | TrackRequest, reason: str) -> None:
+    def _wait_for_move(self, request: MotionRequest | TrackRequest | YieldRequest, reason: str) -> None:
         strand = self.strand
         if strand.is_dying:
             raise Stopped

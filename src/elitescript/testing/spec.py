@@ -88,6 +88,10 @@ class Case:
     line: int
     texts: tuple[Text, ...]
     expectations: tuple[Expectation, ...]
+    cell: str = ""
+    """What is around the robot, as the text of a cell file."""
+    inputs: tuple[tuple[float, str, float], ...] = ()
+    """Signals that change: time in s, name, value."""
 
     @property
     def needs(self) -> str:
@@ -126,6 +130,8 @@ def parse_page(page: str) -> list[Case]:
     line = 0
     texts: list[Text] = []
     expectations: list[Expectation] = []
+    cell: list[str] = []
+    inputs: list[tuple[float, str, float]] = []
 
     def close() -> None:
         if texts and not expectations:
@@ -135,9 +141,9 @@ def parse_page(page: str) -> list[Case]:
                 raise UsageError(f"line {texts[1].line}: several programs in one case must all be `stream`")
             names = [heading for heading in headings if heading]
             title = "/".join(names[1:] or names)
-            cases.append(Case(title, line, tuple(texts), tuple(expectations)))
-        texts.clear()
-        expectations.clear()
+            cases.append(Case(title, line, tuple(texts), tuple(expectations), "".join(cell), tuple(inputs)))
+        for found in (texts, expectations, cell, inputs):
+            found.clear()
 
     for number, kind, info, body in _blocks(page):
         if kind == "heading":
@@ -150,6 +156,10 @@ def parse_page(page: str) -> list[Case]:
             if expectations:
                 raise UsageError(f"line {number}: a program after the expect block; start a new heading")
             texts.append(Text(number + 1, body, _words(number, info, TEXT_WORDS)))
+        elif info == "cell":
+            cell.append(body)
+        elif info == "inputs":
+            inputs += _inputs(number + 1, body)
         elif info.split(" ")[0] == "expect":
             if not texts:
                 raise UsageError(f"line {number}: an expect block without a program")
@@ -200,6 +210,16 @@ def _facts(first_line: int, body: str) -> Iterator[Fact]:
         if key not in FACTS or (not colon and not key.startswith("no ")):
             raise UsageError(f"line {number}: {line!r} is no expectation; write one of {', '.join(sorted(FACTS))}")
         yield Fact(number, key, value.removeprefix(" "))
+
+
+def _inputs(first_line: int, body: str) -> Iterator[tuple[float, str, float]]:
+    for number, line in enumerate(body.splitlines(), first_line):
+        time_s, _, setting = line.partition(":")
+        name, _, value = setting.partition("=")
+        try:
+            yield float(time_s), name.strip(), float(value)
+        except ValueError:
+            raise UsageError(f"line {number}: {line!r} is no input; write it as 0.5: external_wrench[0] = 20") from None
 
 
 def differences(outcome: Outcome, expectation: Expectation) -> list[str]:

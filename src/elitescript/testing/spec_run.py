@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable
 from typing import Any, Final
 
+from elitescript.controller.contact import ContactConfig
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import compile_unit
 from elitescript.language.options import SECONDARY, Options
@@ -54,8 +56,14 @@ class _Observed:
         self._until_s = float(words.get("until", STREAM_S if case.is_stream else FILE_LIMIT_S))
         self.outcome = Outcome()
         self._robot = VirtualRobot(
-            "CS66", firmware=self._firmware, strict=self._is_strict, on_event=lambda event: self._event(event)
+            "CS66",
+            firmware=self._firmware,
+            strict=self._is_strict,
+            contact=ContactConfig.from_table(tomllib.loads(case.cell).get("contact", {})),
+            on_event=lambda event: self._event(event),
         )
+        for time_s, name, value in case.inputs:
+            self._robot.at(time_s, name, value)
 
     def run(self, text: Text) -> None:
         """Run a text as the command line runs a file."""

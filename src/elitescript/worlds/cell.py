@@ -17,6 +17,7 @@ from elitescript.messages.signals import Value
 
 SECTIONS: Final[dict[str, str]] = {
     "safety": "elitescript.controller.safety_limits:SafetyLimits",
+    "contact": "elitescript.controller.contact:ContactConfig",
     "plant": "elitescript.messages.plant:PlantConfig",
 }
 """Section, which is also the keyword of `VirtualRobot`, and `module:class` of what reads it."""
