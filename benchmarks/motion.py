@@ -1,8 +1,4 @@
-<<<<<<< HEAD
-"""Planning and sampling one move, and one period of a drive, against other packages where installed.
-=======
-"""Planning and sampling one move, against other packages where installed; and whole paths of many short lines.
->>>>>>> main
+"""Planning and sampling one move, one period of a drive, and whole paths of short lines; against other packages.
 
 Ruckig finds time laws only: it knows no path in Cartesian space, no inverse kinematics and no
 singularities; compare it with `movej`. The Robotics Toolbox interpolates poses and solves each

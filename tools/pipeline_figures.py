@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, pi, sin
+from itertools import pairwise
+from math import cos, pi, sin, sqrt
 from typing import Final
 
 from elitescript import PlantConfig, VirtualRobot
@@ -165,9 +166,50 @@ def force() -> str:
     )
 
 
+RADII: Final = (0.0, 0.01, 0.04)
+
+
+def blend_rows(radius: float) -> list[TraceRow]:
+    """Two lines of 0.1 m at a right angle, blended."""
+    return traced(
+        program(
+            "p = get_target_tcp_pose()",
+            "h = 0.1 / sqrt(2)",
+            f"movel([p[0] + h, p[1] + h, p[2], p[3], p[4], p[5]], a=1.2, v=0.25, r={radius})",
+            "movel([p[0] + 2 * h, p[1], p[2], p[3], p[4], p[5]], a=1.2, v=0.25)",
+        )
+    )
+
+
+def blend_speeds() -> str:
+    """The speed of the tool round a corner, with three radii."""
+    curves = []
+    for colour, radius in enumerate(RADII):
+        rows = blend_rows(radius)
+        curves.append(Curve(f"r = {1e3 * radius:g} mm", times_of(rows), tcp_speeds(rows), colour))
+    return drawing(
+        "movel, movel: two lines of 0.1 m at a right angle, a = 1.2, v = 0.25", (Panel("tool, m/s", tuple(curves)),)
+    )
+
+
+def blend_paths() -> str:
+    """The way of the tool round the corner, seen from above."""
+    curves = []
+    for colour, radius in enumerate(RADII):
+        rows = blend_rows(radius)
+        x0, y0, *_ = rows[0].tcp_pose
+        moving = [row for row, later in pairwise(rows) if later.tcp_pose[0] > row.tcp_pose[0] + 1e-9]
+        places = [(1e3 * (row.tcp_pose[0] - x0), 1e3 * (row.tcp_pose[1] - y0)) for row in moving]
+        near = [(x, y) for x, y in places if abs(x - 100.0 / sqrt(2.0)) < 35.0]
+        curves.append(Curve(f"r = {1e3 * radius:g} mm", [x for x, _ in near], [y for _, y in near], colour))
+    return drawing("The same corner from above", (Panel("y, mm", tuple(curves), (), 300),), "x, mm")
+
+
 FIGURES: Final[dict[str, Callable[[], str]]] = {
     "belt.svg": belt,
     "force.svg": force,
+    "blend-path.svg": blend_paths,
+    "blend-speed.svg": blend_speeds,
     "points.svg": points,
     "plant.svg": plant,
 }
