@@ -17,7 +17,7 @@ import pytest
 from elitescript import VirtualRobot
 from elitescript.controller.trace import TraceRow
 from elitescript.kinematics.transforms import compose, pose_from_transform, transform_from_pose
-from elitescript.messages.events import Event, MotionEnded, MotionStarted
+from elitescript.messages.events import Alarm, Event, MotionEnded, MotionStarted
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.motion import MoveJ, MoveL
 from elitescript.messages.timing import PERIOD_S
@@ -120,7 +120,9 @@ def test_random_programs_keep_every_limit_and_never_jump(finding: Finding) -> No
     extremes = Extremes()
     for seed in range(COUNT):
         robot, rows, events, state = disturbed_run(seed)
-        assert state in ("finished", "stopped"), seed
+        # A motion at a speed may lead to the end of a joint's range or a singularity, which is a protective stop.
+        alarms = {event.code for event in events if isinstance(event, Alarm)}
+        assert state in ("finished", "stopped") or alarms == {"R140"}, seed
         extremes.take(rows, robot.model)
         extremes.take_ends(rows, events, robot)
         # However it ended, the arm has come to rest and stays there.
