@@ -215,7 +215,7 @@ class MotionControl:
         source = self._source
         if isinstance(source, Move):
             if not source.is_stopping:
-                source.stop(tick, self._program_stop_ramp_s(source, tick))
+                source.stop(tick, source.stop_ramp_s(tick, self._stop_joint_deceleration))
                 self._sampled_tick = -1
         elif source is not None:
             qd = self.setpoint(tick).qd
@@ -249,7 +249,7 @@ class MotionControl:
         self._advance(tick)
         source = self._source
         if isinstance(source, Move) and not source.is_stopping:
-            source.pause(tick, self._program_stop_ramp_s(source, tick))
+            source.pause(tick, source.stop_ramp_s(tick, self._stop_joint_deceleration))
         elif isinstance(source, Drive) and not source.is_stopping:
             source.pause(tick)
         self._changed(tick)
@@ -302,12 +302,12 @@ class MotionControl:
         if isinstance(source, Drive):
             source.set_fraction(tick, rate)
         elif isinstance(source, Move) and not source.is_stopping:
-            source.set_rate(max(tick, source.start_tick), rate, self._speed_ramp_s)
+            source.change_rate(tick, rate, self._speed_ramp_s, self._limits.qdd_max)
             if waiting is not None:
                 lay_behind(source, waiting)
                 waiting = None
         if waiting is not None:
-            waiting.set_rate(max(tick, waiting.start_tick), rate, self._speed_ramp_s)
+            waiting.change_rate(tick, rate, self._speed_ramp_s, self._limits.qdd_max)
         self._changed(tick)
 
     # ---------------------------------------------------------------- drives and brakes
@@ -439,7 +439,3 @@ class MotionControl:
             self._source = braking
             self._sampled_tick = -1
         return number
-
-    def _program_stop_ramp_s(self, move: Move, tick: int) -> float:
-        rate = move.scale.rate(tick * PERIOD_S)
-        return max(stop_ramp(move.segment, move.path_time_s(tick), rate, self._stop_joint_deceleration), PERIOD_S)

@@ -20,7 +20,7 @@ from elitescript.motion.planner import Plan
 from elitescript.motion.polyline import Link, begun, extended
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.speed import SpeedProfile
-from elitescript.motion.timescale import TimeScale
+from elitescript.motion.timescale import TimeScale, change_ramp, stop_ramp
 from elitescript.motion.track import JointTrack
 
 NEVER: Final = 1 << 62
@@ -171,6 +171,17 @@ class Move:
         self.is_paused = False
         self.scale = self.scale.with_target(tick * PERIOD_S, rate, ramp_s)
         self._lay()
+
+    def change_rate(self, tick: int, rate: float, least_s: float, qdd_max: Six) -> None:
+        """Take on another rate, in a ramp of `least_s` or a longer one where the joints have no room for it."""
+        tick = max(tick, self.start_tick)
+        now, path_time_s = self.scale.rate(tick * PERIOD_S), self.path_time_s(tick)
+        self.set_rate(tick, rate, change_ramp(self.segment, path_time_s, now, rate, least_s, qdd_max))
+
+    def stop_ramp_s(self, tick: int, deceleration: float) -> float:
+        """Time in which the joints can be brought to rest on the path with a deceleration, rad/s^2."""
+        rate = self.scale.rate(tick * PERIOD_S)
+        return max(stop_ramp(self.segment, self.path_time_s(tick), rate, deceleration), PERIOD_S)
 
     def pause(self, tick: int, ramp_s: float) -> None:
         """Come to rest within a time, to go on when a rate is set; the call does not return meanwhile."""
