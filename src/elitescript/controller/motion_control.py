@@ -258,8 +258,9 @@ class MotionControl:
         elif isinstance(source, Drive) and not source.is_stopping:
             source.pause(tick)
         self._changed(tick)
-        if self._next is not None:
-            self._next.hold()
+        if source is not None and self._next is not None:
+            # A move that is nearly over comes to its end all the same.
+            self._next.hold(min(source.end_tick, self._next.start_tick))
 
     def resume(self, tick: int) -> None:
         """Go on after a pause, with the speed percentage of now."""

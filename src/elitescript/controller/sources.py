@@ -214,8 +214,9 @@ class Move:
         self.reaches_end = self.end_tick <= standstill_tick
         self.end_tick = min(self.end_tick, standstill_tick)
 
-    def hold(self) -> None:
-        """Do not begin: the arm stays where the move starts until a rate is set."""
+    def hold(self, tick: int) -> None:
+        """Do not begin: from a tick on the arm stays where the move starts until a rate is set."""
+        self.start_tick = tick
         self.scale = TimeScale.start(self.start_tick * PERIOD_S, 0.0)
         self.end_tick = self.return_tick = NEVER
 
