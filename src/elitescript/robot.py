@@ -41,6 +41,9 @@ from elitescript.worlds.program_file import source_of
 EPOCH_S: Final = 1_704_067_200.0
 """2024-01-01T00:00:00Z: where the clock of a free run begins, so that every run is the same."""
 
+IDLE_TICKS: Final = ticks_for(1.0)
+"""An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
+
 TRACE_TICKS_MAX: Final = 10_000
 """Rows that are recorded before somebody may look at the clock or interrupt."""
 
@@ -325,6 +328,7 @@ class VirtualRobot:
             stays: go on up to `limit`, which is not run, though nothing happens any more.
         """
         controller = self.controller
+        idle_ticks = 0
         while not (stays and limit is not None and controller.tick >= limit):
             if pace is not None:
                 pace(controller.tick)
@@ -346,8 +350,9 @@ class VirtualRobot:
             if limit is not None and controller.tick >= limit:
                 return
             due = controller.next_tick()
-            if due is None and not stays:
-                if any(controller.joints().qd_target):
+            idle_ticks = idle_ticks + 1 if controller.is_idle else 0
+            if not stays and (due is None or idle_ticks > IDLE_TICKS):
+                if due is None and any(controller.joints().qd_target):
                     # A paused motion is not due again, but still brakes.
                     due = controller.tick + 1
                 elif run is not None and run.state == "":
@@ -395,6 +400,7 @@ class VirtualRobot:
         waits = "; ".join(f"{thread.name} (line {thread.line}) waits for {thread.waits_for}" for thread in threads)
         obstruction = self.controller.safety.obstruction
         waits += f"; {obstruction}" if obstruction else ""
+        waits += "; the speed percentage is 0" if self.controller.speed_scale == 0.0 else ""
         line = threads[0].line if threads else 0
         assert self._run is not None
         source = self._run.unit.source

@@ -190,6 +190,12 @@ def test_stop_near_a_singularity_looks_ahead(share: float) -> None:
     assert hardest_braking(SINGULAR, scale) <= 40.0 + 10.0
 
 
+def test_stop_that_is_next_to_none_has_a_ramp_all_the_same() -> None:
+    ramp_s = stop_ramp(MOVEJ, 0.5 * MOVEJ.duration_s, 1.0, 5e-324)
+    scale = TimeScale.start(0.0, 1.0).with_target(0.5 * MOVEJ.duration_s, 0.0, ramp_s)
+    assert scale.time_of(MOVEJ.duration_s) == pytest.approx(MOVEJ.duration_s)
+
+
 def test_arm_at_rest_needs_no_ramp() -> None:
     for path_time_s, rate in ((0.0, 1.0), (MOVEJ.duration_s, 1.0), (0.5 * MOVEJ.duration_s, 0.0)):
         assert stop_ramp(MOVEJ, path_time_s, rate, 8.0) == pytest.approx(0.0, abs=1e-3)

@@ -29,11 +29,10 @@ from elitescript.controller.task_requests import TASK_HANDLERS
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
 from elitescript.controller.yield_control import YIELD_SETTINGS, YieldControl
 from elitescript.controller.yielding import Caller
-from elitescript.errors import ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.enums import RobotMode, TaskState
-from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
+from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged
 from elitescript.messages.machine import (
     AskSafety,
     MachineRequest,
@@ -151,7 +150,7 @@ class Controller:
     def run_tick(self) -> None:
         """All phases of the present tick; `leap` then goes on to the next one."""
         self._arm_state.settle(self._tick)
-        self._deliver_inbox()
+        self._inbox.deliver(self._tick, self.request, self.emit)
         self.safety.check(self._tick)
         if self._power.is_going_off:
             self._power.settle(self._arm_state.is_moving)
@@ -164,6 +163,12 @@ class Controller:
         ticks = [at for at in due if at is not None]
         return max(min(ticks), tick + 1) if ticks else None
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing is due but an arm that stands; see `ArmState.is_standing`."""
+        others = self.program.next_tick(self._tick), self._inbox.next_tick
+        return others == (None, None) and self._arm_state.is_standing
+
     def leap(self, tick: int) -> None:
         """Go to a tick that is not later than the next one at which anything is due."""
         self.loads.leap(tick)
@@ -172,13 +177,6 @@ class Controller:
     def put(self, tick: int, request: MachineRequest) -> None:
         """Have a request from outside handled at a tick; a refusal becomes a warning event."""
         self._inbox.put(max(tick, self._tick), request)
-
-    def _deliver_inbox(self) -> None:
-        while (request := self._inbox.due(self._tick)) is not None:
-            try:
-                self.request(request)
-            except ScriptError as error:
-                self.emit(Warned(self._tick, f"{type(request).__name__} refused: {error}"))
 
     # ---------------------------------------------------------------- reading
 

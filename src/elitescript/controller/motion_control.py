@@ -130,6 +130,11 @@ class MotionControl:
         return self._speed_scale
 
     @property
+    def under_way(self) -> tuple[AnySource, ...]:
+        """What moves the arm, and what follows at standstill."""
+        return tuple([source for source in (self._source, self._next) if source is not None])
+
+    @property
     def next_tick(self) -> int | None:
         """Tick at which the present motion changes by itself; None while it will not."""
         source = self._source
@@ -253,8 +258,9 @@ class MotionControl:
         elif isinstance(source, Drive) and not source.is_stopping:
             source.pause(tick)
         self._changed(tick)
-        if self._next is not None:
-            self._next.hold()
+        if source is not None and self._next is not None:
+            # A move that is nearly over comes to its end all the same.
+            self._next.hold(min(source.end_tick, self._next.start_tick))
 
     def resume(self, tick: int) -> None:
         """Go on after a pause, with the speed percentage of now."""

@@ -210,6 +210,9 @@ _BRAKING_ROUNDS: Final = 12
 _RAMP_TOLERANCE: Final = 1e-3
 """Relative accuracy of a ramp."""
 
+_GENTLEST: Final = 1e-9
+"""Deceleration below which a braking outlasts every move, rad/s^2 or m/s^2."""
+
 _DIFFERENCE_S: Final = 1e-4
 """Step of the difference that gives the planned deceleration, s of path time."""
 
@@ -237,7 +240,7 @@ def _braking_ramp(
             rate_squared = rate * rate * (1.0 - ahead_s / full_window_s) if full_window_s else rate * rate
             for speed, speed_later in zip(map(abs, speeds), map(abs, later), strict=True):
                 planned = max(0.0, rate_squared * (speed - speed_later) / _DIFFERENCE_S)
-                needed_s = max(needed_s, rate * speed / max(deceleration - planned, 0.5 * deceleration))
+                needed_s = max(needed_s, rate * speed / max(deceleration - planned, 0.5 * deceleration, _GENTLEST))
         if needed_s <= ramp_s * (1.0 + _RAMP_TOLERANCE):
             break
         ramp_s = needed_s
