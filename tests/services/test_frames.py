@@ -6,7 +6,7 @@ import socket
 import pytest
 
 from elitescript.messages.shapes import CodecError
-from elitescript.services.frames import FRAME_MAX, BlockingLine, FrameReader, frame
+from elitescript.services.frames import DOWN_MAX, BlockingLine, FrameReader, frame
 
 
 class TestFrameReader:
@@ -18,14 +18,14 @@ class TestFrameReader:
                 found += reader.feed(data[at : at + size])
             assert found == [("T", b"[]"), ("O", '["ä"]'.encode()), ("A", b"")]
 
-    @pytest.mark.parametrize("length", [0, FRAME_MAX + 1, 2**32 - 1])
+    @pytest.mark.parametrize("length", [0, DOWN_MAX + 1, 2**32 - 1])
     def test_refuses_a_length_that_is_none(self, length):
         with pytest.raises(CodecError, match="bytes"):
             list(FrameReader().feed(length.to_bytes(4, "big") + b"xxxx"))
 
     def test_too_long_a_message_is_not_sent(self):
         with pytest.raises(CodecError, match="at most"):
-            frame("O", " " * FRAME_MAX)
+            frame("O", " " * DOWN_MAX)
 
 
 class TestBlockingLine:

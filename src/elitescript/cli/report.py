@@ -189,7 +189,7 @@ class TextReport:
         print(f"{seconds(tick):10.3f} s  {text}", file=self._err)
 
     def _alarm(self, alarm: Alarm) -> None:
-        thread = "" if alarm.thread == "main" else f", thread {alarm.thread}"
+        thread = "" if alarm.thread in ("", "main") else f", thread {alarm.thread}"
         where = f" in line {alarm.line}{thread}" if alarm.line else thread
         self._problem(alarm.tick, f"ALARM {alarm.code}{where}: {alarm.class_name}: {alarm.text}")
         if alarm.source_line.strip():

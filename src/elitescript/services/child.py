@@ -21,7 +21,7 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.services import frames
-from elitescript.services.config_codec import full_codec
+from elitescript.services.config_codec import full_codec, output_text
 from elitescript.services.jail import enter_jail
 from elitescript.services.remote_files import RemoteFiles
 from elitescript.worlds.request_channels import RequestWorld
@@ -42,7 +42,7 @@ def serve(line: frames.BlockingLine) -> None:
         data = from_text(text)
         if letter == frames.TICK and kernel is not None:
             output = kernel.tick([inputs_shape.decode(item) for item in data])
-            line.send(frames.OUTPUT, to_text(output_shape.encode(output)))
+            line.send(frames.OUTPUT, output_text(output_shape, output))
         elif letter == frames.LOCK_IN:
             is_jailed, memory_max = data
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()

@@ -19,11 +19,11 @@ from elitescript.kernel import KernelConfig
 from elitescript.kernel.restart import restored_config, restored_inputs
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm, Event, TaskStateChanged, Warned
+from elitescript.messages.events import Alarm, TaskStateChanged, Warned
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Input
-from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChannel, Output, Reply
+from elitescript.messages.outputs import CloseChannel, OpenChannel, Output
 from elitescript.messages.shapes import CodecError
-from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import PERIOD_S
 from elitescript.runtime.world import Files, FilesRefused
 from elitescript.services import frames
@@ -31,6 +31,7 @@ from elitescript.services.child_process import ChildProcess
 from elitescript.services.config_codec import full_codec
 from elitescript.services.jail import MEMORY_MAX, Layer
 from elitescript.services.journal import Journal
+from elitescript.services.output_buffer import OutputBuffer
 from elitescript.services.remote_files import FileDesk
 
 PATIENCE_S: Final = 0.7
@@ -47,6 +48,9 @@ BEHIND_TICKS: Final = 3
 """Ticks behind which no output is waited for."""
 TRACE_S: Final = 0.05
 """How long a child that is given up may take to say where it is."""
+READING_MAX_S: Final = 0.25
+READING_KEPT: Final = 0.99
+"""Time that the outputs of the last hundred ticks or so may take to be read: more than half of it."""
 BOOT_S: Final = 20.0
 UNANSWERED_MAX: Final = 500
 HELD_MAX: Final = 10_000
@@ -93,7 +97,6 @@ class ChildLink:
         "_description",
         "_desk",
         "_end_reason",
-        "_events",
         "_failure",
         "_given_up_s",
         "_grace_s",
@@ -107,11 +110,10 @@ class ChildLink:
         "_memory_max",
         "_next",
         "_output_shape",
+        "_outputs",
         "_patience_s",
+        "_reading_s",
         "_replaced_because",
-        "_replies",
-        "_requests",
-        "_snapshot",
         "_unanswered",
         "layers",
         "restarts",
@@ -141,12 +143,9 @@ class ChildLink:
         self._next = config.first_tick
         self._child: ChildProcess | None = None
         self._description: RobotDescription | None = None
-        self._snapshot: Snapshot | None = None
+        self._outputs = OutputBuffer()
         self._unanswered: deque[_Sent] = deque()
         self._held: list[Input] = []
-        self._events: list[Event] = []
-        self._requests: list[ChannelRequest] = []
-        self._replies: list[Reply] = []
         self._channels: set[int] = set()
         self._changed: asyncio.Future[None] | None = None
         self._is_locked_in = False
@@ -156,6 +155,7 @@ class ChildLink:
         self._given_up_s = 0.0
         self._boots = 0
         self._called_s = 0.0
+        self._reading_s = 0.0
         self._replaced_because = ""
         self._lost: Sequence[Input] = ()
         self.layers: tuple[Layer, ...] = ()
@@ -208,22 +208,18 @@ class ChildLink:
             if not self._is_describing:
                 self._go_on(tick)
             self._send_tick(tick)
-        if self._unanswered or self._snapshot is None:
+        if self._unanswered and self._outputs.is_empty:
             await self._wait_until(lambda: not self._unanswered or bool(self._end_reason), self._grace_of(tick))
         else:
             # Who calls without a pause must not keep a fresh child from being heard.
             await asyncio.sleep(0)
-        if self._snapshot is None:
+        if self._outputs.newest is None:
             # The first tick of all: there is no picture yet to show instead.
-            await self._wait_until(lambda: self._snapshot is not None or bool(self._end_reason), BOOT_S)
+            await self._wait_until(lambda: self._outputs.newest is not None or bool(self._end_reason), BOOT_S)
         self._watch(tick)
-        if self._snapshot is None:
+        if self._outputs.newest is None:
             raise ElitescriptError(f"the robot's process did not come up: {self._failure or self._end_reason}")
-        output = Output(tick, tuple(self._events), tuple(self._requests), tuple(self._replies), self._snapshot)
-        self._events.clear()
-        self._requests.clear()
-        self._replies.clear()
-        return output
+        return self._outputs.take(tick)
 
     async def close(self) -> None:
         """End the child."""
@@ -239,7 +235,7 @@ class ChildLink:
     def _start_child(self) -> None:
         self._is_locked_in = self._is_describing = False
         self._end_reason = self._failure = ""
-        self._given_up_s = 0.0
+        self._given_up_s = self._reading_s = 0.0
         self._boots += 1
         try:
             self._child = ChildProcess(self._message, self._ended)
@@ -254,11 +250,12 @@ class ChildLink:
 
     def _go_on(self, tick: int) -> None:
         """Have a fresh child go on at this tick from the last picture."""
-        assert self._snapshot is not None
-        self._begin(restored_config(self._config, self.description, self._snapshot, tick))
-        self._held[:0] = restored_inputs(self._snapshot)
+        last = self._outputs.newest
+        assert last is not None
+        self._begin(restored_config(self._config, self.description, last, tick))
+        self._held[:0] = restored_inputs(last)
         if self._journal is not None:
-            self._journal.restart(tick, self._replaced_because, self._snapshot, self._lost)
+            self._journal.restart(tick, self._replaced_because, last, self._lost)
 
     def _grace_of(self, tick: int) -> float:
         """How long to wait in this tick: one that is far behind does not catch up within a period."""
@@ -271,14 +268,15 @@ class ChildLink:
 
     def _hold(self, inputs: Sequence[Input]) -> None:
         for item in inputs:
-            is_stale = (
-                isinstance(item, ChannelOpened | ChannelData | ChannelClosed) and item.channel not in self._channels
-            )
-            if is_stale:
-                continue
+            if isinstance(item, ChannelOpened | ChannelData | ChannelClosed):
+                if item.channel not in self._channels:
+                    # Of a child that is gone.
+                    continue
+                if isinstance(item, ChannelClosed):
+                    self._channels.discard(item.channel)
             if len(self._held) >= HELD_MAX:
                 text = f"an input was refused: {HELD_MAX} wait for the robot already"
-                self._events.append(Warned(self._next - 1, text))
+                self._outputs.add_own(Warned(self._next - 1, text))
                 return
             self._held.append(item)
 
@@ -314,24 +312,25 @@ class ChildLink:
     def _take_output(self, text: bytes) -> None:
         if not self._unanswered:
             raise CodecError("an output that was not asked for")
+        began_s = time.thread_time()
         output = self._output_shape.decode(from_text(text))
+        self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
+        if self._reading_s > READING_MAX_S:
+            raise CodecError("it says so much that reading it takes the time of everybody else")
         sent = self._unanswered.popleft()
         if output.tick != sent.tick:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.tick}")
         self._boots = 0
         self._given_up_s = 0.0
-        self._snapshot = output.snapshot
-        self._events += output.events
-        self._replies += output.replies
+        self._outputs.add(output)
         for request in output.requests:
-            self._requests.append(request)
             if isinstance(request, OpenChannel):
                 self._channels.add(request.channel)
             elif isinstance(request, CloseChannel):
                 self._channels.discard(request.channel)
         if self._journal is not None:
             self._journal.tick(sent.tick, sent.inputs, sent.answers, text)
-            self._events += self._journal.take_warning(sent.tick)
+            self._outputs.add_own(*self._journal.take_warning(sent.tick))
 
     def _take_question(self, text: bytes) -> None:
         assert self._child is not None
@@ -373,7 +372,8 @@ class ChildLink:
         self._desk.close()
         self.restarts += 1
         self._report(tick, reason, where)
-        self._requests += [CloseChannel(channel) for channel in sorted(self._channels)]
+        self._outputs.add_own(requests=tuple(CloseChannel(channel) for channel in sorted(self._channels)))
+        self._outputs.flush()
         self._channels.clear()
         # The oldest of them is what it died of; it has not seen the others.
         later = [item for sent in list(self._unanswered)[1:] for item in sent.inputs]
@@ -388,16 +388,17 @@ class ChildLink:
 
     def _report(self, tick: int, reason: str, where: tuple[str, int] | None) -> None:
         line = where[1] if where else 0
-        state = None if self._snapshot is None else self._snapshot.robot
+        last = self._outputs.newest
+        state = None if last is None else last.robot
         if not line and state is not None:
             line = state.line
         text = f"the controller was restarted: {reason}"
         hint = "a call into Python's own functions cannot be interrupted; do less in one call"
         details = {"program": where[0], "hint": hint} if where else {"hint": hint} if self._given_up_s else {}
-        self._events.append(Alarm(tick, "R132", "ControllerRestarted", text, line, 0, "", "", details))
+        self._outputs.add_own(Alarm(tick, "R132", "ControllerRestarted", text, line, 0, "", "", details))
         if state is not None and state.task_state is not TaskState.STOPPED:
-            name = "" if self._snapshot is None else self._snapshot.task.running
-            self._events.append(TaskStateChanged(tick, TaskState.STOPPED, name))
+            name = "" if last is None else last.task.running
+            self._outputs.add_own(TaskStateChanged(tick, TaskState.STOPPED, name))
 
     def _log(self) -> str:
         return "" if self._child is None else self._child.log

@@ -16,7 +16,7 @@ from typing import Final
 
 import elitescript
 from elitescript.messages.shapes import CodecError
-from elitescript.services.frames import FrameReader, frame
+from elitescript.services.frames import UP_MAX, FrameReader, frame
 
 HASH_SEED: Final = "0"
 """The order of a set of strings depends on it; every process that runs programs has the same."""
@@ -58,7 +58,7 @@ class ChildProcess:
         self._loop = asyncio.get_running_loop()
         self._on_message = on_message
         self._on_end = on_end
-        self._reader = FrameReader()
+        self._reader = FrameReader(UP_MAX)
         self._backlog = bytearray()
         self._log = bytearray()
         self._is_over = False

@@ -1,7 +1,7 @@
 """Messages between a serving process and its child: a length, a letter, a JSON text.
 
-Length (4 bytes, big-endian) counts letter and text. What is longer than `FRAME_MAX` ends the connection: nobody here
-says so much.
+Length (4 bytes, big-endian) counts letter and text. What is longer than `DOWN_MAX` or `UP_MAX` ends the connection:
+nobody here says so much.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from typing import Final
 
 from elitescript.messages.shapes import CodecError
 
-FRAME_MAX: Final = 32 * 1024 * 1024
+DOWN_MAX: Final = 32 * 1024 * 1024
+UP_MAX: Final = 8 * 1024 * 1024
+"""Less, because reading it takes the time of everybody who is served."""
 _LENGTH: Final = struct.Struct(">I")
 
 # Down.
@@ -39,25 +41,30 @@ FAILED: Final = "F"
 """`[kind, text]`: why the child ends."""
 
 
-def frame(letter: str, text: str) -> bytes:
+def frame(letter: str, text: str, limit: int = DOWN_MAX) -> bytes:
     """The bytes of one message.
 
     Raises:
         CodecError: it is too long.
     """
     body = (letter + text).encode()
-    if len(body) > FRAME_MAX:
-        raise CodecError(f"a message of {len(body)} bytes; at most {FRAME_MAX} are sent")
+    if len(body) > limit:
+        raise CodecError(f"a message of {len(body)} bytes; at most {limit} are sent")
     return _LENGTH.pack(len(body)) + body
 
 
 class FrameReader:
-    """Cuts messages out of the bytes that arrive."""
+    """Cuts messages out of the bytes that arrive.
 
-    __slots__ = ("_buffer",)
+    Args:
+        limit: bytes of a message.
+    """
 
-    def __init__(self) -> None:
+    __slots__ = ("_buffer", "_limit")
+
+    def __init__(self, limit: int = DOWN_MAX) -> None:
         self._buffer = bytearray()
+        self._limit = limit
 
     def feed(self, data: bytes) -> Iterator[tuple[str, bytes]]:
         """The messages that are complete now: letter and text.
@@ -70,8 +77,8 @@ class FrameReader:
         at = 0
         while len(buffer) - at >= _LENGTH.size:
             (length,) = _LENGTH.unpack_from(buffer, at)
-            if not 1 <= length <= FRAME_MAX:
-                raise CodecError(f"a message of {length} bytes; there are 1 to {FRAME_MAX}")
+            if not 1 <= length <= self._limit:
+                raise CodecError(f"a message of {length} bytes; there are 1 to {self._limit}")
             end = at + _LENGTH.size + length
             if len(buffer) < end:
                 break
@@ -97,7 +104,7 @@ class BlockingLine:
 
     def send(self, letter: str, text: str) -> None:
         """Send a message; waits until it is on its way."""
-        data = memoryview(frame(letter, text))
+        data = memoryview(frame(letter, text, UP_MAX))
         while data:
             data = data[os.write(self._descriptor, data) :]
 

@@ -32,7 +32,7 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import Snapshot
-from elitescript.services.config_codec import full_codec
+from elitescript.services.config_codec import full_codec, output_text
 
 FORMAT: Final = 1
 DIGEST_TICKS: Final = 250
@@ -114,7 +114,7 @@ class Journal:
             if answers:
                 record["asked"] = list(answers)
             self._write(record)
-        text = output if isinstance(output, bytes) else to_text(self._output.encode(output)).encode()
+        text = output if isinstance(output, bytes) else output_text(self._output, output).encode()
         self._digest.add(text)
         self._last_tick = tick
         if len(self._digest.sums) >= DIGEST_TICKS:

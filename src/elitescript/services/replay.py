@@ -8,12 +8,11 @@ from typing import Any, NamedTuple
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.kernel.restart import restored_config
-from elitescript.messages.codec import to_text
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.runtime.world import Files
-from elitescript.services.config_codec import full_codec
+from elitescript.services.config_codec import full_codec, output_text
 from elitescript.services.journal import Digest, Journal, JournalReader
 from elitescript.services.remote_files import FileDesk, RemoteFiles
 from elitescript.worlds.request_channels import RequestWorld
@@ -141,7 +140,7 @@ class Replay:
             last = min(last, self._until)
         while self._kernel.next_tick <= last:
             output = self._kernel.tick(inputs if self._kernel.next_tick == last else ())
-            self._digest.add(to_text(self._output_shape.encode(output)).encode())
+            self._digest.add(output_text(self._output_shape, output).encode())
             self.last_tick = output.tick
             yield output
 
