@@ -105,6 +105,11 @@ def test_an_arm_that_stands_for_long_may_still_go_on():
     assert robot.run(program, until_s=20.0).time_s == pytest.approx(5.0, abs=0.01)
 
 
+def test_threads_that_start_their_successors_do_not_stop_time(robot):
+    run = robot.run("def w():\n  start_thread(w, ())\nend\nw()\nsleep(10)\n", until_s=0.04)
+    assert (run.state, run.time_s) == ("time_limit", 0.04)
+
+
 def test_what_can_never_go_on_is_stuck_and_names_every_thread(robot):
     run = robot.run(
         "def a():\n  import queue\n  q = queue.Queue()\n  def f():\n    q.get()\n  end\n"
