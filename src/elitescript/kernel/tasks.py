@@ -82,7 +82,7 @@ class Tasks:
                 return self._set_variable(item.name, item.value)
             return self._get_variable(item.name)
         except ProgramError as error:
-            self._programs.report(error, None)
+            self._programs.report(error, None, item.origin)
             return refused(f"the program does not compile: {error.problems[0]}")
         except ScriptError as error:
             return refused(f"{error}; {error.hint}" if error.hint else str(error))
