@@ -22,6 +22,7 @@ from elitescript.controller import safety
 from elitescript.messages.signals import SIGNALS, Signal
 from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, anchor, cell
+from tools.ports_page import ports_page
 from tools.primary_page import primary_page
 from tools.rtsi_page import rtsi_page
 
@@ -242,6 +243,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "dashboard.md": dashboard_page,
     "errors.md": errors_page,
     "interpreter.md": interpreter_page,
+    "ports.md": ports_page,
     "primary.md": primary_page,
     "rtsi.md": rtsi_page,
     "safety.md": safety_page,

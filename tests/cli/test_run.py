@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -266,3 +267,21 @@ def test_a_mistake_in_the_cell_file_is_one_of_usage(program, capsys, tmp_path):
     path.write_text("[safety]\ntcp_speed = 'fast'\n")
     assert main(["run", program(DOWN), "--cell", str(path)]) == 2
     assert f"{path}:2: [safety] tcp_speed must be a number > 0 in m/s, got 'fast'" in capsys.readouterr().err
+
+
+def test_a_connection_to_the_outside_paces_the_run_and_the_end_says_so(run_json):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        text = f'def a():\n  socket_open("127.0.0.1", {port})\n  socket_send_string("hello")\nend\n'
+        code, records = run_json(text)
+        server.settimeout(10)
+        peer, _ = server.accept()
+        with peer:
+            assert peer.recv(100) == b"hello"
+            assert peer.recv(100) == b""
+    assert (code, records[-1]["state"], records[-1]["paced"]) == (0, "finished", True)
+
+
+def test_a_run_without_one_is_not_paced(run_json):
+    _, records = run_json("def a():\n  sleep(60)\nend\n")
+    assert "paced" not in records[-1]

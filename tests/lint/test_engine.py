@@ -28,7 +28,7 @@ def spec_cases() -> list[tuple[Case, Expectation]]:
         (case, expectation)
         for case in cases
         for expectation in case.expectations
-        if len(case.texts) == 1 and not case.is_stream and not case.is_served and not case.needs
+        if len(case.texts) == 1 and not (case.is_stream or case.is_served or case.needs)
     ]
 
 

@@ -27,7 +27,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        if argv is None and arguments[:1] in (["run"], ["plot"]) and _needs_another_process(arguments):
+        if (
+            argv is None
+            and arguments[:1] in (["run"], ["plot"], ["serve"], ["replay"])
+            and _needs_another_process(arguments)
+        ):
             return _run_again(arguments)
         return _run_here(arguments)
     except KeyboardInterrupt:
@@ -73,6 +77,22 @@ def _dispatch(options: argparse.Namespace) -> int:
         from elitescript.cli.plot import plot
 
         return plot(options)
+    if options.command == "serve":
+        from elitescript.cli.serve import serve
+
+        return serve(options)
+    if options.command == "ctl":
+        from elitescript.cli.ctl import ctl
+
+        return ctl(options)
+    if options.command == "replay":
+        from elitescript.cli.replay import replay
+
+        return replay(options)
+    if options.command == "doctor":
+        from elitescript.cli.doctor import doctor
+
+        return doctor(options)
     from elitescript.cli.commands import commands
 
     return commands(options)
@@ -117,6 +137,7 @@ def _parser() -> argparse.ArgumentParser:
     import argparse
 
     from elitescript import __version__
+    from elitescript.cli.serving_options import add_ctl, add_doctor, add_replay, add_serve
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 
     parser = argparse.ArgumentParser(
@@ -199,6 +220,11 @@ def _parser() -> argparse.ArgumentParser:
         help="signal or global at the start; may be repeated",
     )
     plot.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
+
+    add_serve(subparsers, firmware)
+    add_ctl(subparsers)
+    add_replay(subparsers)
+    add_doctor(subparsers)
 
     commands = subparsers.add_parser("commands", help="the catalogue of robot commands")
     commands.add_argument("name", nargs="?", metavar="NAME", help="one command; all if left out")

@@ -6,9 +6,10 @@ import sys
 import time
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Protocol, TextIO
+from typing import Any, Protocol
 
 from elitescript.cli import jsonlines
+from elitescript.cli.writable import Writable
 from elitescript.language.diagnostics import Diagnostic, render, to_json
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm, Event, Popup, Printed, SafetyModeChanged, TextMessage, Warned
@@ -45,7 +46,7 @@ class Report(Protocol):
 class JsonReport:
     """One JSON object per line; hints for people go to standard error."""
 
-    def __init__(self, out: TextIO) -> None:
+    def __init__(self, out: Writable) -> None:
         self._out = out
 
     def _write(self, record: dict[str, Any]) -> None:
@@ -152,7 +153,7 @@ _RECORDS = {
 class TextReport:
     """Lines for people: messages on standard output, everything about mistakes on standard error."""
 
-    def __init__(self, out: TextIO, err: TextIO) -> None:
+    def __init__(self, out: Writable, err: Writable) -> None:
         self._out = out
         self._err = err
         self._start_s = 0.0
@@ -188,7 +189,7 @@ class TextReport:
         print(f"{seconds(tick):10.3f} s  {text}", file=self._err)
 
     def _alarm(self, alarm: Alarm) -> None:
-        thread = "" if alarm.thread == "main" else f", thread {alarm.thread}"
+        thread = "" if alarm.thread in ("", "main") else f", thread {alarm.thread}"
         where = f" in line {alarm.line}{thread}" if alarm.line else thread
         self._problem(alarm.tick, f"ALARM {alarm.code}{where}: {alarm.class_name}: {alarm.text}")
         if alarm.source_line.strip():

@@ -33,6 +33,8 @@ class KernelConfig:
     firmware: str = DEFAULT_FIRMWARE
     seed: int = 0
     """Of the programs' random numbers."""
+    first_tick: int = 0
+    """Number of the first tick; a robot that goes on where another one ended goes on with its time."""
     epoch_s: float = EPOCH_S
     """The controller's clock at tick 0, seconds since 1970."""
     joints: Six | None = None

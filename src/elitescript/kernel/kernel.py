@@ -119,6 +119,8 @@ class Kernel:
         self._tasks = Tasks(self._controller, self._host, self._programs, outside.files, config.configuration)
         for name, value in config.signals:
             Signals(self._controller)[name] = value
+        if config.first_tick:
+            self._controller.leap(config.first_tick)
 
     @property
     def next_tick(self) -> int:

@@ -57,6 +57,11 @@ class Connection(ABC):
         """Whether it has enough to work on: leave what the peer sends in the socket until this is over."""
         return False
 
+    @property
+    def is_expecting(self) -> bool:
+        """Whether an answer to what the peer has asked is still to come."""
+        return False
+
     def due(self) -> list[Input]:
         """Return what time alone has made of bytes that came before; to be asked after every `publish`."""
         return []

@@ -78,6 +78,11 @@ class DashboardConnection(Connection):
             self._finish(f"{awaited.failure}: the controller has not answered for {ANSWER_TICKS // TICKS_PER_S} s")
         self._work(output)
 
+    @property
+    def is_expecting(self) -> bool:
+        """See `Connection.is_expecting`."""
+        return self._awaited is not None or bool(self._waiting)
+
     def due(self) -> list[Input]:
         """See `Connection.due`."""
         inputs, self._inputs = self._inputs, []

@@ -138,6 +138,11 @@ class InterpreterConnection(Connection):
                 inputs.append(Interpret(self.origin, text))
         return inputs
 
+    @property
+    def is_expecting(self) -> bool:
+        """See `Connection.is_expecting`; how many replies are to come is not counted here."""
+        return True
+
     def publish(self, output: Output) -> None:
         """See `Connection.publish`."""
         for reply in output.replies:

@@ -68,6 +68,11 @@ class QueryConnection(Connection):
                 inputs.append(Query(self.origin, ident, statement))
         return inputs
 
+    @property
+    def is_expecting(self) -> bool:
+        """See `Connection.is_expecting`."""
+        return self._waiting > 0
+
     def publish(self, output: Output) -> None:
         """See `Connection.publish`."""
         for reply in output.replies:

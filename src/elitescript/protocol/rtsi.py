@@ -115,6 +115,16 @@ class RtsiConnection(Connection):
         self._written_tick: int | None = None
         self._complaints: dict[str, int] = {}
 
+    @property
+    def is_streaming(self) -> bool:
+        """Whether the client gets packages."""
+        return self._is_started
+
+    @property
+    def has_inputs(self) -> bool:
+        """Whether the client has set up a recipe to write with."""
+        return bool(self._inputs)
+
     def receive(self, data: bytes, output: Output) -> list[Input]:
         """Take bytes; answer what is complete. See `Connection.receive`.
 

@@ -18,7 +18,7 @@ SERVED: Final = frozenset({"port", "interpreter", "query"})
 """Words of texts that a served robot takes, through its ports."""
 TEXT_WORDS: Final = frozenset({"stream", "close", "bare", "crlf", "cr", "bom", "at", "needs", "idle"}) | SERVED
 EXPECT_WORDS: Final = frozenset({"strict", "firmware", "until"})
-LISTS: Final = ("out", "print", "error", "alarm", "refused", "global")
+LISTS: Final = ("out", "print", "error", "alarm", "refused", "global", "sent")
 """Facts of which all must be listed, in order."""
 FACTS: Final = frozenset(
     {*LISTS, "warn", "finding", "log-warning", "state", "time", "signal", "node", "moves"}
@@ -94,6 +94,8 @@ class Case:
     """What is around the robot, as the text of a cell file."""
     inputs: tuple[tuple[float, str, float], ...] = ()
     """Signals that change: time in s, name, value."""
+    servers: tuple[tuple[int, int, str], ...] = ()
+    """What programs can connect to: port, line in the page, what it does; see `spec_server`."""
 
     @property
     def needs(self) -> str:
@@ -141,6 +143,7 @@ def parse_page(page: str) -> list[Case]:
     expectations: list[Expectation] = []
     cell: list[str] = []
     inputs: list[tuple[float, str, float]] = []
+    servers: list[tuple[int, int, str]] = []
 
     def close() -> None:
         if texts and not expectations:
@@ -150,8 +153,9 @@ def parse_page(page: str) -> list[Case]:
                 raise UsageError(f"line {texts[1].line}: several programs in one case must all be `stream`")
             names = [heading for heading in headings if heading]
             title = "/".join(names[1:] or names)
-            cases.append(Case(title, line, tuple(texts), tuple(expectations), "".join(cell), tuple(inputs)))
-        for found in (texts, expectations, cell, inputs):
+            around = "".join(cell), tuple(inputs), tuple(servers)
+            cases.append(Case(title, line, tuple(texts), tuple(expectations), *around))
+        for found in (texts, expectations, cell, inputs, servers):
             found.clear()
 
     for number, kind, info, body in _blocks(page):
@@ -169,6 +173,8 @@ def parse_page(page: str) -> list[Case]:
             cell.append(body)
         elif info == "inputs":
             inputs += _inputs(number + 1, body)
+        elif info.split(" ")[0] == "server":
+            servers.append((_port(number, info), number + 1, body))
         elif info.split(" ")[0] == "expect":
             if not texts:
                 raise UsageError(f"line {number}: an expect block without a program")
@@ -231,12 +237,19 @@ def _inputs(first_line: int, body: str) -> Iterator[tuple[float, str, float]]:
             raise UsageError(f"line {number}: {line!r} is no input; write it as 0.5: external_wrench[0] = 20") from None
 
 
+def _port(number: int, info: str) -> int:
+    port = info.partition(" ")[2].strip()
+    if not port.isdecimal():
+        raise UsageError(f"line {number}: a server needs a port, such as 5000")
+    return int(port)
+
+
 def differences(outcome: Outcome, expectation: Expectation) -> list[str]:
     """What the outcome lacks or has too much of; empty when the expectation holds."""
     found = list(outcome.wrong_replies)
     for key in LISTS:
         wanted, had = expectation.values(key), outcome.lists[key]
-        if key == "global" and not wanted and not _has(expectation, "no globals"):
+        if not wanted and (key == "sent" or (key == "global" and not _has(expectation, "no globals"))):
             continue
         if len(wanted) != len(had) or not all(map(_matches, wanted, had)):
             found.append(_list_difference(key, wanted, had))

@@ -20,6 +20,8 @@ from elitescript.robot import VirtualRobot
 from elitescript.run import Run
 from elitescript.testing.spec import Case, Expectation, Outcome, Text, differences
 from elitescript.testing.spec_events import note_event
+from elitescript.testing.spec_server import PageServer, network, written
+from elitescript.worlds.memory import MemoryWorld
 
 FILE_LIMIT_S: Final = 100_000.0
 """Virtual time after which a program of a page is cut; a simulated day passes in milliseconds."""
@@ -50,8 +52,10 @@ class _Observed:
         self._firmware = words.get("firmware", DEFAULT_FIRMWARE)
         self._until_s = float(words.get("until", STREAM_S if case.is_stream else FILE_LIMIT_S))
         self.outcome = Outcome()
+        self._servers = [PageServer(line, text) for _, line, text in case.servers]
         self._robot = VirtualRobot(
             "CS66",
+            world=MemoryWorld(channels=network(self._servers, (port for port, _, _ in case.servers))),
             firmware=self._firmware,
             strict=self._is_strict,
             contact=ContactConfig.from_table(tomllib.loads(case.cell).get("contact", {})),
@@ -133,6 +137,10 @@ class _Observed:
         self._look()
 
     def _look(self) -> None:
+        if self._servers:
+            # What the program sent last is still on its way.
+            self._robot.advance(2 * PERIOD_S)
+        self.outcome.lists["sent"] = [written(server.received) for server in self._servers]
         signals = self._robot.controller.non_default_signals()
         self.outcome.signals = [f"{name} = {value!r}" for name, value in signals.items()]
 

@@ -1,0 +1,148 @@
+"""Ten RTSI clients at 250 Hz: how late their packages are and whether one is missing, also while a program burns CPU.
+
+The server is `elitescript serve` in a process of its own; the clients are one selector loop in this one. How late a
+package arrives is measured against its robot time, counted from the package that came with the least delay. In
+lockstep a single client does nothing but answer. `SERVING_SECONDS` sets how long each row is measured.
+"""
+
+from __future__ import annotations
+
+import os
+import selectors
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+
+ROOT = Path(__file__).resolve().parent.parent
+SECONDS = float(os.environ.get("SERVING_SECONDS", "10"))
+CLIENTS = 10
+BUSY = b"def busy():\n  while True:\n    pass\n  end\nend\n"
+OUTPUTS = (
+    "timestamp,payload_mass,payload_cog,script_control_line,target_joint_positions,target_joint_speeds,"
+    "actual_joint_torques,actual_joint_positions,actual_joint_speeds,actual_joint_current,actual_TCP_pose,"
+    "actual_TCP_speed,actual_TCP_force,target_TCP_pose,target_TCP_speed,actual_digital_input_bits,"
+    "actual_digital_output_bits,joint_temperatures,robot_mode,joint_mode,safety_status,speed_scaling,"
+    "target_speed_fraction,actual_robot_voltage,actual_robot_current,runtime_state,elbow_position,robot_status_bits,"
+    "safety_status_bits,analog_io_types,standard_analog_input0,standard_analog_input1,standard_analog_output0,"
+    "standard_analog_output1,io_current,tool_mode"
+)
+"""A recipe as clients that show a robot ask for it, some 1,000 bytes."""
+
+Row = tuple[str, str, str, str]
+
+
+@contextmanager
+def served(*options: str) -> Iterator[dict[str, int]]:
+    """A controller on free ports."""
+    with tempfile.TemporaryDirectory(prefix="es") as folder:
+        environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "XDG_RUNTIME_DIR": folder}
+        process = subprocess.Popen(
+            [sys.executable, "-m", "elitescript", "serve", "--port", "all=0", "--power-on", *options],
+            stdout=subprocess.PIPE,
+            env=environment,
+            text=True,
+        )
+        assert process.stdout is not None
+        try:
+            line = next(line for line in process.stdout if line.startswith("ready"))
+            words = line.split(": ", 2)[2].split(", ")
+            yield {name: int(number) for name, number in (word.split() for word in words)}
+        finally:
+            process.terminate()
+            process.wait()
+
+
+def _message(letter: str, payload: bytes = b"") -> bytes:
+    return struct.pack(">HB", 3 + len(payload), ord(letter)) + payload
+
+
+class Stream:
+    """One client that notes when its packages come."""
+
+    def __init__(self, port: int, names: str) -> None:
+        self.socket = socket.create_connection(("127.0.0.1", port))
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.buffer = b""
+        self.times: list[tuple[float, float]] = []
+        """Robot time and arrival of each package."""
+        self.socket.sendall(_message("O", struct.pack(">d", 250.0) + names.encode()))
+
+    def read(self) -> int:
+        """Read what has come; return how many packages."""
+        self.buffer += self.socket.recv(65536)
+        now = perf_counter()
+        count = 0
+        while len(self.buffer) >= 3 and len(self.buffer) >= (size := int.from_bytes(self.buffer[:2])):
+            message, self.buffer = self.buffer[:size], self.buffer[size:]
+            if message[2] == ord("U"):
+                self.times.append((struct.unpack_from(">d", message, 4)[0], now))
+                count += 1
+        return count
+
+
+def _paced(what: str, program: bytes, *options: str) -> Row:
+    with served(*options) as ports:
+        streams = [Stream(ports["rtsi"], OUTPUTS) for _ in range(CLIENTS)]
+        selector = selectors.DefaultSelector()
+        for stream in streams:
+            selector.register(stream.socket, selectors.EVENT_READ, stream)
+            stream.socket.sendall(_message("S"))
+        if program:
+            with socket.create_connection(("127.0.0.1", ports["primary"])) as peer:
+                peer.sendall(program)
+        # What happens in the first second is how a connection begins, not how it goes on.
+        for seconds in (1.0, SECONDS):
+            for stream in streams:
+                stream.times.clear()
+            end = perf_counter() + seconds
+            while (left := end - perf_counter()) > 0:
+                for key, _ in selector.select(left):
+                    key.data.read()
+        for stream in streams:
+            stream.socket.close()
+    delays = [arrival - robot for stream in streams for robot, arrival in stream.times]
+    late_ms = sorted((delay - min(delays)) * 1e3 for delay in delays)
+    lost = sum(round((s.times[-1][0] - s.times[0][0]) * 250) + 1 - len(s.times) for s in streams)
+    p50, p99 = late_ms[len(late_ms) // 2], late_ms[int(len(late_ms) * 0.99)]
+    return (
+        f"{CLIENTS} RTSI clients, 250 Hz, {what}",
+        f"late p50 {p50:.2f}, p99 {p99:.2f}, max {late_ms[-1]:.1f} ms; {lost} of {len(late_ms)} lost",
+        "aim: p50 < 0.2, p99 < 1 ms, none lost",
+        "",
+    )
+
+
+def _lockstep(what: str, names: str) -> Row:
+    with served("--lockstep", "rtsi") as ports:
+        client = Stream(ports["rtsi"], names)
+        client.socket.sendall(_message("I", b"input_int_register0") + _message("S"))
+        answer = _message("U", bytes([1]) + struct.pack(">i", 7))
+        end = perf_counter() + min(SECONDS, 5.0)
+        while perf_counter() < end:
+            if client.read():
+                client.socket.sendall(answer)
+        client.socket.close()
+    (robot_a, wall_a), (robot_b, wall_b) = client.times[0], client.times[-1]
+    return (
+        f"lockstep with one client, {what}",
+        f"{(robot_b - robot_a) / (wall_b - wall_a):.0f} x real time",
+        "1 x",
+        "",
+    )
+
+
+def rows() -> list[Row]:
+    """The rows of this module."""
+    return [
+        _paced("idle", b""),
+        _paced("a program burns CPU", BUSY),
+        _paced("a program burns CPU, in process", BUSY, "--in-process"),
+        _lockstep("two variables", "timestamp,actual_joint_positions"),
+        _lockstep("36 variables", OUTPUTS),
+    ]

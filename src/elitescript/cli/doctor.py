@@ -1,0 +1,94 @@
+"""`elitescript doctor`: what this computer has that serving needs."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import platform
+import socket
+import sys
+import time
+from typing import Any
+
+from elitescript import __version__
+from elitescript.cli import jsonlines
+from elitescript.services.cycle import Cycle
+from elitescript.services.jail import is_complete
+from elitescript.services.robots import probe_jail
+from elitescript.services.table import port_numbers
+
+_CYCLES = 50
+
+
+def doctor(options: argparse.Namespace) -> int:
+    """Look at everything and say what was found; 1 if serving would not be safe or not work."""
+    versions = {
+        "elitescript": __version__,
+        "Python": f"{platform.python_version()} ({sys.executable})",
+        "greenlet": _greenlet_version(),
+        "system": f"{platform.system()} {platform.release()} on {platform.machine()}",
+    }
+    layers, trouble = asyncio.run(probe_jail())
+    ports = port_numbers(options.instance, {})
+    busy = {name: number for name, number in ports.items() if not _is_free(number)}
+    lateness = asyncio.run(_lateness())
+    clock_ns = time.get_clock_info("monotonic").resolution * 1e9
+    is_jailed = is_complete(layers)
+    if options.json:
+        record: dict[str, Any] = {
+            "type": "doctor",
+            "versions": versions,
+            "jail": {layer.name: {"active": layer.is_active, "detail": layer.detail} for layer in layers},
+            "is_jailed": is_jailed,
+            "trouble": trouble,
+            "ports": {name: {"number": number, "free": name not in busy} for name, number in ports.items()},
+            "clock_resolution_ns": clock_ns,
+            "lateness_ms": lateness,
+        }
+        print(jsonlines.line(record))
+        return 0 if is_jailed and not trouble else 1
+    for name, version in versions.items():
+        print(f"{name + ':':<14}{version}")
+    print("jail of the process that runs programs:")
+    for layer in layers:
+        print(f"  {'active' if layer.is_active else 'MISSING':<9}{layer.name + ':':<14}{layer.detail}")
+    if trouble:
+        print(f"  {trouble}")
+    elif not is_jailed:
+        print("  Without a layer, programs are trusted as far: serve only people you trust.")
+    print(f"ports of instance {options.instance}:")
+    for name, number in ports.items():
+        print(f"  {'in use' if name in busy else 'free':<9}{number:<6} {name}")
+    late = f"{lateness['p50']:.2f} ms late (median), {lateness['max']:.2f} ms at worst"
+    print(f"time:         clock resolution {clock_ns:.0f} ns; ticks begin {late}")
+    return 0 if is_jailed and not trouble else 1
+
+
+async def _lateness() -> dict[str, float]:
+    cycle = Cycle()
+    late: list[float] = []
+    try:
+        for _ in range(_CYCLES):
+            cycle.worst_ns = 0
+            await cycle.next()
+            late.append(cycle.worst_ns / 1e6)
+    finally:
+        cycle.close()
+    late.sort()
+    return {"p50": late[len(late) // 2], "max": late[-1]}
+
+
+def _is_free(number: int) -> bool:
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("127.0.0.1", number))
+        except OSError:
+            return False
+    return True
+
+
+def _greenlet_version() -> str:
+    import greenlet  # type: ignore[import-untyped]
+
+    return str(greenlet.__version__)

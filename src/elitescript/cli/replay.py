@@ -1,0 +1,100 @@
+"""`elitescript replay`: a recorded session once more, as fast as possible, and whether it came out the same."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import platform
+import sys
+from pathlib import Path
+
+from elitescript import __version__
+from elitescript.cli import jsonlines
+from elitescript.cli.report import JsonReport, TextReport
+from elitescript.cli.trace_file import TraceFile
+from elitescript.controller.trace import TraceRow
+from elitescript.errors import UsageError
+from elitescript.messages.outputs import Output
+from elitescript.messages.timing import seconds, ticks_for
+from elitescript.services.journal import JournalReader
+from elitescript.services.replay import Replay
+
+DIFFERS = 1
+"""Exit code if the session came out otherwise."""
+
+
+def replay(options: argparse.Namespace) -> int:
+    """Play a journal; return the exit code."""
+    if options.until is not None and not options.until >= 0.0:
+        raise UsageError(f"--until must be >= 0 s, got {options.until:g}")
+    reader = JournalReader(Path(options.file))
+    session = Replay(reader, None if options.until is None else ticks_for(options.until))
+    report = JsonReport(sys.stdout) if options.json else TextReport(sys.stdout, sys.stderr)
+    for hint in _hints(reader):
+        print(f"note: {hint}", file=sys.stderr)
+
+    def restarted(tick: int, reason: str) -> None:
+        print(f"{seconds(tick):10.3f} s  the controller was restarted: {reason}", file=sys.stderr)
+
+    trace = TraceFile(Path(options.trace), has_actual=True) if options.trace else None
+    with contextlib.ExitStack() as stack:
+        if trace is not None:
+            stack.enter_context(trace)
+        for output in session.outputs(restarted):
+            for event in output.events:
+                report.event(event)
+            if trace is not None:
+                trace.write(_row(output))
+    if reader.note:
+        print(f"note: {reader.note}", file=sys.stderr)
+    _conclude(session, is_json=options.json)
+    return 0 if session.difference is None else DIFFERS
+
+
+def _hints(reader: JournalReader) -> list[str]:
+    """What may keep this process from doing the same as the one that wrote the journal."""
+    theirs = {
+        "elitescript": (reader.header.get("version"), __version__),
+        "Python": (reader.header.get("python"), platform.python_version()),
+    }
+    hints = [
+        f"recorded by {name} {then}, replayed by {now}: results may differ"
+        for name, (then, now) in theirs.items()
+        if then != now
+    ]
+    if reader.header.get("hash_seed") != "0":
+        hints.append("recorded in a process without a fixed hash seed: programs that go through a set may differ")
+    return hints
+
+
+def _conclude(session: Replay, *, is_json: bool) -> None:
+    difference, last_s = session.difference, seconds(max(session.last_tick, 0))
+    if is_json:
+        record = {
+            "type": "end",
+            "state": "same" if difference is None else "differs",
+            "t": last_s,
+            "ticks": session.last_tick + 1,
+            "checked_ticks": session.checked_ticks,
+            "first_difference": None if difference is None else difference.tick,
+        }
+        print(jsonlines.line(record))
+    elif difference is None:
+        print(f"{last_s:10.3f} s  end of the journal; {session.checked_ticks} ticks checked, all the same")
+    else:
+        sys.stdout.flush()
+        text = f"differs from the journal first at tick {difference.tick}: {difference.text}"
+        print(f"{seconds(difference.tick):10.3f} s  {text}", file=sys.stderr)
+
+
+def _row(output: Output) -> TraceRow:
+    state = output.snapshot.robot
+    return TraceRow(
+        seconds(output.tick),
+        state.line,
+        state.q_target,
+        state.qd_target,
+        state.tcp_pose_target,
+        state.task_state.name.lower(),
+        state.q_actual,
+    )

@@ -1,0 +1,263 @@
+"""`elitescript serve`: virtual controllers on the network."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import gc
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Any, Final
+
+from elitescript.cli import jsonlines
+from elitescript.cli.report import JsonReport, Report, TextReport
+from elitescript.cli.settings import parse_joints, parse_settings
+from elitescript.cli.terminal import PatientStream, TaggedStream
+from elitescript.cli.writable import Writable
+from elitescript.errors import UsageError
+from elitescript.kernel import KernelConfig
+from elitescript.messages.events import Event
+from elitescript.messages.timing import seconds
+from elitescript.services.jail import is_complete
+from elitescript.services.robot_link import RobotLink
+from elitescript.services.robots import journal_path, probe_jail, robot_link
+from elitescript.services.server import Server, is_loopback
+from elitescript.services.station import Note, Station
+from elitescript.services.table import NAMES, port_numbers
+
+ROBOTS_MAX: Final = 32
+ALL: Final = "all"
+"""Name of every port for `--port`."""
+
+
+def serve(options: argparse.Namespace) -> int:
+    """Serve until a signal comes; return the exit code."""
+    configs = robot_configs(options)
+    numbers = [port_numbers(options.instance, chosen_ports(options.port), robot=index) for index in range(len(configs))]
+    _check_host(options)
+    out, err = PatientStream(sys.stdout), PatientStream(sys.stderr)
+    try:
+        log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
+        asyncio.run(_serve(options, configs, numbers, log))
+    finally:
+        out.close()
+        err.close()
+    return 0
+
+
+async def _serve(
+    options: argparse.Namespace, configs: list[KernelConfig], numbers: list[dict[str, int]], log: Log
+) -> None:
+    stop = asyncio.Event()
+    _on_signals(stop)
+    is_lockstep = options.lockstep is not None
+    stations = [
+        Station(config.robot_id, make_link(options, config, index), log.take, is_lockstep=is_lockstep)
+        for index, config in enumerate(configs)
+    ]
+    server = Server(stations, options.host, numbers, options.instance)
+    await server.open()
+    try:
+        # What is there now stays; the collector need not look at it in every round.
+        gc.collect()
+        gc.freeze()
+        log.ready(options.host, server, configs)
+        await server.run(stop)
+    finally:
+        await server.close()
+    log.end()
+
+
+def make_link(options: argparse.Namespace, config: KernelConfig, index: int) -> RobotLink:
+    """The way to a robot."""
+    return robot_link(
+        config,
+        task_dir=None if options.task_dir is None else Path(options.task_dir),
+        in_process=is_in_process(options),
+        is_jailed=not options.no_jail,
+        journal=None if options.journal is None else journal_path(Path(options.journal), index),
+    )
+
+
+def is_in_process(options: argparse.Namespace) -> bool:
+    """Whether the robots are in this process: asked for, needed for lockstep, or the only way on this system."""
+    return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
+
+
+def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
+    """The robots that the options ask for.
+
+    Raises:
+        UsageError: an option that makes no sense.
+    """
+    from elitescript.models.model import load_model
+    from elitescript.worlds.cell import Cell, load_cell
+
+    if not 1 <= options.robots <= ROBOTS_MAX:
+        raise UsageError(f"--robots must be from 1 to {ROBOTS_MAX}, got {options.robots}")
+    models = [model for model in options.robot or ["CS66"] for _ in range(options.robots)]
+    if len(models) > ROBOTS_MAX:
+        raise UsageError(f"one serve has {ROBOTS_MAX} robots at most, not {len(models)}")
+    signals, presets = parse_settings(options.set)
+    if presets:
+        raise UsageError(f"--set {min(presets)}: there is no such signal")
+    if options.task_dir is not None and not Path(options.task_dir).is_dir():
+        raise UsageError(f"--task-dir {options.task_dir}: there is no such folder")
+    cell = Cell() if options.cell is None else load_cell(options.cell)
+    configs = []
+    for index, model in enumerate(models):
+        name = load_model(model).name
+        configs.append(
+            KernelConfig(
+                model=name,
+                firmware=options.firmware,
+                seed=options.seed,
+                epoch_s=time.time(),
+                joints=None if options.joints is None else parse_joints(options.joints),
+                speed=options.speed,
+                power_on=options.power_on,
+                remote=not options.local,
+                robot_id=name if len(models) == 1 else f"{name}-{options.instance + index}",
+                contact=cell.take("contact", None),
+                safety=cell.take("safety", None),
+                plant=cell.take("plant", None),
+                signals=tuple({**cell.signals, **signals}.items()),
+                strict=options.strict,
+            )
+        )
+    return configs
+
+
+def chosen_ports(texts: list[str]) -> dict[str, int]:
+    """Ports by name from `NAME=NUMBER`.
+
+    Raises:
+        UsageError: not of this form.
+    """
+    chosen: dict[str, int] = {}
+    for text in texts:
+        name, _, number = text.partition("=")
+        name, number = name.strip(), number.strip()
+        if not (number.isascii() and number.isdecimal()):
+            raise UsageError(f"--port {text}: write NAME=NUMBER, such as rtsi=40004")
+        if name == ALL and int(number):
+            raise UsageError(f"--port {text}: only {ALL}=0 makes sense; --instance N moves all ports")
+        chosen |= dict.fromkeys(NAMES, 0) if name == ALL else {name: int(number)}
+    return chosen
+
+
+def _check_host(options: argparse.Namespace) -> None:
+    if is_loopback(options.host):
+        return
+    why = _why_not_jailed(options)
+    if not why:
+        print(
+            f"WARNING: every computer that reaches {options.host} can run programs on the robots",
+            file=sys.stderr,
+            flush=True,
+        )
+        return
+    if not options.trust_network:
+        raise UsageError(
+            f"--host {options.host} lets other computers run programs on this one, and no jail is active that would "
+            f"keep them away from its files and network ({why}). Insist with --trust-network"
+        )
+    print(
+        f"WARNING: every computer that reaches {options.host} can run programs here, and no jail is active",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def _why_not_jailed(options: argparse.Namespace) -> str:
+    """Why programs are not locked in; empty if they are."""
+    if is_in_process(options):
+        return "the robots are in this process"
+    if options.no_jail:
+        return "--no-jail"
+    layers, trouble = asyncio.run(probe_jail())
+    if trouble or is_complete(layers):
+        return trouble
+    return "; ".join(f"{layer.name}: {layer.detail}" for layer in layers if not layer.is_active)
+
+
+def _on_signals(stop: asyncio.Event) -> None:
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        try:
+            loop.add_signal_handler(number, stop.set)
+        except NotImplementedError:
+            # The loops of some systems cannot; there a signal interrupts the loop at its next turn.
+            signal.signal(number, lambda *_: loop.call_soon_threadsafe(stop.set))
+
+
+class Log:
+    """What a `serve` prints.
+
+    Args:
+        out: for messages.
+        err: for problems, if the lines are for people.
+        names: of the robots; with several of them every line says whose it is.
+        is_json: one JSON object a line instead.
+    """
+
+    def __init__(self, out: Writable, err: Writable, names: list[str], *, is_json: bool) -> None:
+        self._out = out
+        self._err = err
+        self._is_json = is_json
+        self._are_several = len(names) > 1
+        self._reports: dict[str, Report] = {}
+        for name in names:
+            if is_json:
+                tag = f'{{"robot":{jsonlines.line({"": name})[4:-1]},' if self._are_several else "{"
+                self._reports[name] = JsonReport(TaggedStream(out, "{", tag))
+            else:
+                tag = f"{name}: " if self._are_several else ""
+                self._reports[name] = TextReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag))
+
+    def ready(self, host: str, server: Server, configs: list[KernelConfig]) -> None:
+        """Every port is open."""
+        if self._is_json:
+            robots = [
+                {"robot": config.robot_id, "model": config.model, "ports": station.ports, "ctl": address}
+                for config, station, address in zip(configs, server.stations, server.control_addresses, strict=True)
+            ]
+            self._record({"type": "ready", "host": host, "robots": robots})
+            return
+        robots_text = "; ".join(
+            f"{station.name}: " + ", ".join(f"{name} {number}" for name, number in station.ports.items())
+            for station in server.stations
+        )
+        self._out.write(f"ready on {host}: {robots_text}\n")
+        self._out.flush()
+
+    def take(self, station: Station, what: Event | Note) -> None:
+        """Print an event of a robot, or a note about a client."""
+        if not isinstance(what, Note):
+            self._reports[station.name].event(what)
+            self._out.flush()
+            self._err.flush()
+        elif self._is_json:
+            level = "problem" if what.is_problem else "info"
+            details = {**what.details, "t": seconds(station.output.tick)}
+            head = {"type": "serve", "robot": what.robot, "what": what.kind, "level": level, "text": what.text}
+            self._record({**head, **details})
+        elif what.is_problem:
+            tag = f"{what.robot}: " if self._are_several else ""
+            self._err.write(f"{tag}{seconds(station.output.tick):10.3f} s  {what.text}\n")
+            self._err.flush()
+
+    def end(self) -> None:
+        """Everything is closed."""
+        if self._is_json:
+            self._record({"type": "stopped"})
+        else:
+            self._out.write("stopped\n")
+            self._out.flush()
+
+    def _record(self, record: dict[str, Any]) -> None:
+        self._out.write(jsonlines.line(record) + "\n")
+        self._out.flush()

@@ -1,0 +1,113 @@
+"""Options of the commands that serve a robot and speak to one."""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
+
+SERVE_NOTE = (
+    "A line that starts with `ready` names every port once all are open; then the programs' messages and errors "
+    "follow. Ctrl-C ends it."
+)
+
+
+def add_serve(
+    subparsers: argparse._SubParsersAction[argparse.ArgumentParser], firmware: argparse.ArgumentParser
+) -> None:
+    """Add `serve`."""
+    serve = subparsers.add_parser(
+        "serve",
+        parents=[firmware],
+        help="the virtual controller on the network",
+        description=f"Serve virtual controllers: primary port, RTSI, dashboard and the others. {SERVE_NOTE}",
+    )
+    serve.add_argument("--host", default="127.0.0.1", metavar="ADDRESS", help="where to listen (default %(default)s)")
+    serve.add_argument(
+        "--trust-network",
+        action="store_true",
+        help="serve other computers although no jail keeps their programs away from this one",
+    )
+    serve.add_argument("--instance", type=int, default=0, metavar="N", help="moves every port by 100 * N (default 0)")
+    serve.add_argument(
+        "--port",
+        action="append",
+        default=[],
+        metavar="NAME=NUMBER",
+        help="one port, such as rtsi=40004 (0: any free one); NAME `all` means every port; may be repeated",
+    )
+    serve.add_argument(
+        "--robot",
+        action="append",
+        metavar="MODEL",
+        help="arm: CS63 CS66 CS612 CS616 CS620 CS625 (default CS66); repeat it for more robots, each the next instance",
+    )
+    serve.add_argument("--robots", type=int, default=1, metavar="N", help="so many of each --robot (default 1)")
+    serve.add_argument("--task-dir", metavar="DIR", help="task folder of the robots (default: an empty one in memory)")
+    serve.add_argument("--power-on", action="store_true", help="begin with power on and brakes released")
+    serve.add_argument("--local", action="store_true", help="begin in local control: clients may only look")
+    serve.add_argument("--joints", metavar="Q1,...,Q6", help="joint positions at the start, rad")
+    serve.add_argument(
+        "--speed", type=float, default=1.0, metavar="0..1", help="speed slider as a fraction (default 1)"
+    )
+    serve.add_argument("--seed", type=int, default=0, metavar="N", help="seed of random() (default 0)")
+    serve.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="signal at the start; may be repeated"
+    )
+    serve.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
+    serve.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
+    serve.add_argument(
+        "--no-jail",
+        action="store_true",
+        help="do not lock the robots' processes in: programs can then do whatever you can",
+    )
+    serve.add_argument(
+        "--journal",
+        metavar="FILE",
+        help="write the session down for `elitescript replay`; of further robots to files with a number in their names",
+    )
+    serve.add_argument(
+        "--lockstep",
+        choices=["rtsi"],
+        help="robot time goes on only when the RTSI clients have answered their packages (implies --in-process)",
+    )
+
+
+def add_ctl(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add `ctl`."""
+    ctl = subparsers.add_parser(
+        "ctl",
+        help="work inputs, faults, popups and tasks of a running serve",
+        description="Speak to a `serve` on this computer. `elitescript ctl help` lists the verbs.",
+    )
+    ctl.add_argument("--instance", type=int, default=0, metavar="N", help="which robot (default 0)")
+    ctl.add_argument("--socket", metavar="PATH", help="which robot, by the address that serve has printed")
+    ctl.add_argument("--json", action="store_true", help="print one JSON object")
+    ctl.add_argument("verb", metavar="VERB")
+    ctl.add_argument("arguments", nargs="*", metavar="ARGUMENT")
+
+
+def add_replay(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add `replay`."""
+    replay = subparsers.add_parser(
+        "replay",
+        help="play a recorded session of serve again",
+        description="Play a journal of serve --journal as fast as possible, print what the session printed, and check "
+        "that every tick comes out the same. Exit code 1 if one does not.",
+    )
+    replay.add_argument("file", metavar="FILE", help="the journal")
+    replay.add_argument("--until", type=float, metavar="SECONDS", help="stop after so much robot time")
+    replay.add_argument("--json", action="store_true", help="print one JSON object per line")
+    replay.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
+
+
+def add_doctor(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add `doctor`."""
+    doctor = subparsers.add_parser(
+        "doctor",
+        help="what this computer has that serving needs",
+        description="Say which layers of the jail are active, and why not; versions, ports, timers. Exit code 1 if "
+        "a layer is missing.",
+    )
+    doctor.add_argument("--instance", type=int, default=0, metavar="N", help="look at the ports of instance N")
+    doctor.add_argument("--json", action="store_true", help="print one JSON object")

@@ -1,0 +1,277 @@
+"""How single values of messages are written: the parts that `codec` puts together."""
+
+from __future__ import annotations
+
+from base64 import b64decode, b64encode
+from collections.abc import Callable, Mapping
+from enum import IntEnum
+from math import isfinite
+from typing import Any, Final, Generic, TypeVar
+
+from elitescript.errors import PeerError
+from elitescript.messages.signals import INT32_HIGH, INT32_LOW, SIGNALS, Signal
+
+T = TypeVar("T")
+Encode = Callable[[Any], Any]
+Decode = Callable[[Any], Any]
+
+INT_LIMIT: Final = 2**63
+"""Whole numbers of messages are in [-INT_LIMIT, INT_LIMIT)."""
+_DEPTH_MAX: Final = 8
+"""Lists in lists that the details of an alarm may have."""
+_NON_FINITE: Final = {"NaN": float("nan"), "Infinity": float("inf"), "-Infinity": float("-inf")}
+_LEVELS: Final = bytes.maketrans(b"\0\1", b"01")
+
+
+class CodecError(PeerError):
+    """What arrived is no message; says where in it and why."""
+
+
+class Shape(Generic[T]):
+    """How values of one type are written.
+
+    Attributes:
+        encode: value to lists, texts and numbers.
+        decode: back; raises `CodecError`.
+    """
+
+    __slots__ = ("decode", "encode")
+
+    def __init__(self, encode: Callable[[T], Any], decode: Callable[[Any], T]) -> None:
+        self.encode = encode
+        self.decode = decode
+
+
+def spelled_out(data: Any) -> Any:
+    """Encoded data in which a text stands for every float that JSON does not have."""
+    if type(data) is float and not isfinite(data):
+        return "NaN" if data != data else "Infinity" if data > 0 else "-Infinity"
+    if type(data) is list:
+        return [spelled_out(item) for item in data]
+    if type(data) is dict:
+        return {key: spelled_out(item) for key, item in data.items()}
+    return data
+
+
+def shown(data: Any) -> str:
+    """What arrived, in few characters."""
+    if isinstance(data, list | dict):
+        return f"a {type(data).__name__} of {len(data)}"
+    if is_large(data):
+        return "a large number"
+    return f"{type(data).__name__} {(data[:40] if isinstance(data, str) else data)!r}"
+
+
+def is_large(data: Any) -> bool:
+    """Whether it is a whole number that no message holds."""
+    return type(data) is int and not -INT_LIMIT <= data < INT_LIMIT
+
+
+def blame(name: str, names: list[str], decoders: list[Decode], data: list[Any]) -> None:
+    """Raise with the name of the first field that is wrong."""
+    for field, read, item in zip(names, decoders, data, strict=True):
+        try:
+            read(item)
+        except CodecError as error:
+            raise CodecError(f"{name}.{field}: {error}") from None
+
+
+def check_list(data: Any, count: int) -> None:
+    """Refuse what is no list, or has another length unless `count` is negative."""
+    if type(data) is not list or (count >= 0 and len(data) != count):
+        expected = "a list" if count < 0 else f"a list of {count}"
+        raise CodecError(f"{expected} is expected, not {shown(data)}")
+
+
+def write_text(value: str) -> str:
+    """A text without halves of surrogate pairs."""
+    value = str.__str__(value)
+    return value if value.isascii() else value.encode("utf-8", "replace").decode("utf-8")
+
+
+def read_text(data: Any) -> str:
+    """A text."""
+    if type(data) is not str:
+        raise CodecError(f"a text is expected, not {shown(data)}")
+    if not data.isascii():
+        try:
+            data.encode()
+        except UnicodeEncodeError:
+            raise CodecError("half a surrogate pair in a text") from None
+    return data
+
+
+def _read_bool(data: Any) -> bool:
+    if type(data) is not bool:
+        raise CodecError(f"true or false is expected, not {shown(data)}")
+    return data
+
+
+def _read_float(data: Any) -> float:
+    if type(data) is float:
+        return data
+    if type(data) is str and data in _NON_FINITE:
+        return _NON_FINITE[data]
+    raise CodecError(f"a float is expected, not {shown(data)}")
+
+
+def _read_bytes(data: Any) -> bytes:
+    if type(data) is str and data.isascii():
+        try:
+            return b64decode(data, validate=True)
+        except ValueError:
+            pass
+    raise CodecError(f"base64 is expected, not {shown(data)}")
+
+
+def _write_any(value: Any, depth: int = 0) -> Any:
+    """Details of an alarm: plain values; lists say what they were."""
+    if value is None or type(value) is bool:
+        return value
+    if isinstance(value, str):
+        return write_text(value)
+    if isinstance(value, int) and not is_large(int(value)):
+        return int(value)
+    if isinstance(value, float):
+        return float(value) if isfinite(value) else ["float", spelled_out(float(value))]
+    if depth < _DEPTH_MAX and type(value) in (list, tuple):
+        return [type(value).__name__, *(_write_any(item, depth + 1) for item in value)]
+    if depth < _DEPTH_MAX and type(value) is dict and all(isinstance(key, str) for key in value):
+        return {write_text(key): _write_any(item, depth + 1) for key, item in value.items()}
+    # Not its repr: that may be code of a script.
+    return f"<{type(value).__name__}>"
+
+
+def _read_any(data: Any, depth: int = 0) -> Any:
+    if data is None or type(data) in (bool, float):
+        return data
+    if type(data) is str:
+        return read_text(data)
+    if type(data) is int and not is_large(data):
+        return data
+    if depth <= _DEPTH_MAX and type(data) is dict:
+        return {read_text(key): _read_any(item, depth + 1) for key, item in data.items()}
+    if depth <= _DEPTH_MAX and type(data) is list and data:
+        if data[0] == "float" and len(data) == 2:
+            return _read_float(data[1])
+        items = [_read_any(item, depth + 1) for item in data[1:]]
+        if data[0] in ("list", "tuple"):
+            return items if data[0] == "list" else tuple(items)
+    raise CodecError(f"a plain value is expected, not {shown(data)}")
+
+
+def whole(low: int, high: int) -> Shape[int]:
+    """Whole numbers of a range."""
+
+    def decode(data: Any) -> int:
+        if type(data) is not int:
+            raise CodecError(f"a whole number is expected, not {shown(data)}")
+        if not low <= data <= high:
+            raise CodecError(f"a whole number in [{low}, {high}] is expected, not {shown(data)}")
+        return data
+
+    return Shape(int, decode)
+
+
+def number(parts: tuple[type, ...]) -> Shape[Any]:
+    """Numbers that keep their kind."""
+    allowed = frozenset(parts)
+
+    def decode(data: Any) -> Any:
+        if type(data) in allowed and not is_large(data):
+            return data
+        if float in allowed and type(data) is str:
+            return _read_float(data)
+        raise CodecError(f"a number is expected, not {shown(data)}")
+
+    return Shape(lambda value: value, decode)
+
+
+def enum_shape(kind: type[IntEnum]) -> Shape[Any]:
+    """Members of an enumeration, as their numbers."""
+    members = {int(member): member for member in kind}
+
+    def decode(data: Any) -> Any:
+        if type(data) is not int or data not in members:
+            raise CodecError(f"{kind.__name__}: no such member: {shown(data)}")
+        return members[data]
+
+    return Shape(int, decode)
+
+
+def floats(count: int) -> Shape[tuple[float, ...]]:
+    """`count` floats; any number of them if it is negative."""
+    only_floats = {float}
+
+    def encode(value: tuple[float, ...]) -> list[float]:
+        if count >= 0 and len(value) != count:
+            raise TypeError(f"{count} numbers are expected, not {len(value)}")
+        return list(map(float, value))
+
+    def decode(data: Any) -> tuple[float, ...]:
+        check_list(data, count)
+        if set(map(type, data)) <= only_floats:
+            return tuple(data)
+        return tuple(map(_read_float, data))
+
+    return Shape(encode, decode)
+
+
+def _signals() -> Shape[Any]:
+    """The signal image: a list of families in the order of their table; levels as a text of 0 and 1."""
+    rows = tuple(SIGNALS.values())
+    writers = [(row.name, row.size, _family_writer(row)) for row in rows]
+    readers = [(row.name, _family_reader(row)) for row in rows]
+
+    def encode(image: Mapping[str, tuple[Any, ...]]) -> list[Any]:
+        if len(image) != len(rows):
+            raise TypeError(f"a signal image has {len(rows)} families, not {len(image)}")
+        written = []
+        for name, size, write in writers:
+            levels = image[name]
+            if len(levels) != size:
+                raise TypeError(f"{name} has {size} points, not {len(levels)}")
+            written.append(write(levels))
+        return written
+
+    def decode(data: Any) -> dict[str, tuple[Any, ...]]:
+        check_list(data, len(rows))
+        return {name: read(item) for (name, read), item in zip(readers, data, strict=True)}
+
+    return Shape(encode, decode)
+
+
+def _family_writer(row: Signal) -> Encode:
+    if row.kind == "bool":
+        return lambda levels: bytes(levels).translate(_LEVELS).decode()
+    convert = int if row.kind == "int" else float
+    return lambda levels: list(map(convert, levels))
+
+
+def _family_reader(row: Signal) -> Decode:
+    size, only_int = row.size, {int}
+
+    def read_levels(data: Any) -> tuple[bool, ...]:
+        if type(data) is not str or len(data) != size or data.strip("01"):
+            raise CodecError(f"{row.name}: {size} times 0 or 1 are expected, not {shown(data)}")
+        return tuple(map("1".__eq__, data))
+
+    def read_ints(data: Any) -> tuple[int, ...]:
+        check_list(data, size)
+        if set(map(type, data)) != only_int or min(data) < INT32_LOW or max(data) > INT32_HIGH:
+            raise CodecError(f"{row.name}: whole numbers of 32 bits are expected")
+        return tuple(data)
+
+    if row.kind == "bool":
+        return read_levels
+    return read_ints if row.kind == "int" else floats(size).decode
+
+
+SIGNAL_IMAGE: Final = _signals()
+SCALARS: Final[dict[Any, Shape[Any]]] = {
+    str: Shape(write_text, read_text),
+    bool: Shape(bool, _read_bool),
+    float: Shape(float, _read_float),
+    bytes: Shape(lambda value: b64encode(value).decode(), _read_bytes),
+    Any: Shape(_write_any, _read_any),
+}

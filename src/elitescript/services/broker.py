@@ -1,0 +1,244 @@
+"""The outgoing TCP connections of a robot's programs.
+
+The robot asks by channel requests and hears by channel events; it never has a socket. Everything is bounded: channels,
+attempts to connect, and the bytes that are on their way in either direction (`messages.outputs.CHANNEL_WINDOW`). A
+program that does not read stops its peer; a peer that does not read stops the program, by the credit that it misses.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import Callable, Iterable
+from typing import Any, Final
+
+from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
+from elitescript.messages.outputs import (
+    CHANNEL_WINDOW,
+    ChannelRequest,
+    CloseChannel,
+    CreditChannel,
+    OpenChannel,
+    SendChannel,
+)
+
+CHANNELS_MAX: Final = 64
+READ_BYTES: Final = 16 * 1024
+UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
+"""Bytes that may wait for a peer; who keeps to the window stays below it."""
+TIMEOUT_MAX_S: Final = 60.0
+LINGER_S: Final = 5.0
+"""How long a connection that is closed has to get rid of what was sent before."""
+
+Post = Callable[[list[Input]], None]
+
+
+class Broker:
+    """All channels of one robot.
+
+    Args:
+        post: takes what the robot is to hear.
+    """
+
+    __slots__ = ("_attempts", "_channels", "_post")
+
+    def __init__(self, post: Post) -> None:
+        self._post = post
+        self._channels: dict[int, _Channel] = {}
+        self._attempts: dict[int, asyncio.Task[None]] = {}
+
+    @property
+    def count(self) -> int:
+        """Channels that are open or about to be."""
+        return len(self._channels) + len(self._attempts)
+
+    def carry_out(self, requests: Iterable[ChannelRequest]) -> None:
+        """Do what the robot asks for, in order."""
+        for request in requests:
+            match request:
+                case OpenChannel():
+                    self._open(request)
+                case SendChannel(number, data):
+                    self._send(number, data)
+                case CreditChannel(number, size):
+                    if channel := self._channels.get(number):
+                        channel.credit(size)
+                case CloseChannel(number):
+                    self._close(number)
+
+    def close_all(self) -> None:
+        """Close everything: the robot has gone, or begins anew."""
+        for task in self._attempts.values():
+            task.cancel()
+        self._attempts.clear()
+        for channel in list(self._channels.values()):
+            channel.drop()
+        self._channels.clear()
+
+    def _open(self, request: OpenChannel) -> None:
+        why = ""
+        if request.channel in self._channels or request.channel in self._attempts:
+            why = f"channel {request.channel} is in use"
+        elif request.kind != "tcp":
+            why = f"there is no kind of channel called {request.kind!r}"
+        elif self.count >= CHANNELS_MAX:
+            why = f"{CHANNELS_MAX} connections are open"
+        if why:
+            self._post([ChannelOpened(request.channel, False, why)])
+            return
+        self._attempts[request.channel] = asyncio.get_running_loop().create_task(self._connect(request))
+
+    async def _connect(self, request: OpenChannel) -> None:
+        number = request.channel
+        loop = asyncio.get_running_loop()
+        try:
+            async with asyncio.timeout(min(max(request.timeout_s, 0.0), TIMEOUT_MAX_S)):
+                _, channel = await loop.create_connection(
+                    lambda: _Channel(number, self._post, self._forget), request.address, request.port
+                )
+        except TimeoutError:
+            self._give_up(number, f"no answer within {request.timeout_s:g} s")
+        except (OSError, ValueError, OverflowError) as error:
+            self._give_up(number, reason_of(error))
+        else:
+            del self._attempts[number]
+            self._channels[number] = channel
+            self._post([ChannelOpened(number, True)])
+            channel.start()
+
+    def _give_up(self, number: int, why: str) -> None:
+        if self._attempts.pop(number, None) is not None:
+            self._post([ChannelOpened(number, False, why)])
+
+    def _send(self, number: int, data: bytes) -> None:
+        channel = self._channels.get(number)
+        if channel is not None and not channel.send(data):
+            del self._channels[number]
+            channel.drop()
+            self._post([ChannelClosed(number, f"{UNSENT_MAX} bytes wait for a peer that does not read")])
+
+    def _close(self, number: int) -> None:
+        if (task := self._attempts.pop(number, None)) is not None:
+            task.cancel()
+        if (channel := self._channels.pop(number, None)) is not None:
+            channel.close()
+
+    def _forget(self, number: int) -> None:
+        self._channels.pop(number, None)
+
+
+class _Channel(asyncio.BufferedProtocol):
+    """One open connection. It is not read before `start`, so that nothing comes before `ChannelOpened`."""
+
+    __slots__ = (
+        "_buffer",
+        "_forget",
+        "_is_closed",
+        "_is_reading",
+        "_is_started",
+        "_number",
+        "_post",
+        "_room",
+        "_transport",
+        "_unsent",
+    )
+
+    def __init__(self, number: int, post: Post, forget: Callable[[int], None]) -> None:
+        self._number = number
+        self._post = post
+        self._forget = forget
+        self._buffer = bytearray(READ_BYTES)
+        self._transport: asyncio.Transport | None = None
+        self._room = CHANNEL_WINDOW
+        self._unsent = 0
+        self._is_started = False
+        self._is_reading = False
+        self._is_closed = False
+
+    def start(self) -> None:
+        """The robot knows of the channel."""
+        self._is_started = True
+        self._read_or_not()
+
+    def credit(self, size: int) -> None:
+        """The program has taken so many bytes."""
+        self._room = min(self._room + max(size, 0), CHANNEL_WINDOW)
+        self._read_or_not()
+
+    def send(self, data: bytes) -> bool:
+        """Send; whether there is room for it."""
+        transport = self._transport
+        if transport is None or self._is_closed:
+            return True
+        if transport.get_write_buffer_size() + len(data) > UNSENT_MAX:
+            return False
+        transport.write(data)
+        self._unsent += len(data)
+        if not transport.get_write_buffer_size():
+            self.resume_writing()
+        return True
+
+    def close(self) -> None:
+        """Send what waits, then close; the robot hears nothing more."""
+        self._is_closed = True
+        if self._transport is not None:
+            self._transport.close()
+            asyncio.get_running_loop().call_later(LINGER_S, self._transport.abort)
+
+    def drop(self) -> None:
+        """Close at once."""
+        self._is_closed = True
+        if self._transport is not None:
+            self._transport.abort()
+
+    # ---------------------------------------------------------------- what the event loop calls
+
+    def connection_made(self, transport: Any) -> None:
+        self._transport = transport
+        transport.pause_reading()
+        # Any byte that waits counts as unsent; `resume_writing` comes when none does.
+        transport.set_write_buffer_limits(high=0)
+        raw = transport.get_extra_info("socket")
+        if raw is not None:
+            raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        return memoryview(self._buffer)[: max(1, min(self._room, READ_BYTES))]
+
+    def buffer_updated(self, nbytes: int) -> None:
+        if self._is_closed:
+            return
+        self._post([ChannelData(self._number, bytes(self._buffer[:nbytes]))])
+        self._room -= nbytes
+        self._read_or_not()
+
+    def resume_writing(self) -> None:
+        if self._unsent and not self._is_closed:
+            self._post([ChannelCredit(self._number, self._unsent)])
+        self._unsent = 0
+
+    def eof_received(self) -> bool:
+        return False
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        if not self._is_closed:
+            self._is_closed = True
+            self._forget(self._number)
+            self._post([ChannelClosed(self._number, reason_of(exc) if exc else "")])
+
+    def _read_or_not(self) -> None:
+        transport = self._transport
+        if transport is None or transport.is_closing():
+            return
+        wants = self._is_started and self._room > 0
+        if wants != self._is_reading:
+            self._is_reading = wants
+            if wants:
+                transport.resume_reading()
+            else:
+                transport.pause_reading()
+
+
+def reason_of(error: BaseException) -> str:
+    """Why a connection failed, in a few words."""
+    return str(getattr(error, "strerror", None) or str(error) or type(error).__name__)

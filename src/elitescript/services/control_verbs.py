@@ -1,0 +1,231 @@
+"""What `elitescript ctl` can ask of a served robot: one row for each verb.
+
+A verb is what a person beside the robot does: it is not bound to remote control. Where the dashboard has the same
+command, the verb is that command, with its refusals and the robot's own answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from typing import Any, Final, NamedTuple
+
+from elitescript.controller.signal_view import signal_write
+from elitescript.errors import UsageError
+from elitescript.messages.inputs import Do, Input
+from elitescript.messages.machine import AskSafety, ResumeTask, SetSpeedScale, WriteSignal
+from elitescript.messages.outputs import Output
+from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
+from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.protocol.dashboard import find_row
+from elitescript.protocol.dashboard_answers import Answer, Asked
+from elitescript.protocol.outcomes import read_outcome
+
+
+class Order(NamedTuple):
+    """What a verb does."""
+
+    inputs: tuple[Input, ...] = ()
+    text: str = ""
+    """Said when it is done."""
+    failure: str = ""
+    """If not empty the robot answers, and this begins the text of its refusal."""
+
+
+class Request(NamedTuple):
+    """What was asked, with the robot it is about."""
+
+    origin: str
+    arguments: tuple[str, ...]
+    values: Mapping[str, Value]
+    """Of `set`: values by name."""
+    snapshot: Snapshot
+    description: RobotDescription
+
+
+class Verb(NamedTuple):
+    """One row."""
+
+    name: str
+    argument: str
+    """As usage texts call it; empty for none, in brackets if it may be left out."""
+    summary: str
+    order: Callable[[Request], Order] | None = None
+    """None if it only reads, see `tell`."""
+    tell: Callable[[Request, Output], dict[str, Any]] | None = None
+    """What it shows, from the tick at which it is done."""
+
+    @property
+    def usage(self) -> str:
+        """How it is written."""
+        return f"{self.name} {self.argument}".strip()
+
+
+def outcome_text(order: Order, answer: str) -> str:
+    """What to say after the robot's own answer to an order.
+
+    Raises:
+        UsageError: the robot refuses.
+    """
+    outcome = read_outcome(answer)
+    if not outcome.is_done:
+        raise UsageError(f"{order.failure}: {outcome.detail}")
+    return order.text + outcome.detail
+
+
+def _as_dashboard(line: str) -> Callable[[Request], Order]:
+    def order(request: Request) -> Order:
+        return _dashboard_order(line, request)
+
+    return order
+
+
+def _dashboard_order(line: str, request: Request) -> Order:
+    found = find_row(line)
+    if isinstance(found, str):
+        raise UsageError(found)
+    row, argument = found
+    if row.guard is not None and (refusal := row.guard._replace(is_remote_only=False).refusal(request.snapshot)):
+        raise UsageError(refusal)
+    answer: Answer = row.answer(Asked(request.origin, argument, request.snapshot, request.description))
+    if not answer.inputs and answer.text.startswith("Failed"):
+        raise UsageError(answer.text)
+    return Order(answer.inputs, answer.text, answer.failure)
+
+
+def _set(request: Request) -> Order:
+    if not request.values:
+        raise UsageError("set needs NAME=VALUE")
+    writes = [signal_write(name, value) for name, value in request.values.items()]
+    names = ", ".join(f"{name}={value}" for name, value in request.values.items())
+    return Order(tuple(Do(request.origin, write) for write in writes), names)
+
+
+def _press(name: str, level: bool, text: str) -> Callable[[Request], Order]:
+    def order(request: Request) -> Order:
+        return Order((Do(request.origin, WriteSignal(name, 0, level)),), text)
+
+    return order
+
+
+def _safeguard(request: Request) -> Order:
+    is_open = {"open": True, "closed": False, "": True}.get(" ".join(request.arguments))
+    if is_open is None:
+        raise UsageError("safeguard takes open or closed")
+    text = "safeguard open" if is_open else "safeguard closed"
+    return Order((Do(request.origin, WriteSignal("safeguard_stop", 0, is_open)),), text)
+
+
+def _protective(request: Request) -> Order:
+    reason = " ".join(request.arguments) or "asked for by ctl"
+    return Order((Do(request.origin, AskSafety("stop_protectively", reason)),), "protective stop")
+
+
+def _power(request: Request) -> Order:
+    word = " ".join(request.arguments)
+    if word not in ("on", "off"):
+        raise UsageError("power takes on or off")
+    return _dashboard_order(f"robotControl -{word}", request)
+
+
+def _play(request: Request) -> Order:
+    return _dashboard_order("play", request)
+
+
+def _load(request: Request) -> Order:
+    return _dashboard_order(f"task -p {' '.join(request.arguments)}", request)
+
+
+def _resume(request: Request) -> Order:
+    return Order((Do(request.origin, ResumeTask()),), "resuming")
+
+
+def _speed(request: Request) -> Order:
+    text = " ".join(request.arguments)
+    try:
+        fraction = float(text)
+    except ValueError:
+        raise UsageError(f"speed takes a fraction from 0 to 1, not {text!r}") from None
+    if not 0.0 <= fraction <= 1.0:
+        raise UsageError(f"speed takes a fraction from 0 to 1, not {fraction:g}")
+    return Order((Do(request.origin, SetSpeedScale(fraction)),), f"speed {fraction:g}")
+
+
+def _popup(request: Request) -> Order:
+    if request.arguments not in (("confirm",), ()):
+        raise UsageError("popup takes confirm")
+    if not request.snapshot.popup:
+        raise UsageError("no message window is open")
+    return _dashboard_order("popup -c", request)
+
+
+def _control(word: str) -> Callable[[Request], Order]:
+    return _as_dashboard(f"remoteControl -{word}")
+
+
+def _values(request: Request, output: Output) -> dict[str, Any]:
+    image = output.snapshot.signals
+    if not request.arguments:
+        return {
+            signal_name(row, index): value
+            for row in SIGNALS.values()
+            for index, value in enumerate(image[row.name])
+            if value != row.default
+        }
+    found: dict[str, Any] = {}
+    for name in request.arguments:
+        family = SIGNALS.get(name)
+        if family is not None:
+            found |= {signal_name(family, index): value for index, value in enumerate(image[family.name])}
+        else:
+            row, index = parse_signal_name(name)
+            found[signal_name(row, index)] = image[row.name][index]
+    return found
+
+
+def _state(request: Request, output: Output) -> dict[str, Any]:
+    snapshot, robot = output.snapshot, output.snapshot.robot
+    return {
+        "model": request.description.model,
+        "tick": output.tick,
+        "time_s": robot.time_s,
+        "robot_mode": robot.robot_mode.name,
+        "safety_mode": robot.safety_mode.name,
+        "task_state": robot.task_state.name,
+        "line": robot.line,
+        "joints": robot.q_actual,
+        "tcp_pose": robot.tcp_pose_actual,
+        "is_moving": robot.is_moving,
+        "speed": robot.speed_scale,
+        "remote": snapshot.is_remote,
+        "popup": snapshot.popup,
+        "task": asdict(snapshot.task),
+        "overruns": snapshot.overruns,
+    }
+
+
+_ROWS: Final = (
+    Verb("state", "", "Modes, task, joints, late ticks.", tell=_state),
+    Verb("get", "[NAME...]", "Values of signals; all that are not at their default.", tell=_values),
+    Verb("set", "NAME=VALUE...", "Set signals, inputs above all.", _set),
+    Verb("estop", "", "Press the emergency stop.", _press("emergency_stop", True, "emergency stop pressed")),
+    Verb("release", "", "Release the emergency stop.", _press("emergency_stop", False, "emergency stop released")),
+    Verb("safeguard", "[open|closed]", "Open or close the safeguard.", _safeguard),
+    Verb("protective", "[REASON]", "Stop protectively.", _protective),
+    Verb("unlock", "", "End a protective stop.", _as_dashboard("unlockProtectiveStop")),
+    Verb("power", "on|off", "Power of the arm.", _power),
+    Verb("brakes", "", "Release the brakes.", _as_dashboard("brakeRelease")),
+    Verb("load", "TASK", "Load a task of the task folder.", _load),
+    Verb("play", "", "Start the loaded task, or go on with a paused one.", _play),
+    Verb("pause", "", "Pause the task.", _as_dashboard("pause")),
+    Verb("resume", "", "Go on with a paused task or program.", _resume),
+    Verb("stop", "", "Stop the task or program.", _as_dashboard("stop")),
+    Verb("popup", "confirm", "Confirm the message window that is open.", _popup),
+    Verb("speed", "0..1", "Speed slider as a fraction.", _speed),
+    Verb("remote", "", "Switch to remote control.", _control("on")),
+    Verb("local", "", "Switch to local control: clients may only look.", _control("off")),
+    Verb("ports", "", "Every port, and who is connected."),
+)
+
+VERBS: Final[dict[str, Verb]] = {row.name: row for row in _ROWS}
+"""All verbs by name, in the order in which they are shown."""

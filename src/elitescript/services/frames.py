@@ -1,0 +1,134 @@
+"""Messages between a serving process and its child: a length, a letter, a JSON text.
+
+Length (4 bytes, big-endian) counts letter and text. What is longer than `DOWN_MAX` or `UP_MAX` ends the connection:
+nobody here says so much.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.messages.shapes import CodecError
+
+DOWN_MAX: Final = 32 * 1024 * 1024
+UP_MAX: Final = 8 * 1024 * 1024
+"""Less, because reading it takes the time of everybody who is served."""
+_LENGTH: Final = struct.Struct(">I")
+
+# Down.
+LOCK_IN: Final = "L"
+"""`[is_jailed, memory_max]`: the child locks itself in and says `LOCKED_IN`."""
+BEGIN: Final = "B"
+"""A configuration: the child makes its robot and says `DESCRIBED`."""
+TICK: Final = "T"
+"""Inputs; the child says `OUTPUT`."""
+ANSWER: Final = "A"
+"""Answer to a `QUESTION`."""
+
+# Up.
+LOCKED_IN: Final = "L"
+"""The layers of the jail."""
+DESCRIBED: Final = "D"
+"""The robot's description."""
+OUTPUT: Final = "O"
+"""What the robot says after a tick."""
+QUESTION: Final = "Q"
+"""Something about files, in the middle of a tick."""
+FAILED: Final = "F"
+"""`[kind, text]`: why the child ends."""
+
+
+def frame(letter: str, text: str, limit: int = DOWN_MAX) -> bytes:
+    """The bytes of one message.
+
+    Raises:
+        CodecError: it is too long.
+    """
+    body = (letter + text).encode()
+    if len(body) > limit:
+        raise CodecError(f"a message of {len(body)} bytes; at most {limit} are sent")
+    return _LENGTH.pack(len(body)) + body
+
+
+class FrameReader:
+    """Cuts messages out of the bytes that arrive.
+
+    Args:
+        limit: bytes of a message.
+    """
+
+    __slots__ = ("_buffer", "_limit")
+
+    def __init__(self, limit: int = DOWN_MAX) -> None:
+        self._buffer = bytearray()
+        self._limit = limit
+
+    def feed(self, data: bytes) -> Iterator[tuple[str, bytes]]:
+        """The messages that are complete now: letter and text.
+
+        Raises:
+            CodecError: a length that is none.
+        """
+        buffer = self._buffer
+        buffer += data
+        at = 0
+        while len(buffer) - at >= _LENGTH.size:
+            (length,) = _LENGTH.unpack_from(buffer, at)
+            if not 1 <= length <= self._limit:
+                raise CodecError(f"a message of {length} bytes; there are 1 to {self._limit}")
+            end = at + _LENGTH.size + length
+            if len(buffer) < end:
+                break
+            body = bytes(buffer[at + _LENGTH.size : end])
+            at = end
+            yield chr(body[0]), body[1:]
+        del buffer[:at]
+
+
+class BlockingLine:
+    """The child's end: one message at a time.
+
+    Args:
+        descriptor: of the connected socket.
+    """
+
+    __slots__ = ("_descriptor", "_messages", "_reader")
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+        self._reader = FrameReader()
+        self._messages: list[tuple[str, bytes]] = []
+
+    def send(self, letter: str, text: str) -> None:
+        """Send a message; waits until it is on its way."""
+        data = memoryview(frame(letter, text, UP_MAX))
+        while data:
+            data = data[os.write(self._descriptor, data) :]
+
+    def receive(self) -> tuple[str, bytes]:
+        """The next message.
+
+        Raises:
+            EOFError: the other end has gone.
+        """
+        while not self._messages:
+            data = os.read(self._descriptor, 1 << 18)
+            if not data:
+                raise EOFError
+            self._messages += self._reader.feed(data)
+        return self._messages.pop(0)
+
+    def receive_answer(self, letter: str) -> bytes:
+        """The text of the next message with that letter; others wait their turn."""
+        waiting: list[tuple[str, bytes]] = []
+        try:
+            while True:
+                found, text = self.receive()
+                if found == letter:
+                    return text
+                waiting.append((found, text))
+        finally:
+            self._messages[:0] = waiting

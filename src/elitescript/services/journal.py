@@ -1,0 +1,230 @@
+"""A session as a file: everything that came in from outside, tick by tick, so that it can be played again.
+
+One JSON text a line:
+
+    {"journal": 1, "version": ..., "python": ..., "hash_seed": ..., "config": [...]}
+    {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
+    {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
+                                                   the last such line, 8 digits each
+    {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from that picture
+    {"end": 2000}                                  the session ended before that tick
+
+Every line is written at once, so what a killed process leaves behind lacks at most the end of its last line.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from collections.abc import Iterator, Sequence
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any, BinaryIO, Final
+from zlib import crc32
+
+from elitescript import __version__
+from elitescript.errors import UsageError
+from elitescript.kernel import KernelConfig
+from elitescript.messages.codec import Codec, to_text
+from elitescript.messages.events import Warned
+from elitescript.messages.inputs import Input
+from elitescript.messages.outputs import Output
+from elitescript.messages.shapes import CodecError
+from elitescript.messages.snapshot import Snapshot
+from elitescript.services.config_codec import full_codec, output_text
+
+FORMAT: Final = 1
+DIGEST_TICKS: Final = 250
+"""Ticks between two digests, one second."""
+LINE_MAX: Final = 64 * 1024 * 1024
+
+
+class Digest:
+    """What a robot has said: a running hash, and a check sum for each tick since the last mark."""
+
+    __slots__ = ("_hash", "sums")
+
+    def __init__(self) -> None:
+        self._hash = blake2b(digest_size=16)
+        self.sums: list[str] = []
+
+    def add(self, text: bytes) -> None:
+        """Count an output, as its JSON text."""
+        self._hash.update(text)
+        self.sums.append(f"{crc32(text):08x}")
+
+    def mark(self) -> tuple[str, str]:
+        """The hash of everything so far, and the check sums since the last mark."""
+        sums, self.sums = "".join(self.sums), []
+        return self._hash.hexdigest(), sums
+
+
+class Journal:
+    """Writes a session down.
+
+    Args:
+        path: the file; one that is there is replaced.
+        config: of the robot.
+
+    Attributes:
+        failure: why nothing more is written; empty while all is well.
+
+    Raises:
+        UsageError: the file cannot be written.
+    """
+
+    __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_told", "_last_tick", "_output", "failure")
+
+    def __init__(self, path: Path, config: KernelConfig) -> None:
+        self._codec = full_codec()
+        self._inputs = self._codec.shape(Input)
+        self._output = self._codec.shape(Output)
+        self._digest = Digest()
+        self._last_tick = config.first_tick - 1
+        self.failure = ""
+        self._is_told = False
+        try:
+            self._file: BinaryIO | None = path.open("wb", buffering=0)
+        except OSError as error:
+            raise UsageError(f"--journal {path}: {error.strerror or error}") from error
+        self._write(
+            {
+                "journal": FORMAT,
+                "version": __version__,
+                "python": platform.python_version(),
+                "hash_seed": os.environ.get("PYTHONHASHSEED", "random"),
+                "config": self._codec.shape(KernelConfig).encode(config),
+            }
+        )
+
+    def tick(self, tick: int, inputs: Sequence[Input], answers: Sequence[Any], output: Output | bytes) -> None:
+        """A tick is over.
+
+        Args:
+            tick: its number.
+            inputs: what it was given.
+            answers: what was said of files in it.
+            output: what it gave, or the JSON text of it.
+        """
+        if self._file is None:
+            return
+        if inputs or answers:
+            record: dict[str, Any] = {"tick": tick, "in": [self._inputs.encode(item) for item in inputs]}
+            if answers:
+                record["asked"] = list(answers)
+            self._write(record)
+        text = output if isinstance(output, bytes) else output_text(self._output, output).encode()
+        self._digest.add(text)
+        self._last_tick = tick
+        if len(self._digest.sums) >= DIGEST_TICKS:
+            self._mark()
+
+    def restart(self, tick: int, reason: str, last: Snapshot, lost: Sequence[Input] = ()) -> None:
+        """A new robot goes on at `tick` from the last picture of the old one; `lost` is what the old one died of."""
+        self._mark()
+        state = self._codec.shape(Snapshot).encode(last)
+        self._write(
+            {
+                "restart": tick,
+                "reason": reason,
+                "state": state,
+                "lost": [self._inputs.encode(item) for item in lost],
+            }
+        )
+
+    def take_warning(self, tick: int) -> tuple[Warned, ...]:
+        """That nothing more is written, once."""
+        if not self.failure or self._is_told:
+            return ()
+        self._is_told = True
+        return (Warned(tick, f"the journal ends here, it cannot be written: {self.failure}"),)
+
+    def close(self) -> None:
+        """The session is over."""
+        if self._file is not None:
+            self._mark()
+            self._write({"end": self._last_tick + 1})
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def _mark(self) -> None:
+        if self._digest.sums:
+            total, sums = self._digest.mark()
+            self._write({"digest": self._last_tick, "hash": total, "ticks": sums})
+
+    def _write(self, record: dict[str, Any]) -> None:
+        if self._file is None:
+            return
+        try:
+            data = memoryview(to_text(record).encode() + b"\n")
+            while data:
+                data = data[self._file.write(data) :]
+        except OSError as error:
+            # A full disk ends the journal, not the session.
+            self.failure = error.strerror or str(error)
+            self._file.close()
+            self._file = None
+
+
+class JournalReader:
+    """Reads a journal, line by line.
+
+    Args:
+        path: the file.
+
+    Attributes:
+        config: of the robot at the start.
+        header: the first line.
+        note: what is wrong with the end of the file; empty if nothing is.
+
+    Raises:
+        UsageError: no journal, or one of another format.
+    """
+
+    __slots__ = ("_codec", "_path", "config", "header", "note")
+
+    def __init__(self, path: Path) -> None:
+        self._codec: Codec = full_codec()
+        self._path = path
+        self.note = ""
+        try:
+            with path.open("rb") as file:
+                first = file.readline(LINE_MAX)
+        except OSError as error:
+            raise UsageError(f"{path}: {error.strerror or error}") from error
+        try:
+            self.header: dict[str, Any] = json.loads(first)
+            if self.header["journal"] != FORMAT:
+                raise UsageError(f"{path}: a journal of format {self.header['journal']!r}; {FORMAT} is known")
+            self.config = self._codec.shape(KernelConfig).decode(self.header["config"])
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
+            raise UsageError(f"{path} is no journal of this program") from error
+        except CodecError as error:
+            raise UsageError(f"{path}: line 1: {error}") from error
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Every line but the first, with inputs and pictures decoded.
+
+        Raises:
+            UsageError: a line in the middle that is none.
+        """
+        inputs, picture = self._codec.shape(Input), self._codec.shape(Snapshot)
+        with self._path.open("rb") as file:
+            file.readline(LINE_MAX)
+            for number, line in enumerate(file, 2):
+                if not line.endswith(b"\n"):
+                    self.note = f"line {number} is not complete and was left out: the session ended in the middle of it"
+                    return
+                try:
+                    record = json.loads(line)
+                    if type(record) is not dict:
+                        raise CodecError("no record")
+                    if "in" in record:
+                        record["in"] = [inputs.decode(item) for item in record["in"]]
+                    if "state" in record:
+                        record["state"] = picture.decode(record["state"])
+                except (ValueError, TypeError, RecursionError, CodecError) as error:
+                    raise UsageError(f"{self._path}: line {number}: {error}") from None
+                yield record

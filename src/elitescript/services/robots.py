@@ -1,0 +1,80 @@
+"""Which way to a robot a `serve` takes: a jailed child, a child, or none at all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from elitescript.errors import ElitescriptError
+from elitescript.kernel import Kernel, KernelConfig
+from elitescript.messages.inputs import Input
+from elitescript.messages.outputs import Output
+from elitescript.runtime.world import Files
+from elitescript.services.child_link import ChildLink
+from elitescript.services.jail import Layer
+from elitescript.services.journal import Journal
+from elitescript.services.replay import RecordedRobot
+from elitescript.services.robot_link import InProcessLink, RobotLink
+from elitescript.worlds.memory import MemoryFiles
+from elitescript.worlds.real import RealFiles
+from elitescript.worlds.request_channels import RequestWorld
+
+
+def robot_link(
+    config: KernelConfig, *, task_dir: Path | None, in_process: bool, is_jailed: bool, journal: Path | None
+) -> RobotLink:
+    """The way to one robot.
+
+    Args:
+        config: of the robot.
+        task_dir: its task folder; an empty one in memory if None.
+        in_process: keep it in this process.
+        is_jailed: lock its process in.
+        journal: file to write the session to.
+
+    Raises:
+        UsageError: the journal cannot be written.
+    """
+    files: Files = MemoryFiles({}) if task_dir is None else RealFiles(task_dir.resolve())
+    record = None if journal is None else Journal(journal, config)
+    if not in_process:
+        return ChildLink(config, files=files, is_jailed=is_jailed, journal=record)
+    if record is None:
+        return InProcessLink(Kernel(config, RequestWorld(files)))
+    return _RecordedLink(RecordedRobot(config, files, record), record)
+
+
+def journal_path(path: Path, index: int) -> Path:
+    """The journal of one of several robots: `day.journal`, `day.1.journal`, `day.2.journal`, ..."""
+    return path if index == 0 else path.with_name(f"{path.stem}.{index}{path.suffix}")
+
+
+async def probe_jail() -> tuple[tuple[Layer, ...], str]:
+    """The layers that a child finds here, and what went wrong with it if something did."""
+    link = ChildLink(KernelConfig())
+    try:
+        await link.open()
+    except ElitescriptError as error:
+        return link.layers, str(error)
+    finally:
+        await link.close()
+    return link.layers, ""
+
+
+class _RecordedLink(InProcessLink):
+    """A robot in this process with a journal."""
+
+    __slots__ = ("_journal",)
+
+    def __init__(self, robot: RecordedRobot, journal: Journal) -> None:
+        super().__init__(robot)
+        self._journal = journal
+
+    async def tick(self, inputs: Sequence[Input]) -> Output:
+        output = self.robot.tick(inputs)
+        warning = self._journal.take_warning(output.tick)
+        return replace(output, events=(*output.events, *warning)) if warning else output
+
+    async def close(self) -> None:
+        self._journal.close()

@@ -1,0 +1,91 @@
+"""`serve`: several robots in one process, opened and closed as one."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from elitescript.services.control import ControlChannel
+from elitescript.services.station import Station
+
+LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1", "ip6-localhost"})
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this computer reaches a server at this address."""
+    return host in LOOPBACK or (host.startswith("127.") and host.count(".") == 3)
+
+
+class Server:
+    """All robots of one `serve`.
+
+    Args:
+        stations: the robots.
+        host: address to serve at.
+        numbers: of each robot, its port for each service; 0 takes a free one.
+        instance: of the first robot; the control channel of each is found by its instance.
+    """
+
+    __slots__ = ("_controls", "_host", "_instance", "_numbers", "stations")
+
+    def __init__(
+        self, stations: Sequence[Station], host: str, numbers: Sequence[Mapping[str, int]], instance: int
+    ) -> None:
+        self.stations = tuple(stations)
+        self._host = host
+        self._numbers = tuple(numbers)
+        self._instance = instance
+        self._controls: list[ControlChannel] = []
+
+    async def open(self) -> None:
+        """Bring the robots up, take every port, then accept clients on all of them.
+
+        Raises:
+            UsageError: a port cannot be had. Then nothing is open.
+        """
+        try:
+            for station in self.stations:
+                await station.boot()
+            for station, numbers in zip(self.stations, self._numbers, strict=True):
+                station.bind(self._host, numbers)
+            for index, station in enumerate(self.stations):
+                control = ControlChannel(station, self._instance + index)
+                await control.open()
+                self._controls.append(control)
+            for station in self.stations:
+                await station.open()
+        except BaseException:
+            await self.close()
+            raise
+
+    @property
+    def control_addresses(self) -> tuple[str, ...]:
+        """Where `ctl` finds each robot."""
+        return tuple(control.address for control in self._controls)
+
+    async def run(self, stop: asyncio.Event) -> None:
+        """Serve until `stop` is set.
+
+        Raises:
+            Exception: whatever ended a robot's time.
+        """
+        stopped = asyncio.get_running_loop().create_task(stop.wait())
+        try:
+            done, _ = await asyncio.wait(
+                [stopped, *(station.task for station in self.stations)], return_when=asyncio.FIRST_COMPLETED
+            )
+            for task in done:
+                await task
+        finally:
+            stopped.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await stopped
+
+    async def close(self) -> None:
+        """Close every port, let every client and robot go; also what is only half open."""
+        for control in self._controls:
+            await control.close()
+        for station in self.stations:
+            await station.close()

@@ -1,0 +1,303 @@
+"""One served robot: its ports, its clients, its time.
+
+A tick takes what clients and peers have sent since the last one, gives it to the robot, and passes what the robot says
+on to everybody. Nothing here depends on who asked or how the robot is reached.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+from elitescript.errors import UsageError
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import Event
+from elitescript.messages.inputs import Input
+from elitescript.messages.outputs import Output
+from elitescript.messages.timing import PERIOD_S
+from elitescript.services.broker import Broker
+from elitescript.services.cycle import Cycle
+from elitescript.services.lockstep import Gate, gate
+from elitescript.services.robot_link import RobotLink
+from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
+from elitescript.services.tcp import Listener, bind
+
+RTSI: Final = "rtsi"
+PENDING_MAX: Final = 10_000
+"""Inputs that may wait while time stands still."""
+BUSY_STEPS: Final = 64
+"""Ticks in lockstep after which everybody else is served."""
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A line of the log of a `serve`: something about a client, a port or time."""
+
+    robot: str
+    kind: str
+    text: str
+    is_problem: bool
+    details: Mapping[str, Any] = field(default_factory=dict)
+
+
+Listen = Callable[["Station", Event | Note], None]
+
+
+class Station:
+    """One robot and everybody who talks to it.
+
+    Args:
+        name: tells it from the other robots of this `serve`.
+        link: the way to the robot.
+        is_lockstep: time waits for RTSI clients; see `services.lockstep`.
+        listen: hears every event of the robot and every note; must not block.
+    """
+
+    __slots__ = (
+        "_cycle",
+        "_is_lockstep",
+        "_is_standing",
+        "_listen",
+        "_news",
+        "_pending",
+        "_relief",
+        "_stepped",
+        "_task",
+        "broker",
+        "link",
+        "listeners",
+        "name",
+        "output",
+        "reading_ns",
+        "waits_for",
+    )
+
+    def __init__(self, name: str, link: RobotLink, listen: Listen, *, is_lockstep: bool = False) -> None:
+        self.name = name
+        self.link = link
+        self.listeners: dict[str, Listener] = {}
+        self.broker = Broker(self.post)
+        self.output: Output
+        self.reading_ns = 0
+        self.waits_for = ""
+        """Origin of the client that time waits for in lockstep."""
+        self._listen = listen
+        self._is_lockstep = is_lockstep
+        self._is_standing = False
+        self._pending: list[Input] = []
+        self._relief: asyncio.TimerHandle | None = None
+        self._news = asyncio.Event()
+        self._stepped: list[asyncio.Future[Output]] = []
+        self._cycle: Cycle | None = None
+        self._task: asyncio.Task[None] | None = None
+
+    # ---------------------------------------------------------------- what clients call
+
+    def post(self, inputs: list[Input]) -> None:
+        """Take inputs for the next tick."""
+        self._pending += inputs
+
+    def wake(self) -> None:
+        """Something has changed that time may have waited for."""
+        if not self._is_standing:
+            return
+        tick_now = getattr(self.link, "tick_now", None)
+        if tick_now is None or not self._gate().is_open:
+            self._news.set()
+            return
+        # The shortest way from a client's answer to its next package: no turn of the event loop in between.
+        self._pass_on(tick_now(self._taken()))
+        found = self._gate()
+        self.waits_for = found.waits_for
+        if found.is_open:
+            self._news.set()
+
+    def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
+        """A line for the log."""
+        self._listen(self, Note(self.name, kind, text, is_problem, details))
+
+    async def next_output(self) -> Output:
+        """What the robot says at its next tick."""
+        waiter: asyncio.Future[Output] = asyncio.get_running_loop().create_future()
+        self._stepped.append(waiter)
+        return await waiter
+
+    @property
+    def overruns(self) -> int:
+        """Ticks that began late."""
+        return 0 if self._cycle is None else self._cycle.overruns
+
+    @property
+    def left_out(self) -> int:
+        """Ticks that never were because the computer was away."""
+        return 0 if self._cycle is None else self._cycle.left_out
+
+    @property
+    def ports(self) -> dict[str, int]:
+        """Number of every open port by name."""
+        return {name: listener.number for name, listener in self.listeners.items()}
+
+    # ---------------------------------------------------------------- life
+
+    def bind(self, host: str, numbers: Mapping[str, int]) -> None:
+        """Take all ports, or none; clients that connect wait until `open`.
+
+        The robot's link must be open.
+
+        Raises:
+            UsageError: a port cannot be had.
+        """
+        try:
+            for service in SERVICES:
+                number = numbers[service.name]
+                try:
+                    bound = bind(host, number)
+                except OSError as error:
+                    raise UsageError(_why_not(service.name, host, number, error)) from error
+                connect = service.open(self.link.description)
+                self.listeners[service.name] = Listener(service, self, connect, bound)
+        except BaseException:
+            for listener in self.listeners.values():
+                listener.release()
+            self.listeners.clear()
+            raise
+
+    async def boot(self) -> None:
+        """Bring the robot up, with one tick, so that there is something to show."""
+        await self.link.open()
+        self.output = await self.link.tick(())
+        self.broker.carry_out(self.output.requests)
+
+    async def open(self) -> None:
+        """Accept clients, and let time pass from now on."""
+        for listener in self.listeners.values():
+            await listener.open()
+        self._hear(self.output)
+        self._cycle = Cycle(on_left_out=self._left_out)
+        run = self._run_in_lockstep() if self._is_lockstep else self._run_paced()
+        self._task = asyncio.get_running_loop().create_task(run)
+
+    @property
+    def task(self) -> asyncio.Task[None]:
+        """What passes time; it ends only by a failure."""
+        if self._task is None:
+            raise UsageError("the robot is not served yet")
+        return self._task
+
+    async def close(self) -> None:
+        """Stop time, let clients, peers and the robot go."""
+        if self._task is not None:
+            self._task.cancel()
+            with contextlib.suppress(asyncio.CancelledError, Exception):
+                await self._task
+        if self._relief is not None:
+            self._relief.cancel()
+        for listener in self.listeners.values():
+            await listener.close()
+        self.broker.close_all()
+        for waiter in self._stepped:
+            waiter.cancel()
+        if self._cycle is not None:
+            self._cycle.close()
+        await self.link.close()
+
+    # ---------------------------------------------------------------- time
+
+    async def _run_paced(self) -> None:
+        cycle = self._cycle
+        assert cycle is not None
+        while True:
+            await cycle.next()
+            await self.step()
+
+    async def _run_in_lockstep(self) -> None:
+        cycle = self._cycle
+        assert cycle is not None
+        steps = 0
+        self._relieve()
+        while True:
+            found = self._gate()
+            self.waits_for = found.waits_for
+            if not found.has_participants:
+                await cycle.next()
+                if not self._gate().has_participants:
+                    await self.step()
+                continue
+            cycle.restart()
+            if found.is_open:
+                await self.step()
+                steps += 1
+                if steps % BUSY_STEPS == 0:
+                    await asyncio.sleep(0)
+            else:
+                self._news.clear()
+                self._is_standing = True
+                try:
+                    await self._news.wait()
+                finally:
+                    self._is_standing = False
+
+    def _relieve(self) -> None:
+        """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
+        self.reading_ns = 0
+        for listener in self.listeners.values():
+            for client in list(listener.clients.values()):
+                if len(self._pending) < PENDING_MAX or client.origin == self.waits_for:
+                    client.read_on()
+        self._relief = asyncio.get_running_loop().call_later(PERIOD_S, self._relieve)
+
+    def _gate(self) -> Gate:
+        return gate(self.listeners[RTSI].clients)
+
+    async def step(self) -> None:
+        """One tick."""
+        output = await self.link.tick(self._taken())
+        if self.overruns and not self._is_lockstep:
+            output = replace(output, snapshot=replace(output.snapshot, overruns=self.overruns))
+        self._pass_on(output)
+
+    def _taken(self) -> list[Input]:
+        inputs, self._pending = self._pending, []
+        return inputs
+
+    def _pass_on(self, output: Output) -> None:
+        """Give everybody what the robot has said."""
+        self.output = output
+        self.reading_ns = 0
+        for listener in self.listeners.values():
+            if listener.clients:
+                listener.publish(output)
+        self.broker.carry_out(output.requests)
+        self._hear(output)
+        if self._stepped:
+            waiters, self._stepped = self._stepped, []
+            for waiter in waiters:
+                if not waiter.done():
+                    waiter.set_result(output)
+
+    def _hear(self, output: Output) -> None:
+        for event in output.events:
+            self._listen(self, event)
+
+    def _left_out(self, ticks: int) -> None:
+        is_playing = self.output.snapshot.robot.task_state is TaskState.PLAYING
+        text = f"the computer was away for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
+        self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
+
+
+def _why_not(name: str, host: str, number: int, error: OSError) -> str:
+    import errno
+
+    if error.errno == errno.EADDRINUSE:
+        return (
+            f"port {number} ({name}) is in use: another controller or `elitescript serve` has it. Stop that one, move "
+            f"all ports by {PORTS_PER_INSTANCE} with --instance 1, or this one with --port {name}=NUMBER (0: any free)"
+        )
+    if error.errno == errno.EACCES:
+        return f"port {number} ({name}) may not be had by this user: choose one above 1023 with --port {name}=NUMBER"
+    if error.errno == errno.EADDRNOTAVAIL:
+        return f"--host {host}: this computer does not have that address"
+    return f"port {number} ({name}) at {host}: {error.strerror or error}"

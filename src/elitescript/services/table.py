@@ -1,0 +1,143 @@
+"""The table of services: every port that a robot serves, one row each.
+
+Options, the reference page, the pump and the `ready` line are derived from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Final, NamedTuple
+
+from elitescript.errors import UsageError
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.protocol import primary
+from elitescript.protocol.connection import Connection
+from elitescript.protocol.dashboard import DashboardConnection
+from elitescript.protocol.interpreter import InterpreterConnection
+from elitescript.protocol.primary import PrimaryConnection, PrimaryFeed, PrimaryPort
+from elitescript.protocol.primary_packets import ROBOT_STATE
+from elitescript.protocol.query import QueryConnection
+from elitescript.protocol.rtsi import RtsiConnection
+from elitescript.protocol.rtsi_recipes import DATA_PACKAGE, RtsiPort
+
+PORTS_PER_INSTANCE: Final = 100
+"""Ports of instance N lie this many times N higher."""
+PORT_MAX: Final = 65535
+INSTANCE_MAX: Final = 200
+
+Connect = Callable[[str], Connection]
+"""Makes the connection of one client from its origin."""
+
+
+class Service(NamedTuple):
+    """One port."""
+
+    name: str
+    """What `--port` calls it; origins begin with it."""
+    number: int
+    """Of instance 0."""
+    summary: str
+    evidence: str
+    open: Callable[[RobotDescription], Connect]
+    """Called once for each robot: makes what its clients share."""
+    is_sample: Callable[[bytes], bool]
+    """Whether a message is one of a stream, which a client that reads too slowly may miss."""
+    outlives_silence: bool
+    """Whether a client that has ended its own half of the connection still gets the stream."""
+
+
+def _open_primary(port: PrimaryPort, description: RobotDescription) -> Connect:
+    feed = PrimaryFeed(description, port)
+    return lambda origin: PrimaryConnection(origin, description, feed)
+
+
+def _open_rtsi(description: RobotDescription) -> Connect:
+    port = RtsiPort()
+    return lambda origin: RtsiConnection(origin, description, port)
+
+
+def _open_plain(kind: Callable[[str, RobotDescription], Connection], description: RobotDescription) -> Connect:
+    return lambda origin: kind(origin, description)
+
+
+def _is_robot_state(message: bytes) -> bool:
+    return message[4] == ROBOT_STATE
+
+
+def _is_data_package(message: bytes) -> bool:
+    return message[2] == DATA_PACKAGE
+
+
+def _is_never_a_sample(_message: bytes) -> bool:
+    return False
+
+
+def _primary_row(port: PrimaryPort) -> Service:
+    opener = partial(_open_primary, port)
+    return Service(port.name, port.number, port.summary, port.evidence, opener, _is_robot_state, outlives_silence=True)
+
+
+def _plain_row(
+    name: str, number: int, summary: str, evidence: str, kind: Callable[[str, RobotDescription], Connection]
+) -> Service:
+    opener = partial(_open_plain, kind)
+    return Service(name, number, summary, evidence, opener, _is_never_a_sample, outlives_silence=False)
+
+
+SERVICES: Final[tuple[Service, ...]] = (
+    _plain_row(
+        "dashboard",
+        29999,
+        "text commands: power, tasks, popups, state",
+        "vendor's client; documented",
+        DashboardConnection,
+    ),
+    *(_primary_row(port) for port in primary.PORTS),
+    Service(
+        "rtsi",
+        30004,
+        "typed variables both ways, up to 250 times a second",
+        "vendor's client; documented",
+        _open_rtsi,
+        _is_data_package,
+        outlives_silence=False,
+    ),
+    _plain_row(
+        "interpreter", 30020, "statements one at a time, firmware 2.11 and later", "documented", InterpreterConnection
+    ),
+    _plain_row("query", 40011, "single function calls and their values", "observed", QueryConnection),
+)
+
+NAMES: Final[tuple[str, ...]] = tuple(row.name for row in SERVICES)
+
+
+def port_numbers(instance: int, chosen: Mapping[str, int], *, robot: int = 0) -> dict[str, int]:
+    """The port of every service of one robot.
+
+    Args:
+        instance: moves every port that is not chosen.
+        chosen: numbers of the first robot by name; 0 lets the system choose a free one.
+        robot: which robot of a `serve` this is; each has the next instance.
+
+    Raises:
+        UsageError: an unknown name, a number out of range, or one port for two services.
+    """
+    if not 0 <= instance + robot <= INSTANCE_MAX:
+        raise UsageError(f"an instance is a number from 0 to {INSTANCE_MAX}, not {instance + robot}")
+    if unknown := chosen.keys() - set(NAMES):
+        raise UsageError(f"no service is called {min(unknown)!r}; there are {', '.join(NAMES)}")
+    numbers: dict[str, int] = {}
+    users: dict[int, str] = {}
+    for row in SERVICES:
+        number = row.number + PORTS_PER_INSTANCE * (instance + robot)
+        if row.name in chosen:
+            number = chosen[row.name] and chosen[row.name] + PORTS_PER_INSTANCE * robot
+        if not 0 <= number <= PORT_MAX:
+            raise UsageError(f"port {row.name} must be a number from 0 to {PORT_MAX}, not {number}")
+        if number in users:
+            raise UsageError(f"{users[number]} and {row.name} cannot have the same port {number}")
+        if number:
+            users[number] = row.name
+        numbers[row.name] = number
+    return numbers

@@ -1,0 +1,164 @@
+"""`serve` and `ctl` as processes: one controller for the whole module, on free ports."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from elitescript.cli.ctl import shown
+from elitescript.cli.main import main
+from elitescript.cli.serve import chosen_ports
+from elitescript.errors import UsageError
+
+SOURCE = Path(__file__).resolve().parent.parent.parent / "src"
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals")
+
+
+@pytest.fixture(scope="module")
+def place() -> Iterator[Path]:
+    with tempfile.TemporaryDirectory(prefix="es") as folder:
+        yield Path(folder)
+
+
+def start(place: Path, *options: str) -> subprocess.Popen[str]:
+    environment = {**os.environ, "PYTHONPATH": str(SOURCE), "XDG_RUNTIME_DIR": str(place), "PYTHONHASHSEED": "0"}
+    return subprocess.Popen(
+        [sys.executable, "-m", "elitescript", "serve", "--port", "all=0", *options],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+    )
+
+
+def line_with(process: subprocess.Popen[str], words: str) -> str:
+    assert process.stdout is not None
+    for line in process.stdout:
+        if words in line:
+            return line
+    assert process.stderr is not None
+    raise AssertionError(f"it ended without saying {words!r}: {process.stderr.read()}")
+
+
+def ports_in(ready: str) -> dict[str, int]:
+    return {name: int(number) for name, number in re.findall(r"(\w+) (\d+)", ready.split(": ", 1)[1])}
+
+
+def stop(process: subprocess.Popen[str], number: int = signal.SIGINT) -> tuple[int, str]:
+    process.send_signal(number)
+    out, err = process.communicate(timeout=20)
+    assert "Traceback" not in err
+    return process.returncode, out
+
+
+@pytest.fixture(scope="module")
+def served(place: Path) -> Iterator[tuple[subprocess.Popen[str], dict[str, int]]]:
+    process = start(place, "--in-process", "--power-on")
+    ready = line_with(process, "ready")
+    assert ready.startswith("ready on 127.0.0.1: CS66: ")
+    yield process, ports_in(ready)
+    code, out = stop(process)
+    assert code == 0
+    assert out.endswith("stopped\n")
+
+
+def ctl(
+    place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: str
+) -> tuple[int, str]:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(place))
+    code = main(["ctl", *words])
+    captured = capsys.readouterr()
+    return code, captured.out + captured.err
+
+
+def test_programs_that_come_in_are_heard_on_the_terminal(served: Any) -> None:
+    process, ports = served
+    with socket.create_connection(("127.0.0.1", ports["primary"])) as peer:
+        peer.sendall(b'def hello():\n  textmsg("it works: ", get_standard_digital_in(3))\nend\n')
+        assert "it works: False" in line_with(process, "it works")
+
+
+def test_ctl_sets_an_input_that_a_program_sees(served: Any, place: Path, monkeypatch: Any, capsys: Any) -> None:
+    process, ports = served
+    assert ctl(place, monkeypatch, capsys, "set", "standard_digital_in[5]=true") == (0, "standard_digital_in[5]=True\n")
+    assert ctl(place, monkeypatch, capsys, "get") == (0, "standard_digital_in[5] = true\n")
+    with socket.create_connection(("127.0.0.1", ports["primary"])) as peer:
+        peer.sendall(b'def p():\n  textmsg("input: ", get_standard_digital_in(5))\nend\n')
+        assert "input: True" in line_with(process, "input: ")
+
+
+def test_ctl_speaks_json(served: Any, place: Path, monkeypatch: Any, capsys: Any) -> None:
+    code, text = ctl(place, monkeypatch, capsys, "--json", "state")
+    assert code == 0
+    assert json.loads(text)["result"]["robot_mode"] == "RUNNING"
+
+
+def test_ctl_exits_with_1_when_refused_and_with_2_when_misused(
+    served: Any, place: Path, monkeypatch: Any, capsys: Any
+) -> None:
+    assert ctl(place, monkeypatch, capsys, "popup", "confirm") == (1, "elitescript ctl: no message window is open\n")
+    assert ctl(place, monkeypatch, capsys, "dance")[0] == 2
+    assert ctl(place, monkeypatch, capsys, "state", "please")[0] == 2
+    assert ctl(place, monkeypatch, capsys, "--instance", "9", "state")[0] == 2
+
+
+def test_several_robots_have_their_own_ports_and_end_with_sigterm(place: Path) -> None:
+    process = start(place, "--in-process", "--json", "--robot", "CS63", "--robot", "CS612", "--instance", "4")
+    record = json.loads(line_with(process, '"ready"'))
+    assert [robot["model"] for robot in record["robots"]] == ["CS63", "CS612"]
+    numbers = [number for robot in record["robots"] for number in robot["ports"].values()]
+    assert len(set(numbers)) == 16
+    for robot in record["robots"]:
+        with socket.create_connection(("127.0.0.1", robot["ports"]["dashboard"])) as peer:
+            reader = peer.makefile("rb")
+            peer.sendall(b"robot -t\n")
+            assert f"{robot['model']}\r\n".encode() in [reader.readline() for _ in range(4)]
+    code, out = stop(process, signal.SIGTERM)
+    assert code == 0
+    assert json.loads(out.splitlines()[-1]) == {"type": "stopped"}
+
+
+def test_a_port_in_use_ends_it_at_once(place: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        number = taken.getsockname()[1]
+        process = start(place, "--in-process", "--port", f"query={number}")
+        out, err = process.communicate(timeout=20)
+    assert process.returncode == 2
+    assert "ready" not in out
+    assert f"port {number} (query) is in use" in err
+
+
+def test_without_a_jail_other_computers_are_not_served(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["serve", "--host", "0.0.0.0", "--in-process"]) == 2
+    assert "--trust-network" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("text", ["rtsi", "rtsi=x", "rtsi=-1", "all=7"])
+def test_a_port_that_cannot_be_read_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match="--port"):
+        chosen_ports([text])
+
+
+def test_all_means_every_port() -> None:
+    assert chosen_ports(["all=0", "rtsi=7"]) == {**chosen_ports(["all=0"]), "rtsi": 7}
+
+
+def test_answers_are_shown_for_people() -> None:
+    clients = {"port": 1, "clients": [{"origin": "rtsi#1", "peer": "127.0.0.1:2", "missed_packages": 0}]}
+    assert shown({"ok": True, "result": {"rtsi": clients, "speed": 0.5, "joints": [1.0, 2], "on": True}}) == [
+        "rtsi 1: rtsi#1 from 127.0.0.1:2",
+        "speed = 0.5",
+        "joints = [1, 2]",
+        "on = true",
+    ]

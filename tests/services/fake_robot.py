@@ -1,0 +1,72 @@
+"""A robot for the tests of services: it remembers what it is asked, and says what the test wants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from elitescript.messages.enums import RobotMode, TaskState
+from elitescript.messages.inputs import Do, GetVariable, Input, Interpret, PlayTask, Query, RunUnit
+from elitescript.messages.machine import PowerOff, PowerOn, ReleaseBrakes, SetSpeedScale, WriteSignal
+from elitescript.messages.outputs import Output, Reply
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.protocol.outcomes import done, refused
+from tests.protocol.snapshots import description, output
+
+
+class FakeRobot:
+    """Applies signals, speed and power at once; everything else it only remembers."""
+
+    def __init__(self, **changes: Any) -> None:
+        self.description: RobotDescription = description()
+        self.heard: list[tuple[int, Input]] = []
+        self.says: dict[int, dict[str, Any]] = {}
+        """Events, requests and replies by tick."""
+        self.on_tick: Callable[[int], None] = lambda tick: None
+        self._output = output(0, task_state=TaskState.STOPPED, **changes)
+        self._tick = -1
+
+    def tick(self, inputs: Sequence[Input]) -> Output:
+        self._tick += 1
+        tick = self._tick
+        self.on_tick(tick)
+        self.heard += [(tick, item) for item in inputs]
+        replies: list[Reply] = []
+        snapshot = self._output.snapshot
+        for item in inputs:
+            if isinstance(item, Do):
+                snapshot = self._done(snapshot, item.request)
+            elif isinstance(item, PlayTask):
+                replies.append(Reply(item.origin, done()))
+            elif isinstance(item, GetVariable):
+                replies.append(Reply(item.origin, refused("no such variable")))
+            elif isinstance(item, Interpret):
+                replies.append(Reply(item.origin, f"ack: 1: {item.text}"))
+            elif isinstance(item, Query):
+                replies.append(Reply(item.origin, f"{item.ident} success : {item.text}"))
+        snapshot = replace(snapshot, robot=replace(snapshot.robot, tick=tick, time_s=tick * 0.004))
+        said = {"events": (), "requests": (), "replies": tuple(replies)} | self.says.pop(tick, {})
+        self._output = Output(tick=tick, snapshot=snapshot, **said)
+        return self._output
+
+    @staticmethod
+    def _done(snapshot: Any, request: Any) -> Any:
+        if isinstance(request, WriteSignal):
+            levels = list(snapshot.signals[request.name])
+            levels[request.index] = request.value
+            return replace(snapshot, signals={**snapshot.signals, request.name: tuple(levels)})
+        modes = {PowerOn: RobotMode.IDLE, PowerOff: RobotMode.POWER_OFF, ReleaseBrakes: RobotMode.RUNNING}
+        if type(request) in modes:
+            return replace(snapshot, robot=replace(snapshot.robot, robot_mode=modes[type(request)]))
+        if isinstance(request, SetSpeedScale):
+            return replace(snapshot, robot=replace(snapshot.robot, speed_scale=request.fraction))
+        return snapshot
+
+    def units(self) -> list[str]:
+        """Texts of the programs that came in."""
+        return [item.text for _, item in self.heard if isinstance(item, RunUnit)]
+
+    def say(self, **what: Any) -> None:
+        """Say something at the next tick."""
+        self.says.setdefault(self._tick + 1, {}).update(what)

@@ -1,0 +1,207 @@
+"""Outgoing connections of programs: real sockets on loopback."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+
+from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
+from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
+from elitescript.services.broker import CHANNELS_MAX, Broker
+from elitescript.services.tcp import bind
+from tests.services.served import run
+
+
+class Outside:
+    """A broker, the computer that its connections go to, and what the robot has heard."""
+
+    def __init__(self) -> None:
+        self.heard: list[Input] = []
+        self.peers: asyncio.Queue[tuple[asyncio.StreamReader, asyncio.StreamWriter]] = asyncio.Queue()
+        self.news = asyncio.Event()
+        self.broker = Broker(self._hear)
+        self.port = 0
+        self.writers: list[asyncio.StreamWriter] = []
+
+    def _hear(self, inputs: list[Input]) -> None:
+        self.heard += inputs
+        self.news.set()
+
+    async def met(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.writers.append(writer)
+        await self.peers.put((reader, writer))
+
+    async def hear(self, kind: type) -> Input:
+        """Wait for an input of a kind and forget it."""
+        while True:
+            for item in self.heard:
+                if isinstance(item, kind):
+                    self.heard.remove(item)
+                    return item
+            self.news.clear()
+            await self.news.wait()
+
+    async def open(self, channel: int) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+        self.broker.carry_out([OpenChannel(channel, "tcp", "127.0.0.1", self.port, 2.0)])
+        assert await self.hear(ChannelOpened) == ChannelOpened(channel, True)
+        return await self.peers.get()
+
+
+@contextlib.asynccontextmanager
+async def outside() -> AsyncIterator[Outside]:
+    scene = Outside()
+    server = await asyncio.start_server(scene.met, "127.0.0.1", 0)
+    scene.port = server.sockets[0].getsockname()[1]
+    try:
+        yield scene
+    finally:
+        scene.broker.close_all()
+        for writer in scene.writers:
+            writer.transport.abort()
+        server.close()
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+
+
+def test_bytes_go_both_ways() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            reader, writer = await scene.open(1)
+            scene.broker.carry_out([SendChannel(1, b"request_program\n")])
+            assert await reader.readline() == b"request_program\n"
+            assert await scene.hear(ChannelCredit) == ChannelCredit(1, 16)
+            writer.write(b"def p():\n")
+            assert await scene.hear(ChannelData) == ChannelData(1, b"def p():\n")
+
+    run(test())
+
+
+def test_what_a_peer_sends_at_once_comes_after_the_news_that_it_is_open() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            scene.broker.carry_out([OpenChannel(1, "tcp", "127.0.0.1", scene.port, 2.0)])
+            _, writer = await scene.peers.get()
+            writer.write(b"hello")
+            await scene.hear(ChannelData)
+            assert scene.heard[0] == ChannelOpened(1, True)
+
+    run(test())
+
+
+def test_a_program_that_does_not_read_stops_its_peer() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            _, writer = await scene.open(1)
+            writer.write(bytes(3 * CHANNEL_WINDOW))
+            got = 0
+            while got < CHANNEL_WINDOW:
+                data = await scene.hear(ChannelData)
+                got += len(data.data)
+            assert got == CHANNEL_WINDOW
+            for _ in range(20):
+                await asyncio.sleep(0)
+            assert not scene.heard
+            scene.broker.carry_out([CreditChannel(1, 100)])
+            assert len((await scene.hear(ChannelData)).data) == 100
+
+    run(test())
+
+
+def test_a_peer_that_does_not_read_gives_no_credit() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            reader, writer = await scene.open(1)
+            writer.transport.pause_reading()
+            sent = 0
+            while True:
+                scene.broker.carry_out([SendChannel(1, bytes(CHANNEL_WINDOW))])
+                sent += CHANNEL_WINDOW
+                await asyncio.sleep(0)
+                if not any(isinstance(item, ChannelCredit) for item in scene.heard):
+                    break
+                scene.heard.clear()
+            writer.transport.resume_reading()
+            left = sent
+            while left:
+                left -= len(await reader.read(left))
+            assert await scene.hear(ChannelCredit) == ChannelCredit(1, CHANNEL_WINDOW)
+
+    run(test())
+
+
+def test_the_end_of_a_peer_is_told_after_its_last_bytes() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            _, writer = await scene.open(1)
+            writer.write(b"bye")
+            writer.close()
+            await scene.hear(ChannelClosed)
+            assert scene.heard == [ChannelData(1, b"bye")]
+            assert scene.broker.count == 0
+
+    run(test())
+
+
+def test_what_was_sent_before_the_close_arrives() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            reader, _ = await scene.open(1)
+            scene.broker.carry_out([SendChannel(1, b"last"), CloseChannel(1)])
+            assert await reader.read() == b"last"
+            assert not any(isinstance(item, ChannelClosed) for item in scene.heard)
+
+    run(test())
+
+
+def test_a_refused_connection_says_why() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            listening = bind("127.0.0.1", 0)
+            port = listening.getsockname()[1]
+            listening.close()
+            scene.broker.carry_out([OpenChannel(1, "tcp", "127.0.0.1", port, 2.0)])
+            answer = await scene.hear(ChannelOpened)
+            assert not answer.is_open
+            assert answer.reason
+            assert scene.broker.count == 0
+
+    run(test())
+
+
+def test_nonsense_is_refused() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            for request in (
+                OpenChannel(1, "tcp", "127.0.0.1", 70000, 1.0),
+                OpenChannel(2, "serial", "x", 1, 1.0),
+                OpenChannel(3, "tcp", "a\0b", 1, 1.0),
+                OpenChannel(4, "tcp", "x" * 300, 1, 1.0),
+            ):
+                scene.broker.carry_out([request])
+                assert not (await scene.hear(ChannelOpened)).is_open
+            scene.broker.carry_out([SendChannel(9, b"x"), CloseChannel(9), CreditChannel(9, 5)])
+
+    run(test())
+
+
+def test_there_are_not_more_channels_than_allowed() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            for number in range(CHANNELS_MAX):
+                await scene.open(number)
+            scene.broker.carry_out([OpenChannel(999, "tcp", "127.0.0.1", scene.port, 2.0)])
+            assert await scene.hear(ChannelOpened) == ChannelOpened(999, False, f"{CHANNELS_MAX} connections are open")
+
+    run(test())
+
+
+def test_an_attempt_that_is_closed_says_nothing() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            scene.broker.carry_out([OpenChannel(1, "tcp", "127.0.0.1", scene.port, 2.0), CloseChannel(1)])
+            for _ in range(20):
+                await asyncio.sleep(0)
+            assert scene.heard == []
+
+    run(test())

@@ -1,0 +1,466 @@
+"""Robots in child processes: fakes in the first class; then real ones, which take as long as processes do."""
+
+import asyncio
+import os
+import signal
+import sys
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from elitescript.cli.main import main
+from elitescript.errors import ElitescriptError
+from elitescript.kernel import Kernel, KernelConfig
+from elitescript.messages.codec import from_text, to_text
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import Alarm, TaskStateChanged, TextMessage
+from elitescript.messages.inputs import ChannelData, Do, RunUnit
+from elitescript.messages.machine import SetTcp, WriteSignal
+from elitescript.messages.outputs import CloseChannel, OpenChannel, Output
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.services import child_link, frames
+from elitescript.services.child_link import BOOTS_MAX, ChildLink
+from elitescript.services.child_process import child_environment
+from elitescript.services.config_codec import full_codec
+from elitescript.services.cycle import Cycle
+from elitescript.services.jail import is_complete
+from elitescript.services.journal import Journal, JournalReader
+from elitescript.services.replay import Replay
+from elitescript.worlds.memory import MemoryFiles
+from tests.protocol.snapshots import description, output
+
+CODEC = full_codec()
+TCP = (0.1, 0.0, 0.2, 0.0, 0.5, 0.0)
+PATIENT_S = 30.0
+IMPATIENT_S = 0.25
+"""Enough for a child that is alive on a busy computer, or the test repeats itself."""
+
+
+class FakeChild:
+    """Stands in for `ChildProcess`: says what the test tells it to."""
+
+    made: list["FakeChild"]
+
+    def __init__(self, on_message: Callable[[str, bytes], None], on_end: Callable[[str], None]) -> None:
+        self.say, self.end = on_message, on_end
+        self.told: list[tuple[str, Any]] = []
+        self.is_killed = self.is_asked = self.is_mute = False
+        self.pid, self.log = 4711, "last words"
+        self.tick: int | None = None
+        type(self).made.append(self)
+
+    def send(self, letter: str, text: str) -> None:
+        self.told.append((letter, from_text(text)))
+        if letter == frames.LOCK_IN:
+            self.say(frames.LOCKED_IN, b'[["files",true,"all of it"]]')
+        elif letter == frames.BEGIN:
+            self.tick = CODEC.shape(KernelConfig).decode(from_text(text)).first_tick
+            self.say(frames.DESCRIBED, to_text(CODEC.shape(RobotDescription).encode(description())).encode())
+        elif letter == frames.TICK and not self.is_mute:
+            self.answer()
+
+    def answer(self, **changes: Any) -> None:
+        assert self.tick is not None
+        whole = output(self.tick, task_state=TaskState.PLAYING, **changes)
+        self.tick += 1
+        self.say(frames.OUTPUT, to_text(CODEC.shape(Output).encode(whole)).encode())
+
+    def ask_where(self) -> None:
+        self.is_asked = True
+
+    def where(self) -> tuple[str, int] | None:
+        return ("<primary#1>", 12) if self.is_asked else None
+
+    def kill(self) -> None:
+        self.is_killed = True
+
+
+@pytest.fixture
+def children(monkeypatch):
+    FakeChild.made = []
+    monkeypatch.setattr(child_link, "ChildProcess", FakeChild)
+    return FakeChild.made
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A monotonic clock that the test moves."""
+    now = [100.0]
+    monkeypatch.setattr(child_link.time, "monotonic", lambda: now[0])
+    return now
+
+
+def with_link(body: Callable[[ChildLink], Awaitable[None]], **options: Any) -> None:
+    async def run() -> None:
+        link = ChildLink(KernelConfig(), grace_s=0.0, **options)
+        await link.open()
+        try:
+            await body(link)
+        finally:
+            await link.close()
+
+    asyncio.run(run())
+
+
+class TestLink:
+    """The rules, with a child that does what the test wants."""
+
+    def test_gives_ticks_and_takes_outputs(self, children):
+        async def body(link):
+            outputs = [await link.tick([Do("a", SetTcp(TCP))] if tick == 1 else ()) for tick in range(3)]
+            assert [found.tick for found in outputs] == [0, 1, 2]
+            assert [len(data) for letter, data in children[0].told if letter == frames.TICK] == [0, 1, 0]
+
+        with_link(body)
+
+    def test_shows_the_last_picture_while_the_child_is_late(self, children):
+        async def body(link):
+            first = await link.tick(())
+            children[0].is_mute = True
+            late = [await link.tick(()) for _ in range(5)]
+            assert [found.tick for found in late] == [1, 2, 3, 4, 5]
+            assert all(found.snapshot is first.snapshot for found in late)
+            for _ in range(5):
+                children[0].answer(events=(TextMessage(1, "x", "main", 1),))
+            children[0].is_mute = False
+            made_up = await link.tick(())
+            assert (made_up.tick, made_up.snapshot.robot.tick, len(made_up.events)) == (6, 4, 4)
+            after = await link.tick(())
+            assert (after.tick, after.snapshot.robot.tick, len(after.events)) == (7, 5, 1)
+            assert link.restarts == 0
+
+        with_link(body)
+
+    def test_a_silent_child_is_replaced_and_reported(self, children, clock):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick([Do("poison", SetTcp(TCP))])
+            await link.tick([Do("later", WriteSignal("flag", 0, True))])
+            clock[0] += 0.8
+            for _ in range(child_link.PATIENCE_TICKS - 1):
+                await link.tick(())
+            assert children[0].is_asked
+            assert not children[0].is_killed
+            reported = await link.tick(())
+            assert children[0].is_killed
+            alarm, stopped = reported.events
+            assert isinstance(alarm, Alarm)
+            assert (alarm.code, alarm.line, alarm.details["program"]) == ("R132", 12, "<primary#1>")
+            assert "0.80 s" in alarm.text
+            assert stopped == TaskStateChanged(reported.tick, TaskState.STOPPED, "")
+            after = await link.tick(())
+            assert after.snapshot.robot.tick == after.tick == reported.tick + 1
+            _, inputs = next((letter, data) for letter, data in children[1].told if letter == frames.TICK)
+            assert ["Do", "later", ["WriteSignal", "flag", 0, True]] in inputs
+            assert not any(item[1] == "poison" for item in inputs)
+            assert link.restarts == 1
+
+        with_link(body)
+
+    def test_who_was_away_himself_does_not_complain(self, children, clock):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick(())
+            clock[0] += 1000.0
+            await link.tick(())
+            assert not children[0].is_asked
+
+        with_link(body)
+
+    def test_a_caller_that_does_not_pace_itself_waits_for_room(self, children, monkeypatch):
+        monkeypatch.setattr(child_link, "UNANSWERED_MAX", 4)
+
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            for _ in range(4):
+                await link.tick(())
+            waiting = asyncio.get_running_loop().create_task(link.tick(()))
+            await asyncio.sleep(0)
+            assert not waiting.done()
+            for _ in range(4):
+                children[0].answer()
+            await waiting
+            assert [letter for letter, _ in children[0].told].count(frames.TICK) == 6
+
+        with_link(body)
+
+    def test_connections_of_a_dead_child_are_closed(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick(())
+            children[0].answer(requests=(OpenChannel(7, "tcp", "10.0.0.1", 50001, 1.0),))
+            await link.tick([ChannelData(7, b"x"), ChannelData(8, b"of nobody")])
+            assert [item[1] for item in children[0].told[-1][1]] == [7]
+            children[0].end("it has ended")
+            found = await link.tick(())
+            assert CloseChannel(7) in found.requests
+            await link.tick([ChannelData(7, b"late")])
+            assert not any(item[0] == "ChannelData" for item in children[1].told[-1][1])
+
+        with_link(body)
+
+    @pytest.mark.parametrize(
+        ("letter", "text"),
+        [
+            (frames.OUTPUT, b"[]"),
+            (frames.OUTPUT, b"{"),
+            (frames.OUTPUT, b'["__import__","os"]'),
+            (frames.QUESTION, b'["open","../../etc/passwd"]'),
+            (frames.QUESTION, b"5"),
+            (frames.LOCKED_IN, b"[1]"),
+            (frames.DESCRIBED, b"[]"),
+            (frames.FAILED, b"[1,2,3]"),
+            ("x", b"[]"),
+            ("\xff", b""),
+        ],
+    )
+    def test_a_child_that_talks_nonsense_is_replaced(self, children, letter, text):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick(())
+            children[0].say(letter, text)
+            found = await link.tick(())
+            assert children[0].is_killed
+            assert found.events[0].code == "R132"
+            assert link.restarts == 1
+
+        with_link(body)
+
+    def test_a_child_that_answers_unasked_or_another_tick_is_replaced(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].answer()
+            await link.tick(())
+            assert children[0].is_killed
+            await link.tick(())
+            children[1].tick += 5
+            await link.tick(())
+            await link.tick(())
+            assert children[1].is_killed
+
+        with_link(body)
+
+    def test_a_child_that_talks_too_much_is_replaced(self, children):
+        async def body(link):
+            await link.tick(())
+            talk = tuple(TextMessage(1, "x", "main", number) for number in range(20_000))
+            children[0].is_mute = True
+            for _ in range(50):
+                await link.tick(())
+                if not link.restarts:
+                    children[0].answer(events=talk)
+            assert link.restarts == 1
+
+        with_link(body)
+
+    def test_gives_up_when_no_child_answers(self, children, monkeypatch):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            for _ in range(BOOTS_MAX + 5):
+                children[-1].is_mute = True
+                children[-1].end("it has ended")
+                await link.tick(())
+
+        with pytest.raises(ElitescriptError, match="times"):
+            with_link(body)
+
+    def test_too_many_inputs_are_refused_and_told(self, children, monkeypatch):
+        monkeypatch.setattr(child_link, "HELD_MAX", 3)
+
+        async def body(link):
+            found = await link.tick([Do("a", SetTcp(TCP))] * 5)
+            assert "refused" in found.events[0].text
+            assert len(children[0].told[-1][1]) == 3
+
+        with_link(body)
+
+
+def test_a_child_gets_a_clean_environment(monkeypatch):
+    monkeypatch.setenv("SECRET_TOKEN", "x")
+    environment = child_environment()
+    assert "SECRET_TOKEN" not in environment
+    assert environment["PYTHONHASHSEED"] == "0"
+    assert set(environment) <= {
+        "PYTHONHASHSEED",
+        "PYTHONUTF8",
+        "PYTHONPATH",
+        "PYTHONHOME",
+        "LD_LIBRARY_PATH",
+    }
+
+
+real = pytest.mark.skipif(os.name != "posix", reason="children inherit a socket, as POSIX has it")
+
+
+def served(body: Callable[[ChildLink], Awaitable[None]], **options: Any) -> None:
+    """Run with a real child."""
+
+    async def run() -> None:
+        link = ChildLink(KernelConfig(power_on=True), **options)
+        await link.open()
+        try:
+            await body(link)
+        finally:
+            await link.close()
+
+    asyncio.run(run())
+
+
+PROGRAM = """def p():
+  f = open("points.txt")
+  textmsg(f.read())
+  f.close()
+  with open("log.txt", "a") as f:
+    f.write("began")
+  movej([0.1, -1.4, -1.6, -1.5, 1.5, 0.2])
+  set_standard_digital_out(1, True)
+  textmsg({"c", "a", "b"})
+"""
+
+
+@real
+class TestChild:
+    def test_does_the_same_as_a_robot_in_this_process(self):
+        files = {"points.txt": b"1, 2, 3"}
+        inputs = {3: [RunUnit("primary#1", "program", PROGRAM)], 50: [Do("rtsi#1", WriteSignal("flag", 1, True))]}
+        from elitescript.worlds.memory import MemoryWorld
+
+        world = MemoryWorld(dict(files))
+        kernel = Kernel(KernelConfig(power_on=True), world)
+        expected = [kernel.tick(inputs.get(tick, ())) for tick in range(300)]
+        theirs = MemoryFiles(dict(files))
+
+        async def body(link):
+            found = [await link.tick(inputs.get(tick, ())) for tick in range(300)]
+            order = [event.text for one in found for event in one.events if isinstance(event, TextMessage)]
+            assert order[0] == "1, 2, 3"
+            # The order of a set depends on the hash seed of the process.
+            strip = [
+                tuple(event for event in one.events if not (isinstance(event, TextMessage) and "{" in event.text))
+                for one in found
+            ]
+            wanted = [
+                tuple(event for event in one.events if not (isinstance(event, TextMessage) and "{" in event.text))
+                for one in expected
+            ]
+            assert strip == wanted
+            assert [one.snapshot for one in found] == [one.snapshot for one in expected]
+            assert theirs.contents == world.files.contents
+            assert theirs.contents["log.txt"] == b"began"
+
+        served(body, files=theirs, grace_s=PATIENT_S, patience_s=PATIENT_S)
+
+    def test_is_locked_in(self):
+        async def body(link):
+            if sys.platform != "linux":
+                pytest.skip("the jail needs Linux")
+            if not is_complete(link.layers):
+                pytest.skip("; ".join(layer.detail for layer in link.layers if not layer.is_active))
+            assert len(link.layers) == 5
+
+        served(body)
+
+    def test_says_why_it_cannot_begin(self):
+        async def run() -> None:
+            link = ChildLink(KernelConfig(joints=(99.0,) * 6), is_jailed=False)
+            await link.open()
+
+        with pytest.raises(ElitescriptError, match="joint"):
+            asyncio.run(run())
+
+    def test_an_endless_loop_disturbs_nothing(self):
+        async def body(link):
+            await link.tick([RunUnit("primary#1", "program", "def p():\n  while True:\n    pass\n")])
+            found = [await link.tick(()) for _ in range(50)]
+            assert [one.tick for one in found] == list(range(1, 51))
+            assert [one.snapshot.robot.tick for one in found] == list(range(1, 51))
+            assert found[-1].snapshot.robot.task_state is TaskState.PLAYING
+            assert link.restarts == 0
+
+        served(body, grace_s=PATIENT_S, patience_s=PATIENT_S)
+
+    def test_a_call_that_never_returns_is_killed_and_the_robot_goes_on(self, tmp_path):
+        path = tmp_path / "session.journal"
+
+        async def body(link):
+            await link.tick([Do("test", SetTcp(TCP)), Do("test", WriteSignal("output_int_register", 5, -7))])
+            before = await link.tick(())
+            while before.snapshot.robot.tcp_offset != TCP:
+                before = await link.tick(())
+            program = "def p():\n  textmsg('on')\n  sum(range(10**12))\n"
+            cycle, late_s = Cycle(), 0.0
+            loop = asyncio.get_running_loop()
+            began_s = loop.time()
+            outputs = [await link.tick([RunUnit("primary#1", "program", program)])]
+            try:
+                # Until a fresh child shows its first picture.
+                while not any(
+                    isinstance(event, Alarm) and outputs[-1].snapshot.robot.tick > event.tick
+                    for one in outputs
+                    for event in one.events
+                ):
+                    assert loop.time() - began_s < 20.0
+                    await cycle.next()
+                    before_s = loop.time()
+                    outputs.append(await link.tick(()))
+                    late_s = max(late_s, loop.time() - before_s)
+            finally:
+                cycle.close()
+            # Clients see a picture in every tick, whatever happens to the child.
+            ticks = [one.tick for one in outputs]
+            assert ticks == list(range(ticks[0], ticks[0] + len(ticks)))
+            assert late_s < 1.0
+            alarms = [event for one in outputs for event in one.events if isinstance(event, Alarm)]
+            assert [(alarm.code, alarm.line) for alarm in alarms] == [("R132", 3)]
+            after = outputs[-1].snapshot
+            assert after.robot.tcp_offset == TCP
+            assert after.robot.q_actual == before.snapshot.robot.q_actual
+            assert after.robot.robot_mode == before.snapshot.robot.robot_mode
+            assert after.robot.task_state is TaskState.STOPPED
+            assert after.signals["output_int_register"][5] == -7
+            assert link.restarts == 1
+
+        journal = Journal(path, KernelConfig(power_on=True))
+        served(body, patience_s=IMPATIENT_S, journal=journal)
+        session = Replay(JournalReader(path))
+        restarts = []
+        played = list(session.outputs(lambda tick, reason: restarts.append(reason)))
+        assert session.difference is None
+        assert session.checked_ticks == len(played) >= 3
+        assert "did not come back" in restarts[0]
+        assert main(["replay", str(path)]) == 0
+
+    def test_a_child_that_is_killed_is_replaced(self):
+        async def body(link):
+            await link.tick(())
+            os.kill(link.pid, signal.SIGKILL)
+            loop = asyncio.get_running_loop()
+            began_s, found = loop.time(), await link.tick(())
+            while not link.restarts:
+                assert loop.time() - began_s < 20.0
+                found = await link.tick(())
+            assert "exit code -9" in found.events[0].text
+            cycle, restarted = Cycle(), found.tick
+            while found.snapshot.robot.tick < restarted:
+                assert loop.time() - began_s < 20.0
+                await cycle.next()
+                found = await link.tick(())
+            cycle.close()
+
+        served(body)
+
+    def test_ends_with_its_parent(self):
+        async def body(link):
+            await link.tick(())
+            self.pid = link.pid
+
+        served(body)
+        assert not Path(f"/proc/{self.pid}/status").exists()

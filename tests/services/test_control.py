@@ -1,0 +1,202 @@
+"""The local channel of `ctl`."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+import stat
+import tempfile
+from collections.abc import AsyncIterator, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from elitescript.errors import UsageError
+from elitescript.messages.enums import RobotMode
+from elitescript.messages.inputs import ClosePopup, Do
+from elitescript.messages.machine import AskSafety, WriteSignal
+from elitescript.services import control
+from elitescript.services.control import ControlChannel, address_of, ask, runtime_folder
+from tests.services.fake_robot import FakeRobot
+from tests.services.served import Scene, run, serving
+
+
+@pytest.fixture(autouse=True)
+def short_folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Paths of sockets must be short, those of pytest are not."""
+    with tempfile.TemporaryDirectory(prefix="es") as folder:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
+        yield Path(folder)
+
+
+@contextlib.asynccontextmanager
+async def controlled(robot: FakeRobot | None = None) -> AsyncIterator[tuple[Scene, ControlChannel]]:
+    async with serving(robot) as scene:
+        channel = ControlChannel(scene.station, 0)
+        await channel.open()
+        try:
+            yield scene, channel
+        finally:
+            await channel.close()
+
+
+async def order(channel: ControlChannel, verb: str, *arguments: str, **values: Any) -> dict[str, Any]:
+    return await asyncio.to_thread(ask, Path(channel.address), verb, list(arguments), values)
+
+
+def test_what_is_set_can_be_read_back() -> None:
+    async def test() -> None:
+        async with controlled() as (_, channel):
+            answer = await asyncio.to_thread(
+                ask, Path(channel.address), "set", [], {"standard_digital_in[3]": True, "input_int_register[1]": 7}
+            )
+            assert answer["ok"]
+            got = await order(channel, "get", "standard_digital_in[3]", "input_int_register[1]")
+            assert got["result"] == {"standard_digital_in[3]": True, "input_int_register[1]": 7}
+            assert (await order(channel, "get"))["result"] == got["result"]
+            assert len((await order(channel, "get", "standard_digital_in"))["result"]) == 16
+
+    run(test())
+
+
+def test_the_state_is_that_of_the_robot() -> None:
+    async def test() -> None:
+        async with controlled() as (_, channel):
+            state = (await order(channel, "state"))["result"]
+            assert (state["robot_mode"], state["safety_mode"], state["waits_for"]) == ("RUNNING", "NORMAL", "")
+            assert len(state["joints"]) == 6
+
+    run(test())
+
+
+@pytest.mark.parametrize(
+    ("verb", "arguments", "request_made"),
+    [
+        ("estop", [], WriteSignal("emergency_stop", 0, True)),
+        ("release", [], WriteSignal("emergency_stop", 0, False)),
+        ("safeguard", ["open"], WriteSignal("safeguard_stop", 0, True)),
+        ("safeguard", ["closed"], WriteSignal("safeguard_stop", 0, False)),
+        ("protective", ["test"], AskSafety("stop_protectively", "test")),
+    ],
+)
+def test_verbs_become_requests(verb: str, arguments: list[str], request_made: Any) -> None:
+    async def test() -> None:
+        async with controlled() as (scene, channel):
+            assert (await order(channel, verb, *arguments))["ok"]
+            assert [item.request for _, item in scene.robot.heard if isinstance(item, Do)] == [request_made]
+
+    run(test())
+
+
+def test_power_goes_off_and_on_also_in_local_control() -> None:
+    async def test() -> None:
+        async with controlled(FakeRobot(is_remote=False)) as (scene, channel):
+            for verb, arguments, mode in (
+                ("power", ["off"], RobotMode.POWER_OFF),
+                ("power", ["on"], RobotMode.IDLE),
+                ("brakes", [], RobotMode.RUNNING),
+            ):
+                assert (await order(channel, verb, *arguments))["ok"]
+                assert scene.station.output.snapshot.robot.robot_mode is mode
+
+    run(test())
+
+
+def test_refusals_say_why() -> None:
+    async def test() -> None:
+        async with controlled() as (_, channel):
+            for verb, arguments, why in (
+                ("popup", ["confirm"], "no message window is open"),
+                ("pause", [], "no task is running"),
+                ("play", [], "no task is loaded"),
+                ("speed", ["2"], "from 0 to 1"),
+                ("get", ["nonsense"], "no signal is called 'nonsense'"),
+                ("jump", [], "there is no verb 'jump'"),
+            ):
+                answer = await order(channel, verb, *arguments)
+                assert not answer["ok"]
+                assert why in answer["error"]
+
+    run(test())
+
+
+def test_a_popup_is_confirmed() -> None:
+    async def test() -> None:
+        async with controlled(FakeRobot(popup="ready?")) as (scene, channel):
+            assert (await order(channel, "popup", "confirm"))["ok"]
+            assert any(isinstance(item, ClosePopup) for _, item in scene.robot.heard)
+
+    run(test())
+
+
+def test_ports_tell_who_is_connected() -> None:
+    async def test() -> None:
+        async with controlled() as (scene, channel):
+            await (await scene.connect("dashboard")).line()
+            ports = (await order(channel, "ports"))["result"]
+            assert ports["dashboard"]["port"] == scene.station.ports["dashboard"]
+            assert [client["origin"] for client in ports["dashboard"]["clients"]] == ["dashboard#1"]
+
+    run(test())
+
+
+def test_nonsense_is_answered_and_harms_nobody() -> None:
+    async def test() -> None:
+        async with controlled() as (_, channel):
+            reader, writer = await asyncio.open_unix_connection(channel.address)
+            writer.write(b'[1]\n{"verb": 7}\nnot json\n{"verb": "get", "arguments": 3}\n')
+            for _ in range(4):
+                assert json.loads(await reader.readline())["ok"] is False
+            writer.write(bytes(200_000))
+            assert await reader.read() == b""
+            writer.close()
+            assert (await order(channel, "state"))["ok"]
+
+    run(test())
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes of files")
+def test_only_its_user_may_speak_to_a_robot(short_folder: Path) -> None:
+    async def test() -> None:
+        async with controlled() as (_, channel):
+            assert stat.S_IMODE(Path(channel.address).stat().st_mode) == 0o600
+            assert stat.S_IMODE(Path(channel.address).parent.stat().st_mode) == 0o700
+        assert not address_of(0).exists()
+
+    run(test())
+    (short_folder / "elitescript").chmod(0o777)
+    with pytest.raises(UsageError, match="only you can use"):
+        runtime_folder()
+
+
+def test_two_serves_of_one_instance_get_two_addresses() -> None:
+    async def test() -> None:
+        async with controlled() as (_, first), controlled() as (_, second):
+            assert first.address != second.address
+            assert (await order(first, "state"))["ok"]
+            assert (await order(second, "state"))["ok"]
+
+    run(test())
+
+
+def test_without_a_unix_socket_a_secret_keeps_others_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(control, "_HAS_UNIX", False)
+
+    async def test() -> None:
+        async with controlled() as (_, channel):
+            address = json.loads(Path(channel.address).read_text())
+            assert (await order(channel, "state"))["ok"]
+            reader, writer = await asyncio.open_connection("127.0.0.1", address["port"])
+            writer.write(b'{"verb": "state", "token": "guess"}\n')
+            assert json.loads(await reader.readline()) == {"ok": False, "error": "the token is wrong"}
+            writer.close()
+
+    run(test())
+
+
+def test_nobody_there_is_said_clearly() -> None:
+    with pytest.raises(UsageError, match="no controller is served here"):
+        ask(address_of(7), "state", [], {})

@@ -1,0 +1,177 @@
+"""Ticks against the wall clock."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import time
+from collections.abc import Callable
+
+import pytest
+
+from elitescript.services import cycle
+from elitescript.services.cycle import CATCH_UP_TICKS, PERIOD_NS, Alarm, Cycle, LoopAlarm, TimerFdAlarm, best_alarm
+from tests.services.served import run
+
+
+class Clock:
+    """Wall time that goes on only when somebody waits, or when the test says so."""
+
+    def __init__(self) -> None:
+        self.now_ns = 1_000_000_000
+
+    def monotonic_ns(self) -> int:
+        return self.now_ns
+
+    def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
+        self.now_ns = max(self.now_ns, due_ns)
+        waiter.set_result(None)
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr(cycle.time, "monotonic_ns", clock.monotonic_ns)
+    return clock
+
+
+def test_ticks_come_every_period(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock)
+        begin_ns = clock.now_ns
+        for number in range(1, 100):
+            await ticks.next()
+            assert clock.now_ns - begin_ns == number * PERIOD_NS
+        assert (ticks.overruns, ticks.left_out) == (0, 0)
+
+    asyncio.run(test())
+
+
+def test_a_late_tick_is_counted_and_those_after_it_make_up_for_it(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock)
+        begin_ns = clock.now_ns
+        await ticks.next()
+        clock.now_ns += 5 * PERIOD_NS
+        for _ in range(9):
+            await ticks.next()
+        assert clock.now_ns - begin_ns == 10 * PERIOD_NS
+        assert ticks.overruns == 4
+        assert ticks.worst_ns == 4 * PERIOD_NS
+        assert ticks.left_out == 0
+
+    asyncio.run(test())
+
+
+def test_a_tick_that_is_a_little_late_is_no_overrun(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock)
+        await ticks.next()
+        clock.now_ns += PERIOD_NS + PERIOD_NS // 2
+        await ticks.next()
+        assert ticks.overruns == 0
+        assert ticks.worst_ns == PERIOD_NS // 2
+
+    asyncio.run(test())
+
+
+def test_after_a_long_absence_ticks_are_left_out_and_this_is_said(clock: Clock) -> None:
+    async def test() -> None:
+        said: list[int] = []
+        ticks = Cycle(clock, said.append)
+        await ticks.next()
+        missed = CATCH_UP_TICKS + 100
+        clock.now_ns += (missed + 1) * PERIOD_NS
+        await ticks.next()
+        assert said == [missed]
+        assert ticks.left_out == missed
+        back_ns = clock.now_ns
+        await ticks.next()
+        assert clock.now_ns == back_ns + PERIOD_NS
+
+    asyncio.run(test())
+
+
+def test_what_was_missed_before_a_restart_is_forgotten(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock)
+        await ticks.next()
+        clock.now_ns += 20 * PERIOD_NS
+        ticks.restart()
+        now_ns = clock.now_ns
+        await ticks.next()
+        assert clock.now_ns == now_ns + PERIOD_NS
+        assert ticks.overruns == 0
+
+    asyncio.run(test())
+
+
+def test_others_are_served_between_ticks_that_are_made_up_for(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock)
+        await ticks.next()
+        clock.now_ns += 10 * PERIOD_NS
+        turns = 0
+
+        async def other() -> None:
+            nonlocal turns
+            while True:
+                turns += 1
+                await asyncio.sleep(0)
+
+        task = asyncio.create_task(other())
+        for _ in range(8):
+            await ticks.next()
+        task.cancel()
+        assert turns >= 7
+
+    asyncio.run(test())
+
+
+ALARMS: list[Callable[[], Alarm]] = [LoopAlarm]
+if sys.platform == "linux":
+    ALARMS.append(TimerFdAlarm)
+
+
+@pytest.mark.parametrize("make", ALARMS)
+def test_real_alarms_do_not_ring_early(make: Callable[[], Alarm]) -> None:
+    async def test() -> None:
+        alarm = make()
+        try:
+            for _ in range(3):
+                waiter = asyncio.get_running_loop().create_future()
+                due_ns = time.monotonic_ns() + PERIOD_NS
+                alarm.wake_at(due_ns, waiter)
+                await waiter
+                # The timers of a loop may ring within its resolution; a cycle then waits once more.
+                assert time.monotonic_ns() >= due_ns - 1_100_000
+        finally:
+            alarm.close()
+            alarm.close()
+
+    run(test())
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="timerfd is a Linux thing")
+def test_linux_has_the_exact_alarm() -> None:
+    async def test() -> None:
+        alarm = best_alarm()
+        assert isinstance(alarm, TimerFdAlarm)
+        alarm.close()
+
+    run(test())
+
+
+def test_without_it_the_loop_will_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none() -> None:
+        raise OSError("not here")
+
+    monkeypatch.setattr(cycle, "_open_timer", none)
+
+    async def test() -> None:
+        assert isinstance(best_alarm(), LoopAlarm)
+
+    run(test())

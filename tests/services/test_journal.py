@@ -1,0 +1,159 @@
+"""Sessions on disk: what is written, what a broken file gives, and whether they come out the same again."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from elitescript.errors import UsageError
+from elitescript.kernel import KernelConfig
+from elitescript.messages.inputs import Do, LoadTask, PlayTask, RunUnit
+from elitescript.messages.machine import WriteSignal
+from elitescript.messages.plant import PlantConfig
+from elitescript.services.journal import DIGEST_TICKS, Journal, JournalReader
+from elitescript.services.replay import RecordedRobot, Replay
+from elitescript.worlds.memory import MemoryFiles
+
+CONFIG = KernelConfig(power_on=True, plant=PlantConfig(noise_rad=1e-5), signals=(("flag[3]", True),))
+PROGRAM = (
+    'textmsg(random())\nmovej([0.1, -1.4, -1.6, -1.5, 1.5, 0.2])\nwith open("log.txt", "w") as f:\n  f.write("x")\n'
+)
+TICKS = 2 * DIGEST_TICKS + 40
+
+
+@pytest.fixture
+def recorded(tmp_path):
+    """A session: a task of the task folder, a program from a client, signals."""
+    path = tmp_path / "a.journal"
+    journal = Journal(path, CONFIG)
+    files = MemoryFiles({"job.task": b"", "job.script": PROGRAM.encode(), "points.txt": b"1 2 3"})
+    robot = RecordedRobot(CONFIG, files, journal)
+    inputs = {
+        2: [LoadTask("dashboard#1", "job.task"), PlayTask("dashboard#1")],
+        300: [Do("rtsi#1", WriteSignal("input_float_register", 0, 0.1))],
+        400: [RunUnit("primary#1", "secondary", 'sec s():\n  textmsg(open("points.txt").read())\nend\n')],
+    }
+    outputs = [robot.tick(inputs.get(tick, ())) for tick in range(TICKS)]
+    journal.close()
+    return path, outputs
+
+
+def lines_of(path):
+    return path.read_text().splitlines(keepends=True)
+
+
+def replayed(path, until=None):
+    reader = JournalReader(path)
+    session = Replay(reader, until)
+    return session, list(session.outputs()), reader
+
+
+class TestReplay:
+    def test_gives_the_same_without_the_files(self, recorded):
+        path, outputs = recorded
+        session, played, reader = replayed(path)
+        assert played == outputs
+        assert session.difference is None
+        assert session.checked_ticks == TICKS
+        assert reader.note == ""
+
+    def test_ends_where_it_is_told(self, recorded):
+        path, outputs = recorded
+        session, played, _ = replayed(path, until=310)
+        assert played == outputs[:311]
+        assert session.checked_ticks == DIGEST_TICKS
+        assert session.difference is None
+
+    def test_names_the_first_tick_that_differs(self, recorded):
+        path, _ = recorded
+        changed = path.read_text().replace('"input_float_register",0,0.1', '"input_float_register",0,0.2')
+        assert changed != path.read_text()
+        path.write_text(changed)
+        session, _, _ = replayed(path)
+        assert session.difference is not None
+        assert session.difference.tick == 300
+        assert session.checked_ticks == DIGEST_TICKS
+
+    def test_another_configuration_differs_at_once(self, recorded):
+        path, _ = recorded
+        path.write_text(path.read_text().replace('"flag[3]"', '"flag[4]"', 1))
+        assert replayed(path)[0].difference.tick == 0
+
+    def test_a_missing_answer_about_files_is_told(self, recorded):
+        path, _ = recorded
+        records = [json.loads(line) for line in lines_of(path)]
+        for record in records:
+            record.pop("asked", None)
+        path.write_text("".join(json.dumps(record) + "\n" for record in records))
+        with pytest.raises(UsageError, match="no answer"):
+            replayed(path)
+
+
+class TestKilled:
+    def test_whatever_is_left_of_the_file_can_be_played(self, recorded):
+        path, outputs = recorded
+        whole = path.read_bytes()
+        first = whole.index(b"\n") + 1
+        for size in {first, first + 1, len(whole) // 2, len(whole) - 2, len(whole) - 20, len(whole)}:
+            path.write_bytes(whole[:size])
+            session, played, reader = replayed(path)
+            assert session.difference is None
+            assert played == outputs[: len(played)]
+            assert bool(reader.note) == (not whole[:size].endswith(b"\n"))
+
+    def test_every_line_is_there_at_once(self, tmp_path):
+        path = tmp_path / "a.journal"
+        journal = Journal(path, CONFIG)
+        robot = RecordedRobot(CONFIG, MemoryFiles({}), journal)
+        robot.tick([Do("a", WriteSignal("flag", 0, True))])
+        assert [json.loads(line).get("tick") for line in lines_of(path)] == [None, 0]
+        journal.close()
+
+
+class TestJournal:
+    def test_quiet_ticks_have_no_line(self, recorded):
+        path, _ = recorded
+        kinds = [next(iter(json.loads(line))) for line in lines_of(path)]
+        assert kinds.count("digest") == 3
+        assert kinds[0] == "journal"
+        assert kinds[-1] == "end"
+        assert len(lines_of(path)) < 20
+
+    @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+    def test_a_full_disk_ends_the_journal_and_not_the_session(self):
+        journal = Journal(Path("/dev/full"), CONFIG)
+        robot = RecordedRobot(CONFIG, MemoryFiles({}), journal)
+        for tick in range(3):
+            assert robot.tick([Do("a", WriteSignal("flag", 0, True))]).tick == tick
+        assert "space" in journal.failure
+        assert [event.text for event in journal.take_warning(3)] == [
+            "the journal ends here, it cannot be written: No space left on device"
+        ]
+        assert journal.take_warning(4) == ()
+        journal.close()
+
+    def test_a_place_that_cannot_be_written_is_told(self, tmp_path):
+        with pytest.raises(UsageError, match="--journal"):
+            Journal(tmp_path / "none" / "a.journal", CONFIG)
+
+
+class TestJournalReader:
+    @pytest.mark.parametrize("text", ["", "x\n", "[]\n", "{}\n", '{"journal":1}\n', '{"journal":1,"config":[1]}\n'])
+    def test_refuses_what_is_no_journal(self, tmp_path, text):
+        path = tmp_path / "a.journal"
+        path.write_text(text)
+        with pytest.raises(UsageError):
+            JournalReader(path)
+
+    def test_refuses_another_format(self, tmp_path):
+        path = tmp_path / "a.journal"
+        path.write_text('{"journal":99,"config":[]}\n')
+        with pytest.raises(UsageError, match="99"):
+            JournalReader(path)
+
+    def test_names_a_line_in_the_middle_that_is_none(self, recorded):
+        path, _ = recorded
+        lines = lines_of(path)
+        path.write_text("".join([lines[0], '{"tick":0,"in":[["Nonsense"]]}\n', *lines[1:]]))
+        with pytest.raises(UsageError, match=r"line 2.*Nonsense"):
+            replayed(path)

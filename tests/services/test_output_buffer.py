@@ -1,0 +1,50 @@
+from elitescript.messages.events import TextMessage
+from elitescript.services.output_buffer import DELAY_MAX_TICKS, OutputBuffer
+from tests.protocol.snapshots import output
+
+
+def robot_ticks(buffer, arrivals):
+    """The picture shown in each tick, when so many outputs have come in before each."""
+    number, shown = 0, []
+    for tick, count in enumerate(arrivals):
+        for _ in range(count):
+            buffer.add(output(number))
+            number += 1
+        shown.append(buffer.take(tick).snapshot.robot.tick)
+    return shown
+
+
+class TestOutputBuffer:
+    def test_what_comes_in_time_leaves_at_once(self):
+        assert robot_ticks(OutputBuffer(), [1] * 500) == list(range(500))
+
+    def test_who_is_late_once_is_not_seen_to_be_late_again(self):
+        assert robot_ticks(OutputBuffer(), [1, 1, 0, 2, 1, 0, 2, 0, 2, 1]) == [0, 1, 1, 2, 3, 4, 5, 6, 7, 8]
+
+    def test_no_more_than_a_few_outputs_wait(self):
+        shown = robot_ticks(OutputBuffer(), [1, *[0] * 20, 21, 1, 1])
+        assert shown[-3:] == [21 - DELAY_MAX_TICKS, 22 - DELAY_MAX_TICKS, 23 - DELAY_MAX_TICKS]
+
+    def test_a_delay_that_is_not_needed_is_undone(self):
+        shown = robot_ticks(OutputBuffer(), [1, 0, 2, *[1] * 600])
+        assert shown[10] == 9
+        assert shown[-1] == len(shown) - 1
+
+    def test_nothing_that_was_said_is_lost_or_out_of_order(self):
+        buffer, said = OutputBuffer(), []
+        for tick, count in enumerate([1, 0, 3, 0, 0, 5, 1, 0, 1, 9, 0, 0]):
+            for number in range(count):
+                buffer.add(output(tick, events=(TextMessage(tick, str(number), "main", 1),)))
+            said += [(event.tick, event.text) for event in buffer.take(tick).events]
+        assert said == sorted(said)
+        assert len(said) == 20
+
+    def test_what_is_added_comes_after_what_waits_when_all_is_let_go(self):
+        buffer = OutputBuffer()
+        for tick in range(3):
+            buffer.add(output(tick, events=(TextMessage(tick, "theirs", "main", 1),)))
+        buffer.add_own(TextMessage(9, "ours", "", 0))
+        buffer.flush()
+        assert [event.text for event in buffer.take(9).events] == ["theirs", "theirs", "theirs", "ours"]
+        assert buffer.is_empty
+        assert buffer.newest is buffer.take(10).snapshot

@@ -1,0 +1,105 @@
+"""Ports in this process, the robot in a jailed child: what a program does there, clients here do not notice."""
+
+import asyncio
+import os
+
+import pytest
+
+from elitescript.kernel import KernelConfig
+from elitescript.messages.events import Alarm, TextMessage
+from elitescript.services.child_link import ChildLink
+from elitescript.services.station import Station
+from elitescript.services.table import NAMES
+from tests.protocol import rtsi_client
+from tests.services.served import Scene
+
+LIMIT_S = 40.0
+GAP_S = 1.0
+"""Longest silence of a stream; generous, for a computer that is busy."""
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="children inherit a socket, as POSIX has it")
+
+
+class Stream:
+    """An RTSI client that counts its packages, and how long it waited for each."""
+
+    def __init__(self, peer):
+        self.peer = peer
+        self.stamps: list[float] = []
+        self.worst_s = 0.0
+
+    async def begin(self):
+        self.peer.send(rtsi_client.message("V", b"\0\1"))
+        await self.peer.rtsi("V")
+        self.peer.send(rtsi_client.output_recipe(250.0, ["timestamp"]) + rtsi_client.message("S"))
+        await self.peer.rtsi("U")
+
+    async def read(self):
+        loop = asyncio.get_running_loop()
+        last_s = loop.time()
+        while True:
+            _, payload = await self.peer.rtsi("U")
+            self.worst_s = max(self.worst_s, loop.time() - last_s)
+            last_s = loop.time()
+            self.stamps += rtsi_client.values(payload, ["DOUBLE"])
+
+
+def play(program, is_over, after=lambda scene, streams: None):
+    """Send a program to a served robot; two clients stream until something is so."""
+
+    async def run():
+        scene = Scene()
+        link = ChildLink(KernelConfig(power_on=True))
+        scene.station = Station("CS66", link, lambda _, what: scene.said.append(what))
+        await scene.station.boot()
+        scene.station.bind("127.0.0.1", dict.fromkeys(NAMES, 0))
+        await scene.station.open()
+        readers = []
+        try:
+            streams = [Stream(await scene.connect("rtsi")) for _ in range(2)]
+            for stream in streams:
+                await stream.begin()
+                readers.append(asyncio.get_running_loop().create_task(stream.read()))
+            primary = await scene.connect("primary")
+            primary.send(program.encode())
+            first = scene.station.output.tick
+            await scene.until(lambda: is_over(scene, link))
+            ticks = scene.station.output.tick - first
+            for stream in streams:
+                assert stream.worst_s < GAP_S
+                assert len(stream.stamps) > 0.8 * ticks
+                assert stream.stamps == sorted(stream.stamps)
+            after(scene, streams)
+        finally:
+            for reader in readers:
+                reader.cancel()
+            for peer in scene.peers:
+                await peer.close()
+            await scene.station.close()
+
+    asyncio.run(asyncio.wait_for(run(), LIMIT_S))
+
+
+def texts(scene):
+    return [event.text for event in scene.said if isinstance(event, TextMessage)]
+
+
+def test_an_endless_loop_does_not_disturb_the_streams():
+    program = "def p():\n  def forever():\n    while True:\n      pass\n  start_thread(forever, ())\n"
+    program += "  sleep(0.5)\n  textmsg('half a second')\n  while True:\n    pass\nend\n"
+    play(program, lambda scene, link: "half a second" in texts(scene))
+
+
+def test_a_call_that_never_returns_is_ended_and_the_streams_go_on():
+    def after(scene, streams):
+        (alarm,) = [event for event in scene.said if isinstance(event, Alarm)]
+        assert alarm.code == "R132"
+        assert alarm.line == 3
+
+    program = "def p():\n  textmsg('now')\n  sum(range(10**12))\nend\n"
+
+    def goes_on(scene, link):
+        now = scene.station.output.snapshot.robot.tick
+        return any(isinstance(event, Alarm) and now > event.tick for event in scene.said)
+
+    play(program, goes_on, after)

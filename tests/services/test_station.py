@@ -1,0 +1,197 @@
+"""One robot on the network: real sockets on loopback, a fake robot behind them."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+
+from elitescript.errors import UsageError
+from elitescript.messages.events import TextMessage
+from elitescript.messages.inputs import Do, RunUnit
+from elitescript.messages.machine import WriteSignal
+from elitescript.services.table import NAMES
+from elitescript.services.tcp import bind
+from tests.protocol import primary_client, rtsi_client
+from tests.services.served import Scene, run, serving
+
+
+def test_every_port_answers() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            dashboard = await scene.connect("dashboard")
+            assert (await dashboard.line()).startswith("EliRobot dashboard shell")
+            for name in ("primary", "secondary", "realtime", "readonly"):
+                peer = await scene.connect(name)
+                message = await peer.primary(16)
+                assert 6 in dict(primary_client.sub_messages(message))
+            rtsi = await scene.connect("rtsi")
+            rtsi.send(rtsi_client.message("V", b"\0\1"))
+            assert await rtsi.rtsi() == ("V", b"\1")
+            interpreter = await scene.connect("interpreter")
+            interpreter.send(b"x = 1\n")
+            assert await interpreter.line() == "ack: 1: x = 1\n"
+            query = await scene.connect("query")
+            query.send(b"req 7 get_x()\n")
+            assert await query.line() == "7 success : get_x()\n"
+
+    run(test())
+
+
+def test_clients_are_told_apart() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            first, second = await scene.connect("query"), await scene.connect("query")
+            second.send(b"req 2 b()\n")
+            assert await second.line() == "2 success : b()\n"
+            first.send(b"req 1 a()\n")
+            assert await first.line() == "1 success : a()\n"
+
+    run(test())
+
+
+def test_an_rtsi_client_streams_and_writes() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            peer = await scene.connect("rtsi")
+            peer.send(rtsi_client.input_recipe(["standard_digital_output_mask", "standard_digital_output"]))
+            _, reply = await peer.rtsi("I")
+            ident, types = rtsi_client.set_up(reply)
+            peer.send(rtsi_client.output_recipe(250.0, ["timestamp", "actual_digital_output_bits"]))
+            _, reply = await peer.rtsi("O")
+            _, kinds = rtsi_client.set_up(reply)
+            peer.send(rtsi_client.message("S"))
+            times = []
+            for _ in range(5):
+                _, body = await peer.rtsi("U")
+                times.append(rtsi_client.values(body, kinds)[0])
+            assert [round(250 * (b - a)) for a, b in itertools.pairwise(times)] == [1, 1, 1, 1]
+            peer.send(rtsi_client.package(ident, types, [1, 1]))
+            while not rtsi_client.values((await peer.rtsi("U"))[1], kinds)[1] & 1:
+                pass
+            assert Do("rtsi#1", WriteSignal("standard_digital_out", 0, True)) in [item for _, item in scene.robot.heard]
+
+    run(test())
+
+
+def test_reconnecting_clients_get_their_inputs_back() -> None:
+    """A client that connects anew right after it has closed, or was cut off, must find its inputs free."""
+
+    async def test() -> None:
+        async with serving() as scene:
+            for number in range(20):
+                peer = await scene.connect("rtsi")
+                peer.send(rtsi_client.message("V", b"\0\1"))
+                await peer.rtsi("V")
+                peer.send(rtsi_client.input_recipe(rtsi_client.STANDARD_INPUTS))
+                _, reply = await peer.rtsi("I")
+                assert rtsi_client.set_up(reply)[0] == 1
+                peer.send(rtsi_client.output_recipe(250.0, rtsi_client.STANDARD_OUTPUTS) + rtsi_client.message("S"))
+                await peer.rtsi("U")
+                if number % 2:
+                    peer.reset()
+                else:
+                    await peer.close()
+
+    run(test())
+
+
+def test_a_program_that_is_cut_off_by_the_end_of_its_client_counts_as_sent() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            peer = await scene.connect("primary")
+            await peer.primary(16)
+            peer.send(b"def hello():\n  textmsg(1)\nend")
+            peer.half_close()
+            await scene.until(scene.robot.units)
+            assert scene.robot.units()[0].startswith("def hello()")
+            # Its sender still listens: the state goes on.
+            await peer.primary(16)
+
+    run(test())
+
+
+def test_a_question_is_answered_after_its_client_has_ended_its_half() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            peer = await scene.connect("dashboard")
+            await peer.reader.readuntil(b"NAME.\r\n")
+            peer.send(b"robotMode\nvariable -get x\n")
+            peer.half_close()
+            assert await peer.line() == "robotMode: RUNNING\r\n"
+            assert "no such variable" in await peer.line()
+
+    run(test())
+
+
+def test_garbage_closes_one_connection_and_no_other() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            good, bad = await scene.connect("rtsi"), await scene.connect("rtsi")
+            bad.send(b"\0\0\0")
+            assert await bad.reader.read() == b""
+            good.send(rtsi_client.message("V", b"\0\1"))
+            assert await good.rtsi() == ("V", b"\1")
+            assert next(note.text for note in scene.notes("offence")).startswith("rtsi#2: closed: ")
+
+    run(test())
+
+
+def test_events_are_heard_in_order() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            events = tuple(TextMessage(0, text, "main", 1) for text in "abc")
+            scene.robot.say(events=events)
+            await scene.ticks(2)
+            assert [what for what in scene.said if isinstance(what, TextMessage)] == list(events)
+
+    run(test())
+
+
+def test_a_port_in_use_is_named_and_leaves_nothing_open() -> None:
+    async def test() -> None:
+        taken = bind("127.0.0.1", 0)
+        try:
+            scene = Scene()
+            await scene.station.boot()
+            number = taken.getsockname()[1]
+            numbers = {**dict.fromkeys(NAMES, 0), "query": number}
+            with pytest.raises(UsageError, match=rf"port {number} \(query\) is in use.*--instance.*--port query="):
+                scene.station.bind("127.0.0.1", numbers)
+            assert scene.station.ports == {}
+            await scene.station.close()
+        finally:
+            taken.close()
+
+    run(test())
+
+
+def test_late_ticks_are_made_up_for_and_counted() -> None:
+    import time
+
+    async def test() -> None:
+        async with serving() as scene:
+            before = scene.station.output.tick
+            start = time.monotonic()
+            scene.robot.on_tick = lambda tick: time.sleep(0.03) if tick == before + 5 else None
+            await scene.until(lambda: scene.station.output.tick >= before + 30)
+            elapsed_ticks = (time.monotonic() - start) / 0.004
+            assert 29 <= elapsed_ticks < 60
+            assert scene.station.overruns >= 5
+            assert scene.station.output.snapshot.overruns >= 5
+
+    run(test())
+
+
+def test_programs_of_one_client_arrive_in_order() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            peer = await scene.connect("primary")
+            for number in range(50):
+                peer.send(f"def p{number}():\n  pass\nend\n".encode())
+            await scene.until(lambda: len(scene.robot.units()) == 50)
+            assert [item.text.split("(")[0] for _, item in scene.robot.heard if isinstance(item, RunUnit)] == [
+                f"def p{number}" for number in range(50)
+            ]
+
+    run(test())

@@ -1,0 +1,64 @@
+"""Which service is at which port."""
+
+from __future__ import annotations
+
+import pytest
+
+from elitescript.errors import UsageError
+from elitescript.services.table import NAMES, SERVICES, port_numbers
+from tests.protocol.snapshots import description, output
+
+
+def test_the_ports_are_those_of_the_controller() -> None:
+    assert {row.name: row.number for row in SERVICES} == {
+        "dashboard": 29999,
+        "primary": 30001,
+        "secondary": 30002,
+        "realtime": 30003,
+        "rtsi": 30004,
+        "readonly": 30011,
+        "interpreter": 30020,
+        "query": 40011,
+    }
+
+
+def test_an_instance_moves_every_port() -> None:
+    moved = port_numbers(3, {})
+    assert all(moved[name] == number + 300 for name, number in port_numbers(0, {}).items())
+
+
+def test_a_chosen_port_stays_where_it_is_and_moves_for_the_next_robot() -> None:
+    assert port_numbers(3, {"rtsi": 40004})["rtsi"] == 40004
+    assert port_numbers(3, {"rtsi": 40004}, robot=2)["rtsi"] == 40204
+    assert port_numbers(3, {"rtsi": 0}, robot=2)["rtsi"] == 0
+
+
+def test_instances_do_not_get_in_each_others_way() -> None:
+    taken = [number for instance in range(10) for number in port_numbers(instance, {}).values()]
+    assert len(set(taken)) == len(taken)
+
+
+@pytest.mark.parametrize(
+    ("instance", "chosen", "why"),
+    [
+        (-1, {}, "an instance is a number"),
+        (201, {}, "an instance is a number"),
+        (0, {"telnet": 23}, "no service is called 'telnet'"),
+        (0, {"rtsi": 70000}, "port rtsi must be a number from 0 to 65535"),
+        (0, {"rtsi": 30001}, "primary and rtsi cannot have the same port 30001"),
+    ],
+)
+def test_nonsense_is_refused(instance: int, chosen: dict[str, int], why: str) -> None:
+    with pytest.raises(UsageError, match=why):
+        port_numbers(instance, chosen)
+
+
+@pytest.mark.parametrize("service", SERVICES, ids=NAMES)
+def test_every_row_makes_connections_of_one_robot(service) -> None:
+    connect = service.open(description())
+    first, second = connect(f"{service.name}#1"), connect(f"{service.name}#2")
+    assert (first.origin, second.origin) == (f"{service.name}#1", f"{service.name}#2")
+    for tick in range(300):
+        first.publish(output(tick))
+    samples = [message for message in first.take() if service.is_sample(message)]
+    assert bool(samples) == service.outlives_silence

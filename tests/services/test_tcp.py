@@ -1,0 +1,188 @@
+"""Clients that do what they should not: each harms itself alone."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+from typing import Any
+
+import pytest
+
+from elitescript.messages.outputs import Output
+from elitescript.protocol.rtsi import RtsiConnection
+from elitescript.services import tcp
+from tests.protocol import rtsi_client
+from tests.services.served import Peer, Scene, run, serving
+
+
+async def stream(scene: Scene, frequency_hz: float = 250.0, names: list[str] | None = None) -> Peer:
+    """An RTSI client that gets packages."""
+    peer = await scene.connect("rtsi")
+    peer.send(rtsi_client.output_recipe(frequency_hz, names or ["timestamp"]) + rtsi_client.message("S"))
+    await peer.rtsi("U")
+    return peer
+
+
+async def reads_on_time(scene: Scene, peer: Peer, packages: int = 25) -> None:
+    """A client gets every package, one a tick."""
+    first = rtsi_client.values((await peer.rtsi("U"))[1], ["DOUBLE"])[0]
+    for _ in range(packages):
+        last = rtsi_client.values((await peer.rtsi("U"))[1], ["DOUBLE"])[0]
+    assert round((last - first) * 250) == packages
+
+
+def test_a_flood_of_requests_leaves_the_others_their_time() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            good = await stream(scene)
+            flood = await scene.connect("rtsi")
+            before = scene.station.output.tick
+            data = rtsi_client.message("V", b"\0\1") * 20_000
+            flood.send(data)
+            read = 0
+            while read < 4 * 20_000:
+                chunk = await flood.reader.read(65536)
+                assert chunk
+                read += len(chunk)
+            assert scene.station.output.tick - before > 5, "it was served over many ticks"
+            await reads_on_time(scene, good)
+
+    run(test())
+
+
+def test_a_client_that_asks_and_does_not_read_is_not_read_either() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            good = await stream(scene)
+            deaf = await scene.connect("dashboard")
+            deaf.writer.transport.pause_reading()
+            client = next(iter(scene.station.listeners["dashboard"].clients.values()))
+            for _ in range(400):
+                deaf.send(b"help\n" * 100)
+                await asyncio.sleep(0)
+                if client.is_behind:
+                    break
+            await scene.until(lambda: client.is_behind)
+            await reads_on_time(scene, good)
+            transport: Any = client._transport
+            assert transport.get_write_buffer_size() < 2 * tcp.BACKLOG_MAX
+
+    run(test())
+
+
+def test_a_stream_that_is_not_read_loses_packages_and_goes_on_when_it_is() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            good = await stream(scene)
+            slow = await stream(scene, names=rtsi_client.STANDARD_OUTPUTS * 20)
+            raw = slow.writer.get_extra_info("socket")
+            raw.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            client = scene.station.listeners["rtsi"].clients["rtsi#2"]
+            slow.writer.transport.pause_reading()
+            own: Any = client._transport
+            own.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
+            await scene.until(lambda: client.dropped > 3)
+            await reads_on_time(scene, good)
+            assert len(scene.notes("slow")) == 1
+            slow.writer.transport.resume_reading()
+            await slow.rtsi("U")
+            await scene.until(lambda: not client.is_behind)
+
+    run(test())
+
+
+def test_a_client_that_takes_nothing_for_long_is_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tcp, "STALLED_TICKS", 5)
+
+    async def test() -> None:
+        async with serving() as scene:
+            slow = await stream(scene, names=rtsi_client.STANDARD_OUTPUTS * 20)
+            client = scene.station.listeners["rtsi"].clients["rtsi#1"]
+            slow.writer.transport.pause_reading()
+            own: Any = client._transport
+            own.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
+            await scene.until(lambda: scene.notes("cut_off"))
+            await scene.until(lambda: not scene.station.listeners["rtsi"].clients)
+            slow.writer.transport.resume_reading()
+
+    run(test())
+
+
+def test_a_disconnect_in_the_middle_of_a_package_is_the_end_of_one_client() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            good = await stream(scene)
+            for cut in (1, 2, 5, 20):
+                bad = await scene.connect("rtsi")
+                bad.send(rtsi_client.output_recipe(250.0, rtsi_client.STANDARD_OUTPUTS)[:cut])
+                if cut % 2:
+                    bad.reset()
+                else:
+                    await bad.close()
+            await reads_on_time(scene, good)
+            await scene.until(lambda: len(scene.notes("gone")) == 4 or scene.station.output.tick > 2000)
+            assert scene.station.listeners["rtsi"].clients.keys() == {"rtsi#1"}
+
+    run(test())
+
+
+def test_too_many_clients_are_turned_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tcp, "CLIENTS_MAX", 3)
+
+    async def test() -> None:
+        async with serving() as scene:
+            for _ in range(3):
+                assert (await (await scene.connect("dashboard")).line()).startswith("EliRobot")
+            late = await scene.connect("dashboard")
+            with contextlib.suppress(ConnectionResetError):
+                assert await late.reader.read() == b""
+            assert len(scene.notes("refused")) == 1
+
+    run(test())
+
+
+def test_a_mistake_of_ours_costs_one_client_its_connection(monkeypatch: pytest.MonkeyPatch) -> None:
+    publish = RtsiConnection.publish
+
+    def broken(self: RtsiConnection, output: Output) -> None:
+        if self.origin == "rtsi#2":
+            raise RuntimeError("a mistake")
+        publish(self, output)
+
+    monkeypatch.setattr(RtsiConnection, "publish", broken)
+
+    async def test() -> None:
+        async with serving() as scene:
+            good = await stream(scene)
+            await scene.connect("rtsi")
+            await scene.until(lambda: scene.notes("bug"))
+            assert "RuntimeError: a mistake" in scene.notes("bug")[0].text
+            await reads_on_time(scene, good)
+
+    run(test())
+
+
+def test_a_busy_connection_is_not_read() -> None:
+    """A program larger than what is read in a tick arrives whole, a piece a tick."""
+
+    async def test() -> None:
+        async with serving() as scene:
+            peer = await scene.connect("primary")
+            body = "".join(f"  x = {number}\n" for number in range(20_000))
+            peer.send(f"def big():\n{body}end\n".encode())
+            await scene.until(scene.robot.units)
+            assert scene.robot.units()[0].count("\n") >= 20_001
+
+    run(test())
+
+
+def test_goodbye_arrives_before_the_end() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            peer = await scene.connect("dashboard")
+            peer.send(b"quit\n")
+            data = await peer.reader.read()
+            assert data.endswith(b"Bye.\r\n")
+
+    run(test())

@@ -1,0 +1,80 @@
+"""The reference page of the ports, from the table of services."""
+
+from __future__ import annotations
+
+from elitescript.messages.timing import TICKS_PER_S
+from elitescript.services import tcp
+from elitescript.services.broker import CHANNELS_MAX
+from elitescript.services.control_verbs import VERBS
+from elitescript.services.cycle import CATCH_UP_TICKS
+from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
+from tools.markdown import NOTICE, cell
+
+_PAGES = {
+    "dashboard": "dashboard.md",
+    "primary": "primary.md",
+    "rtsi": "rtsi.md",
+    "interpreter": "interpreter.md",
+    "query": "interpreter.md",
+}
+
+
+def ports_page() -> str:
+    """Ports, what every port promises, and the verbs of `ctl`."""
+    lines = [
+        "# Ports",
+        "",
+        NOTICE,
+        "What `elitescript serve` opens. `--port NAME=NUMBER` moves one, `--instance N` all of them by",
+        f"{PORTS_PER_INSTANCE} * N; further robots of one `serve` have the next instances.",
+        "",
+        "| name | port | what it serves | evidence |",
+        "|---|---:|---|---|",
+    ]
+    for row in SERVICES:
+        name = f"[`{row.name}`]({_PAGES[row.name]})" if row.name in _PAGES else f"`{row.name}`"
+        lines.append(f"| {name} | {row.number} | {cell(row.summary)} | {cell(row.evidence)} |")
+    backlog, most = tcp.SAMPLE_BACKLOG // 1024, tcp.BACKLOG_MAX // 1024
+    stalled_s = tcp.STALLED_TICKS // TICKS_PER_S
+    lines += [
+        "",
+        "## What every port promises (*assumed*)",
+        "",
+        "- A message is one write, without delay (`TCP_NODELAY`).",
+        f"- Up to {tcp.CLIENTS_MAX} clients for each port.",
+        "- What arrives counts from the next tick of 4 ms; what a tick gives leaves at once.",
+        "- A client that reads too slowly misses packages of its stream when more than",
+        f"  {backlog} KiB wait for it. It is cut off when {most} KiB wait, or when it has taken nothing for",
+        f"  {stalled_s} s. Nobody else waits.",
+        "- Of what one client sends, so much is read in a tick as takes 0.3 ms; the rest stays in its socket.",
+        "- What cannot be understood as the protocol of the port closes that one connection.",
+        "- A client that ends its own half of the connection is answered what it has asked; a program that",
+        "  it has begun counts as sent. The state of the primary port goes on for it.",
+        "",
+        "## Time",
+        "",
+        "A tick that begins 4 ms late or more is an *overrun*; `elitescript ctl state` shows how many there",
+        f"were. Ticks that were missed are made up for at once, up to {CATCH_UP_TICKS}; beyond that they are left",
+        "out, and a line says so.",
+        "",
+        "`--lockstep rtsi`: robot time waits for RTSI clients. A client takes part once it has set up an",
+        "input recipe and started (`S`), until it pauses (`P`) or goes. A tick comes only when every such",
+        "client has answered the last package that it got by an input package (`U`). With a recipe of",
+        "125 Hz two ticks follow each answer. Clients without input recipes only listen, and miss nothing.",
+        "While nobody takes part, time passes as on the wall.",
+        "",
+        "## Connections that programs open",
+        "",
+        f"TCP, at most {CHANNELS_MAX} at a time. A peer that does not read stops the program that writes to it, and",
+        "the other way round.",
+        "",
+        "## `elitescript ctl`",
+        "",
+        "A person's hands on a served robot, through a local channel that only the same user can open; it",
+        "works in local control too.",
+        "",
+        "| verb | what it does |",
+        "|---|---|",
+    ]
+    lines += [f"| `{cell(verb.usage)}` | {cell(verb.summary)} |" for verb in VERBS.values()]
+    return "\n".join(lines) + "\n"
