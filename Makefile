@@ -7,15 +7,17 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types invariants bench reference golden lock clean
+.PHONY: help demo test lint types invariants peers bench figures reference golden lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
 	@echo "make test        install, then every check that a change must pass"
 	@echo "make lint        style, format and import rules"
 	@echo "make types       mypy"
-	@echo "make invariants  the long random sweeps"
+	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
+	@echo "make peers       install other people's packages and compare with them; writes the result there too"
 	@echo "make bench       the table of measured times"
+	@echo "make figures     write the figures and measured tables of docs/explanation"
 	@echo "make reference   write docs/reference from the code"
 	@echo "make golden      record the event traces of the examples again"
 	@echo "make lock        resolve requirements-dev.lock again (needs uv)"
@@ -56,7 +58,20 @@ types: $(READY)
 CASES ?= 10000
 
 invariants: $(READY)
-	ELITESCRIPT_INVARIANTS=$(CASES) $(BIN)/python -m pytest -m "invariants or slow" --timeout 7200
+	ELITESCRIPT_INVARIANTS=$(CASES) ELITESCRIPT_RECORD=docs/explanation/invariants.json \
+	    $(BIN)/python -m pytest -m "invariants or slow" --timeout 7200
+	$(BIN)/python -m tools.draw_motion
+
+# Other people's packages go into .venv too, where `make test` and `make bench` find them from then on.
+PEERS := eaik pin roboticstoolbox-python ruckig scipy
+
+peers: $(READY)
+	$(BIN)/python -m pip install -qq --disable-pip-version-check $(PEERS)
+	ELITESCRIPT_RECORD=docs/explanation/peers.json $(BIN)/python -m pytest -m peers
+	$(BIN)/python -m tools.draw_motion
+
+figures: $(READY)
+	$(BIN)/python -m tools.draw_motion
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks

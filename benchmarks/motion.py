@@ -1,4 +1,4 @@
-"""Planning and sampling one move, against other packages where installed; and whole paths of many short lines.
+"""Planning and sampling one move, one period of a drive, and whole paths of short lines; against other packages.
 
 Ruckig finds time laws only: it knows no path in Cartesian space, no inverse kinematics and no
 singularities; compare it with `movej`. The Robotics Toolbox interpolates poses and solves each
@@ -20,15 +20,26 @@ from elitescript import VirtualRobot
 from elitescript.commands.micro_file import read_points
 from elitescript.kinematics.transforms import Transform, pose_from_transform, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveC, MoveJ, MoveL, MoveML, Six
+from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import RobotModel, load_model
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.microline import plan_moveml
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
+from elitescript.motion.segment import Setpoint
+from elitescript.motion.servo import begun, followed
+from elitescript.motion.speed import Obstacle, accelerated
+from elitescript.motion.twist import ToolMotion, TwistState
 
 Q_START: Six = (0.3, -1.5, -1.6, -1.5, 1.5, 0.2)
 Q_END: Six = (1.0, -1.0, -1.2, -1.6, 1.2, 0.3)
 Q_NEAR_WRIST: Six = (0.3, -1.5, -1.6, -1.5, 0.12, 0.2)
 """A start near the wrist singularity, where joint limits bind."""
+QD: Six = (0.2, -0.1, 0.3, 0.0, 0.1, -0.2)
+"""Speeds from which drives begin, rad/s."""
+QD_END: Six = (0.5, 0.3, -0.2, 0.1, 0.0, 0.4)
+XD: Six = (0.05, -0.1, 0.02, 0.0, 0.1, 0.0)
+LOOKAHEAD_TICKS = 25
+GAIN = 300.0
 T_FLANGE_TCP: Transform = transform_from_pose((0.0, 0.0, 0.15, 0.0, 0.0, 0.0))
 POSES = 50
 RUNS = 7
@@ -184,7 +195,29 @@ def _our_calls(model: RobotModel) -> Calls:
         calls[f"{name}: sample"] = lambda segment=segment, t_s=middle_s: segment.sample(t_s)
         calls[f"{name}: sample with speed"] = lambda segment=segment, t_s=middle_s: segment.setpoint(t_s)
     calls[f"movel 0.2 m: plan and {POSES} samples"] = fifty
+    calls.update(_drive_calls(model, limits))
     return calls
+
+
+def _drive_calls(model: RobotModel, limits: MotionLimits) -> Calls:
+    start = Setpoint(Q_START, QD)
+    profile = accelerated(start, QD_END, 2.0, limits)
+    middle_s = 0.5 * profile.duration_s
+    motion = ToolMotion(model.arm, limits, T_FLANGE_TCP, model.stop_joint_deceleration)
+    moving: TwistState = motion.begin(start)
+    # A stream of targets a little ahead, with a look-ahead time that is full.
+    stream = begun(start)
+    for _ in range(LOOKAHEAD_TICKS):
+        step = followed(stream._replace(left=1), Q_END, LOOKAHEAD_TICKS, GAIN, limits)
+        if isinstance(step, Obstacle):
+            raise RuntimeError("the stream of this benchmark has to go on")
+        stream = step._replace(left=1)
+    return {
+        "speedj: plan": lambda: accelerated(start, QD_END, 2.0, limits),
+        "speedj: sample with speed": lambda: profile.at(middle_s),
+        "speedl: one period": lambda: motion.next(moving, XD, 0.8, 0.8),
+        "servoj: one period": lambda: followed(stream, Q_END, LOOKAHEAD_TICKS, GAIN, limits),
+    }
 
 
 def _ruckig(model: RobotModel) -> Calls:
@@ -198,7 +231,28 @@ def _ruckig(model: RobotModel) -> Calls:
     problem.synchronization = ruckig.Synchronization.Phase
     solver, trajectory = ruckig.Ruckig(6), ruckig.Trajectory(6)
     solver.calculate(problem, trajectory)
+    speeds = ruckig.InputParameter(6)
+    speeds.control_interface = ruckig.ControlInterface.Velocity
+    speeds.synchronization = ruckig.Synchronization.Phase
+    speeds.current_position, speeds.current_velocity, speeds.target_velocity = list(Q_START), list(QD), list(QD_END)
+    speeds.max_acceleration, speeds.max_jerk = [2.0] * 6, [inf] * 6
+    change = ruckig.Trajectory(6)
+    solver.calculate(speeds, change)
+    online, answer = ruckig.Ruckig(6, PERIOD_S), ruckig.OutputParameter(6)
+    following = ruckig.InputParameter(6)
+    following.current_position, following.current_velocity = list(Q_START), list(QD)
+    following.max_velocity, following.max_acceleration = problem.max_velocity, problem.max_acceleration
+    following.max_jerk = [inf] * 6
+
+    def period() -> None:
+        # A new target each time, as a stream has it; with the same one Ruckig would not calculate again.
+        following.target_position = list(Q_END if following.target_position[0] != Q_END[0] else Q_NEAR_WRIST)
+        online.update(following, answer)
+
     return {
+        "speedj: plan": lambda: solver.calculate(speeds, change),
+        "speedj: sample with speed": lambda: change.at_time(0.5 * change.duration),
+        "servoj: one period": period,
         "movej: plan": lambda: solver.calculate(problem, trajectory),
         "movej: sample with speed": lambda: trajectory.at_time(0.5 * trajectory.duration),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.services import tcp
 from elitescript.services.broker import CHANNELS_MAX
@@ -62,6 +63,14 @@ def ports_page() -> str:
         "client has answered the last package that it got by an input package (`U`). With a recipe of",
         "125 Hz two ticks follow each answer. Clients without input recipes only listen, and miss nothing.",
         "While nobody takes part, time passes as on the wall.",
+        "",
+        "## Tasks",
+        "",
+        "`task -p NAME.task` and `play` on the dashboard run `NAME.script` of the task folder (`--task-dir`),",
+        "or else `NAME.task.script`. If the first line of `NAME.task` is `external_control HOST [PORT]`, the",
+        f"program comes from the client there instead (port {SENDER_PORT} by default): the controller sends",
+        "`request_program`, and runs what comes, up to the comment `# NODE_CONTROL_LOOP_ENDS`. `play` is",
+        "answered when the program has begun, or refused with the reason.",
         "",
         "## Connections that programs open",
         "",

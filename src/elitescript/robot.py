@@ -37,6 +37,9 @@ from elitescript.worlds.interrupts import interrupts_passed_to
 from elitescript.worlds.program_file import source_of
 from elitescript.worlds.real_channels import RealChannels
 
+IDLE_TICKS: Final = ticks_for(1.0)
+"""An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
+
 TRACE_TICKS_MAX: Final = 10_000
 """Rows that are recorded before somebody may look at the clock or interrupt."""
 
@@ -307,6 +310,7 @@ class VirtualRobot:
             stays: go on up to `limit`, which is not run, though nothing happens any more.
         """
         controller, channels = self.controller, self._channels
+        idle_ticks = 0
         while not (stays and limit is not None and controller.tick >= limit):
             if pace is not None:
                 pace(controller.tick)
@@ -330,12 +334,13 @@ class VirtualRobot:
             if limit is not None and controller.tick >= limit:
                 return
             due, arrives = controller.next_tick(), channels.next_tick(controller.tick)
+            idle_ticks = idle_ticks + 1 if arrives is None and controller.is_idle else 0
             if arrives is not None:
                 due = arrives if due is None else min(due, arrives)
                 if run is not None and channels.is_real:
                     run.is_paced = True
-            if due is None and not stays:
-                if any(controller.joints().qd_target):
+            if not stays and (due is None or idle_ticks > IDLE_TICKS):
+                if due is None and any(controller.joints().qd_target):
                     # A paused motion is not due again, but still brakes.
                     due = controller.tick + 1
                 elif run is not None and run.state == "":
@@ -383,6 +388,7 @@ class VirtualRobot:
         waits = "; ".join(f"{thread.name} (line {thread.line}) waits for {thread.waits_for}" for thread in threads)
         obstruction = self.controller.safety.obstruction
         waits += f"; {obstruction}" if obstruction else ""
+        waits += "; the speed percentage is 0" if self.controller.speed_scale == 0.0 else ""
         line = threads[0].line if threads else 0
         assert self._run is not None
         source = self._run.unit.source

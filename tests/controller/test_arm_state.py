@@ -137,6 +137,16 @@ def test_corrections_hear_of_pauses_and_stops_when_they_are_idle() -> None:
     assert drift.heard == ["pause", "resume", "stop"]
 
 
+def test_an_arm_stands_though_every_tick_is_due_until_something_moves() -> None:
+    control = motion()
+    arm = ArmState(control, (Drift(10_000),))
+    arm.settle(1)
+    assert arm.next_tick == 2
+    assert arm.is_standing
+    control.request(MoveJ((MODEL.home[0] + 0.1, *MODEL.home[1:]), 8.0, 2.0), 1, IDENTITY, 1, "main")
+    assert not arm.is_standing
+
+
 def test_a_plant_lags_behind_until_it_has_settled() -> None:
     control = motion()
     arm = ArmState(control, plant=Halfway())

@@ -145,6 +145,30 @@ def test_a_waiting_move_follows_a_changed_speed_and_a_pause(machine, fraction):
     assert dist(machine.tcp, END[:3]) < 1e-9
 
 
+@pytest.mark.parametrize("ticks", range(0, 16, 3))
+def test_a_move_that_waits_stays_where_it_begins_when_the_one_before_arrives_in_a_pause(machine, ticks):
+    machine.controller.task_started("test")
+    turned = (HOME[0] + 1.0, *HOME[1:])
+    number = machine.ask(MoveJ(turned, 40.0, 2.5, 0.0, 0.04))
+    machine.run(90)
+    machine.controller.request(SetSpeedScale(0.1))
+    machine.until_returned(number)
+    machine.controller.request(SetTcp((0.0, 0.0, 0.1, 0.0, 0.0, 0.0)))
+    number = machine.ask(MoveJ(HOME, 8.0, 1.0))
+    machine.run(ticks)
+    machine.controller.request(PauseTask())
+    places = []
+    for _ in range(200):
+        machine.run(1)
+        places.append(machine.q)
+    assert all(abs(b[0] - a[0]) <= 2.5 * PERIOD_S for a, b in pairwise(places))
+    assert places[-1] == places[-100]
+    machine.controller.request(SetSpeedScale(1.0))
+    machine.controller.request(ResumeTask())
+    machine.until_returned(number)
+    assert machine.q == HOME
+
+
 def test_a_task_that_ends_by_itself_lets_the_arm_arrive(machine):
     machine.controller.task_started("test")
     machine.until_returned(machine.line(CORNER, r=R))

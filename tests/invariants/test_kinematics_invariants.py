@@ -18,6 +18,7 @@ from elitescript.kinematics.jacobian import joint_speeds, singularity, tcp_twist
 from elitescript.kinematics.limits import REACH_TOLERANCE_M, TURN, WRIST_SINGULAR_SINE, wrap_to_pi
 from elitescript.kinematics.transforms import compose, inverse, transform_from_pose
 from elitescript.models.model import RobotModel, load_model, model_names
+from tests.findings import Finding
 
 pytestmark = pytest.mark.invariants
 
@@ -90,7 +91,7 @@ def round_trips(model: RobotModel, count: int, seed: int) -> Worst:
 
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("name", model_names())
-def test_round_trip_meets_pose_and_joints(name: str) -> None:
+def test_round_trip_meets_pose_and_joints(name: str, finding: Finding) -> None:
     worst = round_trips(load_model(name), COUNT, SEED)
     # Positions near three metres are resolved to 4e-16, and the tool adds two products.
     assert worst.pose < 2e-14
@@ -98,6 +99,8 @@ def test_round_trip_meets_pose_and_joints(name: str) -> None:
     # The error of the pose, 1e-15, grows with the inverse distance to a singularity.
     assert worst.joint < 1e-7
     assert worst.branches <= {2, 4, 6, 8}
+    found = f"pose {worst.pose:.0e}; joints {worst.joint_regular:.0e} rad, near singularities {worst.joint:.0e} rad"
+    finding(f"round trips of the kinematics, {name}", f"{COUNT} joint vectors and tools", found)
 
 
 @pytest.mark.timeout(1800)

@@ -34,6 +34,7 @@ from elitescript.motion.limits import MotionLimits
 from elitescript.motion.planner import NoteKind, Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import Segment
 from elitescript.motion.timescale import TimeScale, stop_ramp
+from tests.findings import Finding
 from tests.motion.moves import limits_of, six
 
 pytestmark = pytest.mark.invariants
@@ -89,7 +90,20 @@ def speed_and_acceleration(rng: random.Random) -> tuple[float, float]:
     return 10 ** rng.uniform(-1, 1), 10 ** rng.uniform(-2, 0.3)
 
 
-def check_joints(segment: Segment, limits: MotionLimits, tolerance: float, acceleration_tolerance: float) -> None:
+class Shares:
+    """The largest shares of the joint limits that a test has met."""
+
+    def __init__(self) -> None:
+        self.speed = 0.0
+        self.acceleration = 0.0
+
+    def __str__(self) -> str:
+        return f"speed {100 * self.speed:.2f} %, acceleration {100 * self.acceleration:.2f} % of the joint limits"
+
+
+def check_joints(
+    segment: Segment, limits: MotionLimits, tolerance: float, acceleration_tolerance: float, shares: Shares
+) -> None:
     """Ranges, speeds, accelerations, continuity and the exact ends of a segment."""
     duration_s = segment.duration_s
     assert segment.sample(0.0) == segment.q_start
@@ -105,6 +119,8 @@ def check_joints(segment: Segment, limits: MotionLimits, tolerance: float, accel
             assert limits.q_min[joint] - RANGE_TOLERANCE_RAD <= q[joint] <= limits.q_max[joint] + RANGE_TOLERANCE_RAD
             assert abs(qd[joint]) <= limits.qd_max[joint] * (1.0 + tolerance)
             change = abs(qd_next[joint] - qd[joint])
+            shares.speed = max(shares.speed, abs(qd[joint]) / limits.qd_max[joint])
+            shares.acceleration = max(shares.acceleration, (change - 1e-11) / (limits.qdd_max[joint] * step_s))
             assert change <= limits.qdd_max[joint] * step_s * (1.0 + acceleration_tolerance) + 1e-11
             # Position is the integral of speed: no jump, and the speed is not made up.
             mean = 0.5 * (qd[joint] + qd_next[joint])
@@ -121,7 +137,8 @@ def check_law(plan: Plan, length: float, v: float, a: float) -> None:
     assert plan.segment.duration_s == pytest.approx(law, rel=LAW_TOLERANCE)
 
 
-def test_movej_keeps_limits_path_law_and_end() -> None:
+def test_movej_keeps_limits_path_law_and_end(finding: Finding) -> None:
+    shares = Shares()
     for case in cases("movej"):
         rng, limits = case.rng, case.limits
         q_target = six(q if rng.random() < 0.2 else rng.uniform(-2.0 * pi, 2.0 * pi) for q in case.q_start)
@@ -130,7 +147,7 @@ def test_movej_keeps_limits_path_law_and_end() -> None:
         plan = plan_movej(case.arm, limits, case.q_start, MoveJ(q_target, a, v, t_s), case.T_flange_tcp)
         segment = plan.segment
         assert segment.q_end == q_target
-        check_joints(segment, limits, JOINT_TOLERANCE, JOINT_TOLERANCE + 1e-6)
+        check_joints(segment, limits, JOINT_TOLERANCE, JOINT_TOLERANCE + 1e-6, shares)
         displacement = [b - a for a, b in zip(case.q_start, q_target, strict=True)]
         length = max(map(abs, displacement))
         if t_s:
@@ -149,11 +166,13 @@ def test_movej_keeps_limits_path_law_and_end() -> None:
             done = max(abs(b - a) for a, b in zip(case.q_start, q, strict=True)) / length
             expected = [a + done * d for a, d in zip(case.q_start, displacement, strict=True)]
             assert max(abs(a - b) for a, b in zip(q, expected, strict=True)) < 1e-12
+    finding("`movej` alone", f"{COUNT} moves of three arms", str(shares))
 
 
 @pytest.mark.parametrize("joint_acceleration", [None, 5.0], ids=["strong", "weak"])
-def test_movel_keeps_limits_line_law_and_end(joint_acceleration: float | None) -> None:
+def test_movel_keeps_limits_line_law_and_end(joint_acceleration: float | None, finding: Finding) -> None:
     outcomes: Counter[str] = Counter()
+    shares = Shares()
     for case in cases("movel", joint_acceleration):
         rng = case.rng
         near = [rng.gauss(0.0, 0.2) for _ in range(3)] + [
@@ -173,12 +192,12 @@ def test_movel_keeps_limits_line_law_and_end(joint_acceleration: float | None) -
         outcomes["accepted"] += 1
         outcomes.update(note.kind for note in plan.notes)
         segment = plan.segment
-        check_joints(segment, case.limits, SPEED_TOLERANCE, ACCELERATION_TOLERANCE)
+        check_joints(segment, case.limits, SPEED_TOLERANCE, ACCELERATION_TOLERANCE, shares)
         T_start, T_end = case.T_base_tcp, transform_from_pose(p_target)
         check_pose(case, segment.q_end, T_end)
         length = segment.path.length
         if length == 0.0:
-            assert segment.duration_s == 0.0
+            assert segment.duration_s == t_s
             continue
         if t_s:
             assert plan.notes or segment.duration_s == t_s
@@ -190,11 +209,14 @@ def test_movel_keeps_limits_line_law_and_end(joint_acceleration: float | None) -
             share = segment.profile.at(t)[0] / length
             check_pose(case, segment.sample(t), interpolate(T_start, T_end, share))
     check_variety(outcomes)
+    what = "`movel` alone" + (f", joints limited to {joint_acceleration:g} rad/s²" if joint_acceleration else "")
+    finding(what, how_often(outcomes), str(shares))
 
 
 @pytest.mark.parametrize("is_orientation_fixed", [True, False], ids=["fixed", "free"])
-def test_movec_keeps_limits_circle_law_and_end(is_orientation_fixed: bool) -> None:
+def test_movec_keeps_limits_circle_law_and_end(is_orientation_fixed: bool, finding: Finding) -> None:
     outcomes: Counter[str] = Counter()
+    shares = Shares()
     for case in cases(f"movec {is_orientation_fixed}"):
         rng = case.rng
         radius, end = 10 ** rng.uniform(-2, -0.5), rng.uniform(0.1, 6.2)
@@ -227,7 +249,7 @@ def test_movec_keeps_limits_circle_law_and_end(is_orientation_fixed: bool) -> No
         outcomes["accepted"] += 1
         outcomes.update(note.kind for note in plan.notes)
         segment = plan.segment
-        check_joints(segment, case.limits, SPEED_TOLERANCE, ACCELERATION_TOLERANCE)
+        check_joints(segment, case.limits, SPEED_TOLERANCE, ACCELERATION_TOLERANCE, shares)
         assert segment.path.length == pytest.approx(radius * end, rel=1e-6)
         check_law(plan, radius * end, min(v, sqrt(case.limits.tool_acceleration_max * radius)), a)
         T_circle_base = compose(case.T_base_tcp, T_tcp_circle)
@@ -249,6 +271,7 @@ def test_movec_keeps_limits_circle_law_and_end(is_orientation_fixed: bool) -> No
             else:
                 assert angle_between(case.T_base_tcp, T) == pytest.approx(whole * angle / end, abs=1e-8)
     check_variety(outcomes)
+    finding(f"`movec` alone, mode {0 if is_orientation_fixed else 1}", how_often(outcomes), str(shares))
 
 
 def test_stop_pause_and_rescale_at_random_ticks_never_jump() -> None:
@@ -328,6 +351,12 @@ def check_refusal(error: MotionError) -> str:
     text = str(error)
     assert ("from the start of the" in text) or ("at the start" in text)
     return error.code
+
+
+def how_often(outcomes: Counter[str]) -> str:
+    """How many moves were tried, and what became of them."""
+    slowed = outcomes[NoteKind.SPEED_LOWERED_NEAR_SINGULARITY]
+    return f"{COUNT} moves of three arms: {outcomes['accepted']} accepted, {slowed} of them slowed near a singularity"
 
 
 def check_variety(outcomes: Counter[str]) -> None:

@@ -6,11 +6,12 @@ from random import Random
 import pytest
 
 from elitescript import PlantConfig, VirtualRobot
+from elitescript.messages.events import Alarm
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale
 from elitescript.runtime.world import NoWorld
 from tests.invariants.random_programs import random_program
 
-COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300")) // 6
+COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300"))
 
 PLANTS = (
     None,
@@ -41,9 +42,14 @@ def outcome(seed, pace):
 
 @pytest.mark.invariants
 @pytest.mark.parametrize("seed", range(max(COUNT, 10)))
-def test_leaping_equals_stepping(seed):
+def test_leaping_equals_stepping(seed, finding):
     leaped = outcome(seed, None)
     stepped = outcome(seed, lambda tick: None)
     for mine, other in zip(leaped, stepped, strict=True):
         assert mine == other
-    assert leaped[1] in ("finished", "time_limit"), leaped[0]
+    # A motion at a speed may lead to the end of a joint's range or a singularity, which is a protective stop.
+    alarms = {event.code for event in leaped[3] if isinstance(event, Alarm)}
+    assert leaped[1] in ("finished", "time_limit") or alarms == {"R140"}, leaped[0]
+    finding(
+        "leaping against stepping", f"{max(COUNT, 10)} programs, each run both ways", "the same record to the last bit"
+    )

@@ -89,6 +89,14 @@ def test_small_lags_are_caught_up_gently_but_in_time():
             assert quickest.duration_s <= law.duration_s <= 0.2 + 1e-12
 
 
+@pytest.mark.parametrize("lag", [1e-300, 1e-30, -5e-324])
+@pytest.mark.parametrize("acceleration", [3.0, 1e-300])
+def test_next_to_nothing_is_caught_up_too(lag, acceleration):
+    law = caught_up(lag, 0.0, acceleration, 0.5, 0.2)
+    assert abs(law.at(0.0)[0]) <= abs(lag) * (1.0 + 1e-6)
+    assert law.at(law.duration_s) == (0.0, 0.0)
+
+
 def test_coasting_stands_after_its_ramp_at_half_of_the_way():
     coast = Coast(1.0, 0.4, 0.5)
     assert coast.at(0.0) == (1.0, 0.4)

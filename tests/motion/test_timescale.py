@@ -12,7 +12,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.motion import MoveJ
 from elitescript.motion.planner import plan_movej, plan_movel
 from elitescript.motion.segment import Segment
-from elitescript.motion.timescale import TimeScale, stop_ramp, stop_ramp_tool
+from elitescript.motion.timescale import TimeScale, change_ramp, stop_ramp, stop_ramp_tool
 from tests.motion.moves import ARM, LIMITS, Q_NEAR_WRIST, Q_WORK, T_FLANGE_TCP, line_by
 
 ROUNDING_S = 1e-12
@@ -190,6 +190,12 @@ def test_stop_near_a_singularity_looks_ahead(share: float) -> None:
     assert hardest_braking(SINGULAR, scale) <= 40.0 + 10.0
 
 
+def test_stop_that_is_next_to_none_has_a_ramp_all_the_same() -> None:
+    ramp_s = stop_ramp(MOVEJ, 0.5 * MOVEJ.duration_s, 1.0, 5e-324)
+    scale = TimeScale.start(0.0, 1.0).with_target(0.5 * MOVEJ.duration_s, 0.0, ramp_s)
+    assert scale.time_of(MOVEJ.duration_s) == pytest.approx(MOVEJ.duration_s)
+
+
 def test_arm_at_rest_needs_no_ramp() -> None:
     for path_time_s, rate in ((0.0, 1.0), (MOVEJ.duration_s, 1.0), (0.5 * MOVEJ.duration_s, 0.0)):
         assert stop_ramp(MOVEJ, path_time_s, rate, 8.0) == pytest.approx(0.0, abs=1e-3)
@@ -221,3 +227,27 @@ def test_a_rebased_scale_goes_on_with_rate_and_ramp() -> None:
             assert rebased.rate(later_s) == pytest.approx(scale.rate(later_s), abs=1e-12)
             gone_s = scale.path_time(later_s) - scale.path_time(t_s)
             assert rebased.path_time(later_s) == pytest.approx(gone_s, abs=1e-12)
+
+
+@pytest.mark.parametrize(("rate", "rate_target"), [(1.0, 0.3), (0.3, 1.0), (1.0, 0.0), (0.0, 1.0)])
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.3, 0.6, 0.9, 0.97])
+def test_another_rate_leaves_the_joints_within_their_limits(rate: float, rate_target: float, share: float) -> None:
+    home = (0.0,) * 6
+    quick = plan_movej(ARM, LIMITS, home, MoveJ((3.0, -1.0, 1.0, 1.0, 1.0, 1.0), 40.0, 3.0)).segment
+    for segment in (quick, MOVEJ, SINGULAR):
+        path_time_s = share * segment.duration_s
+        ramp_s = change_ramp(segment, path_time_s, rate, rate_target, 0.2, LIMITS.qdd_max)
+        assert ramp_s >= 0.2
+        scale = TimeScale(0.0, path_time_s, rate, rate_target, ramp_s)
+        dt = 1e-4
+        for step in range(int((ramp_s + 0.2) / dt)):
+            before, after = [
+                [w * scale.rate(t) for w in segment.sample_speed(min(scale.path_time(t), segment.duration_s))]
+                for t in (step * dt, (step + 1) * dt)
+            ]
+            for w, w_later, limit in zip(before, after, LIMITS.qdd_max, strict=True):
+                assert abs(w_later - w) / dt <= 1.06 * limit
+
+
+def test_another_rate_takes_its_time_where_there_is_room() -> None:
+    assert change_ramp(MOVEL, 0.5 * MOVEL.duration_s, 1.0, 0.5, 0.2, LIMITS.qdd_max) == 0.2

@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 
 from elitescript import AlarmError, ProgramError, UsageError, VirtualRobot
+from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import MotionEnded, SignalChanged, TaskStateChanged, Warned
+from elitescript.messages.plant import PlantConfig
 
 HOME = (0.0, -1.5707963267948966, -1.5707963267948966, -1.5707963267948966, 1.5707963267948966, 0.0)
 
@@ -69,6 +71,43 @@ def test_a_time_limit_stops_the_program_where_it_is(robot):
 )
 def test_an_endless_loop_stops_neither_time_nor_its_limit(robot, body):
     assert robot.run(f"def a():\n  {body}\n", until_s=0.2).state == "time_limit"
+
+
+@pytest.mark.parametrize(
+    ("program", "options"),
+    [
+        ("track_conveyor_linear([1, 0, 0, 0, 0, 0], 1000)\npause()\n", {}),
+        ("force_mode([0] * 6, [0, 0, 1, 0, 0, 0], [0] * 6, 0, [0.1] * 6)\npause()\n", {}),
+        ("speedl([0, 0, 0.05, 0, 0, 0], 1)\npause()\n", {"plant": PlantConfig(lag_s=0.05)}),
+        ("movej([0.5, -1.57, -1.57, -1.57, 1.57, 0])\n", {"speed": 0.0, "plant": PlantConfig(lag_s=0.05)}),
+        (
+            "movej([0.5, -1.57, -1.57, -1.57, 1.57, 0])\n",
+            {"speed": 0.0, "safety": SafetyLimits(SafetyBounds(tcp_speed_max=1.0))},
+        ),
+    ],
+)
+def test_an_arm_that_stands_while_every_tick_is_due_does_not_hide_that_nothing_goes_on(program, options):
+    run = VirtualRobot("CS66", **options).run(program, until_s=10.0)
+    assert (run.state, run.alarms[0].code) == ("stuck", "R130")
+    assert 1.0 <= run.time_s < 2.0
+    assert ("speed percentage is 0" in run.alarms[0].text) == ("speed" in options)
+
+
+def test_an_arm_that_stands_for_long_may_still_go_on():
+    program = (
+        "track_conveyor_linear([1, 0, 0, 0, 0, 0], 1000)\nsleep(3)\nstop_conveyor_tracking()\n"
+        "force_mode([0] * 6, [0, 0, 1, 0, 0, 0], [0] * 6, 0, [0.1] * 6)\nsleep(3)\nend_force_mode()\n"
+    )
+    assert VirtualRobot("CS66").run(program, until_s=20.0).state == "finished"
+    robot = VirtualRobot("CS66")
+    robot.at(5.0, "standard_digital_in[0]", True)
+    program = "track_conveyor_linear([1, 0, 0, 0, 0, 0], 1000)\nwhile not get_standard_digital_in(0):\n  sync()\n"
+    assert robot.run(program, until_s=20.0).time_s == pytest.approx(5.0, abs=0.01)
+
+
+def test_threads_that_start_their_successors_do_not_stop_time(robot):
+    run = robot.run("def w():\n  start_thread(w, ())\nend\nw()\nsleep(10)\n", until_s=0.04)
+    assert (run.state, run.time_s) == ("time_limit", 0.04)
 
 
 def test_what_can_never_go_on_is_stuck_and_names_every_thread(robot):

@@ -10,6 +10,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.events import TextMessage
 from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.machine import WriteSignal
+from elitescript.services import station
 from elitescript.services.table import NAMES
 from elitescript.services.tcp import bind
 from tests.protocol import primary_client, rtsi_client
@@ -179,6 +180,25 @@ def test_late_ticks_are_made_up_for_and_counted() -> None:
             assert 29 <= elapsed_ticks < 60
             assert scene.station.overruns >= 5
             assert scene.station.output.snapshot.overruns >= 5
+
+    run(test())
+
+
+def test_the_log_is_told_of_late_ticks(monkeypatch: pytest.MonkeyPatch) -> None:
+    import time
+
+    monkeypatch.setattr(station, "REPORT_TICKS", 20)
+    monkeypatch.setattr(station, "LATE_MANY", 1)
+
+    async def test() -> None:
+        async with serving() as scene:
+            begin = scene.station.output.tick
+            scene.robot.on_tick = lambda tick: time.sleep(0.02) if tick == begin + 3 else None
+            await scene.until(lambda: scene.notes("late"))
+            note = scene.notes("late")[0]
+            assert note.is_problem
+            assert note.details["worst_ms"] >= 4.0
+            assert "of 20 ticks began late" in note.text
 
     run(test())
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import gc
 import os
 import signal
 import sys
@@ -61,9 +60,6 @@ async def _serve(
     server = Server(stations, options.host, numbers, options.instance)
     await server.open()
     try:
-        # What is there now stays; the collector need not look at it in every round.
-        gc.collect()
-        gc.freeze()
         log.ready(options.host, server, configs)
         await server.run(stop)
     finally:
@@ -209,6 +205,8 @@ class Log:
         self._err = err
         self._is_json = is_json
         self._are_several = len(names) > 1
+        self._held: list[tuple[Station, Event | Note]] | None = []
+        """What has happened before all ports were open."""
         self._reports: dict[str, Report] = {}
         for name in names:
             if is_json:
@@ -219,7 +217,13 @@ class Log:
                 self._reports[name] = TextReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag))
 
     def ready(self, host: str, server: Server, configs: list[KernelConfig]) -> None:
-        """Every port is open."""
+        """Every port is open; say so, and then what has happened before."""
+        self._say_ready(host, server, configs)
+        held, self._held = self._held or [], None
+        for station, what in held:
+            self.take(station, what)
+
+    def _say_ready(self, host: str, server: Server, configs: list[KernelConfig]) -> None:
         if self._is_json:
             robots = [
                 {"robot": config.robot_id, "model": config.model, "ports": station.ports, "ctl": address}
@@ -236,7 +240,9 @@ class Log:
 
     def take(self, station: Station, what: Event | Note) -> None:
         """Print an event of a robot, or a note about a client."""
-        if not isinstance(what, Note):
+        if self._held is not None:
+            self._held.append((station, what))
+        elif not isinstance(what, Note):
             self._reports[station.name].event(what)
             self._out.flush()
             self._err.flush()

@@ -40,7 +40,8 @@ class PatientStream:
 
     def flush(self) -> None:
         """Have what was written appear soon."""
-        self._news.set()
+        if self._texts:
+            self._news.set()
 
     def close(self) -> None:
         """Write what is left, for a limited time."""

@@ -21,6 +21,9 @@ _INSTANT_S: Final = 1e-6
 """Over this time the acceleration is taken as constant. Rounding of the speeds makes up some 1e-8 rad/s^2 of the
 difference, the bending of a path some 1e-5."""
 
+STANDING_RAD_PER_S: Final = 1e-6
+"""Joints that are slower than this stand: what a law leaves that comes to rest without end."""
+
 
 class Correction(Protocol):
     """Changes the nominal setpoint from tick to tick.
@@ -113,6 +116,18 @@ class ArmState:
     def is_resting(self) -> bool:
         """Whether target and joints stand at the same place, until something is asked of them."""
         return not self.is_moving and not self._is_stepped
+
+    @property
+    def is_standing(self) -> bool:
+        """Whether target and joints stand at the present tick, and the nominal motion changes nothing by itself.
+
+        Every tick may be due all the same: while a conveyor that stands is tracked, in force mode where nothing
+        yields, in a pause of an arm with a plant.
+        """
+        if self._motion.next_tick is not None:
+            return False
+        joints = self.joints(self._tick)
+        return max(map(abs, (*joints.qd_target, *joints.qd_actual))) < STANDING_RAD_PER_S
 
     @property
     def next_tick(self) -> int | None:

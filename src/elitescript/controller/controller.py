@@ -28,11 +28,10 @@ from elitescript.controller.snapshot import build_state
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
 from elitescript.controller.yield_control import YieldControl
 from elitescript.controller.yielding import Caller
-from elitescript.errors import ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.enums import RobotMode, TaskState
-from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
+from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged
 from elitescript.messages.machine import MachineRequest
 from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
 from elitescript.messages.plant import PlantConfig
@@ -157,7 +156,7 @@ class Controller:
             take: called in the inbox phase, after what was `put` for this tick.
         """
         self.arm_state.settle(self._tick)
-        self._deliver_inbox()
+        self._inbox.deliver(self._tick, self.request, self.emit)
         take()
         self.safety.check(self._tick)
         self.power.go_on(self._tick)
@@ -172,6 +171,12 @@ class Controller:
         ticks = [at for at in (*due, self.power.next_tick) if at is not None]
         return max(min(ticks), tick + 1) if ticks else None
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing is due but an arm that stands; see `ArmState.is_standing`."""
+        others = self.program.next_tick(self._tick), self._inbox.next_tick
+        return others == (None, None) and self.arm_state.is_standing
+
     def leap(self, tick: int) -> None:
         """Go to a tick that is not later than the next one at which anything is due."""
         self.loads.leap(tick)
@@ -180,13 +185,6 @@ class Controller:
     def put(self, tick: int, request: MachineRequest) -> None:
         """Have a request from outside handled at a tick; a refusal becomes a warning event."""
         self._inbox.put(max(tick, self._tick), request)
-
-    def _deliver_inbox(self) -> None:
-        while (request := self._inbox.due(self._tick)) is not None:
-            try:
-                self.request(request)
-            except ScriptError as error:
-                self.emit(Warned(self._tick, f"{type(request).__name__} refused: {error}"))
 
     # ---------------------------------------------------------------- reading
 

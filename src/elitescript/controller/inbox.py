@@ -6,10 +6,12 @@ its program and of this list.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from heapq import heappop, heappush
 from typing import Final
 
-from elitescript.errors import UsageError
+from elitescript.errors import ScriptError, UsageError
+from elitescript.messages.events import Warned
 from elitescript.messages.machine import MachineRequest
 
 CAPACITY: Final = 1_000_000
@@ -35,6 +37,14 @@ class Inbox:
             raise UsageError(f"the controller's inbox is full: {CAPACITY} requests wait already")
         self._sequence += 1
         heappush(self._heap, (tick, self._sequence, request))
+
+    def deliver(self, tick: int, handle: Callable[[MachineRequest], None], refuse: Callable[[Warned], None]) -> None:
+        """Hand over what is due at `tick`; a refusal becomes a warning."""
+        while (request := self.due(tick)) is not None:
+            try:
+                handle(request)
+            except ScriptError as error:
+                refuse(Warned(tick, f"{type(request).__name__} refused: {error}"))
 
     def due(self, tick: int) -> MachineRequest | None:
         """Take the next request that is due at `tick`."""

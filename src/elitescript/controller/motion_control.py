@@ -135,6 +135,11 @@ class MotionControl:
         return source.scale.rate(tick * PERIOD_S) if isinstance(source, Move) else self._speed_scale
 
     @property
+    def under_way(self) -> tuple[AnySource, ...]:
+        """What moves the arm, and what follows at standstill."""
+        return tuple([source for source in (self._source, self._next) if source is not None])
+
+    @property
     def next_tick(self) -> int | None:
         """Tick at which the present motion changes by itself; None while it will not."""
         source = self._source
@@ -220,7 +225,7 @@ class MotionControl:
         source = self._source
         if isinstance(source, Move):
             if not source.is_stopping:
-                source.stop(tick, self._program_stop_ramp_s(source, tick))
+                source.stop(tick, source.stop_ramp_s(tick, self._stop_joint_deceleration))
                 self._sampled_tick = -1
         elif source is not None:
             qd = self.setpoint(tick).qd
@@ -254,12 +259,13 @@ class MotionControl:
         self._advance(tick)
         source = self._source
         if isinstance(source, Move) and not source.is_stopping:
-            source.pause(tick, self._program_stop_ramp_s(source, tick))
+            source.pause(tick, source.stop_ramp_s(tick, self._stop_joint_deceleration))
         elif isinstance(source, Drive) and not source.is_stopping:
             source.pause(tick)
         self._changed(tick)
-        if self._next is not None:
-            self._next.hold()
+        if source is not None and self._next is not None:
+            # A move that is nearly over comes to its end all the same.
+            self._next.hold(min(source.end_tick, self._next.start_tick))
 
     def resume(self, tick: int) -> None:
         """Go on after a pause, with the speed percentage of now."""
@@ -307,12 +313,12 @@ class MotionControl:
         if isinstance(source, Drive):
             source.set_fraction(tick, rate)
         elif isinstance(source, Move) and not source.is_stopping:
-            source.set_rate(max(tick, source.start_tick), rate, self._speed_ramp_s)
+            source.change_rate(tick, rate, self._speed_ramp_s, self._limits.qdd_max)
             if waiting is not None:
                 lay_behind(source, waiting)
                 waiting = None
         if waiting is not None:
-            waiting.set_rate(max(tick, waiting.start_tick), rate, self._speed_ramp_s)
+            waiting.change_rate(tick, rate, self._speed_ramp_s, self._limits.qdd_max)
         self._changed(tick)
 
     # ---------------------------------------------------------------- drives and brakes
@@ -444,7 +450,3 @@ class MotionControl:
             self._source = braking
             self._sampled_tick = -1
         return number
-
-    def _program_stop_ramp_s(self, move: Move, tick: int) -> float:
-        rate = move.scale.rate(tick * PERIOD_S)
-        return max(stop_ramp(move.segment, move.path_time_s(tick), rate, self._stop_joint_deceleration), PERIOD_S)

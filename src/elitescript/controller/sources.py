@@ -7,6 +7,7 @@ that goes from period to period (`stepped_drives`) is due at every tick while it
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, isinf
 from typing import Final, Protocol
@@ -20,7 +21,7 @@ from elitescript.motion.planner import Plan
 from elitescript.motion.polyline import Link, begun, extended
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.speed import SpeedProfile
-from elitescript.motion.timescale import TimeScale
+from elitescript.motion.timescale import TimeScale, change_ramp, stop_ramp
 from elitescript.motion.track import JointTrack
 
 NEVER: Final = 1 << 62
@@ -52,6 +53,14 @@ class Source(Protocol):
 
     def setpoint(self, tick: float) -> Setpoint:
         """Target joints at a tick up to `due_tick`: rad, rad/s."""
+
+    def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
+        """States ahead of a tick, with the speeds that they have at a percentage of 100; none where it does not count.
+
+        Args:
+            tick: present one.
+            points: number of equal steps between them.
+        """
 
     def is_awaited(self, number: int) -> bool:
         """Whether the call of that number is not over."""
@@ -152,6 +161,12 @@ class Move:
             qd = (a * rate, b * rate, c * rate, d * rate, e * rate, f * rate)
         return Setpoint(q, qd)
 
+    def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
+        """States on the rest of the path, with the speeds that were planned."""
+        begin_s = self.path_time_s(max(tick, self.start_tick))
+        step_s = (self.segment.duration_s - begin_s) / points
+        return (self.segment.setpoint(begin_s + k * step_s) for k in range(points + 1))
+
     def is_awaited(self, number: int) -> bool:
         """Whether the call of that number is not over."""
         return number == self.number and not self.is_returned
@@ -172,6 +187,17 @@ class Move:
         self.scale = self.scale.with_target(tick * PERIOD_S, rate, ramp_s)
         self._lay()
 
+    def change_rate(self, tick: int, rate: float, least_s: float, qdd_max: Six) -> None:
+        """Take on another rate, in a ramp of `least_s` or a longer one where the joints have no room for it."""
+        tick = max(tick, self.start_tick)
+        now, path_time_s = self.scale.rate(tick * PERIOD_S), self.path_time_s(tick)
+        self.set_rate(tick, rate, change_ramp(self.segment, path_time_s, now, rate, least_s, qdd_max))
+
+    def stop_ramp_s(self, tick: int, deceleration: float) -> float:
+        """Time in which the joints can be brought to rest on the path with a deceleration, rad/s^2."""
+        rate = self.scale.rate(tick * PERIOD_S)
+        return max(stop_ramp(self.segment, self.path_time_s(tick), rate, deceleration), PERIOD_S)
+
     def pause(self, tick: int, ramp_s: float) -> None:
         """Come to rest within a time, to go on when a rate is set; the call does not return meanwhile."""
         self.set_rate(tick, 0.0, ramp_s)
@@ -188,8 +214,9 @@ class Move:
         self.reaches_end = self.end_tick <= standstill_tick
         self.end_tick = min(self.end_tick, standstill_tick)
 
-    def hold(self) -> None:
-        """Do not begin: the arm stays where the move starts until a rate is set."""
+    def hold(self, tick: int) -> None:
+        """Do not begin: from a tick on the arm stays where the move starts until a rate is set."""
+        self.start_tick = tick
         self.scale = TimeScale.start(self.start_tick * PERIOD_S, 0.0)
         self.end_tick = self.return_tick = NEVER
 
@@ -316,6 +343,10 @@ class Braking:
         if tick >= self.end_tick:
             return Setpoint(self.q_rest, ZERO_SIX)
         return self.profile.at((tick - self.start_tick) * PERIOD_S)
+
+    def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
+        """None: it comes to rest whatever the percentage is."""
+        return iter(())
 
     def is_awaited(self, number: int) -> bool:
         """Whether the call of that number is not over."""

@@ -188,7 +188,7 @@ class Succession:
 def lay_behind(source: Move, waiting: Move) -> None:
     """Let a waiting move begin when one under way has come to rest, whenever that is by now."""
     if source.end_tick >= NEVER:
-        waiting.hold()
+        waiting.hold(waiting.start_tick)
     else:
         waiting.begin_at(source.end_tick, source.scale.rebased(source.end_tick * PERIOD_S))
 

@@ -116,7 +116,9 @@ class Kernel:
         self._conversations = Conversations(self._host, self._reply)
         self._pictures = Pictures(self._controller)
         self._programs = Programs(self._controller, self._host, is_strict=config.strict)
-        self._tasks = Tasks(self._controller, self._host, self._programs, outside.files, config.configuration)
+        self._tasks = Tasks(
+            self._controller, self._host, self._programs, outside.files, outside.channels, config.configuration
+        )
         for name, value in config.signals:
             Signals(self._controller)[name] = value
         if config.first_tick:
@@ -154,12 +156,16 @@ class Kernel:
     def _take(self, inputs: Sequence[Input]) -> None:
         for item in inputs:
             HANDLERS[type(item)](self, item)
+        if (late := self._tasks.due()) is not None:
+            self._reply(*late)
 
     def _do(self, item: Do) -> None:
         request = item.request
         is_answered = isinstance(request, AskSafety) and request.action == UNLOCK
-        if isinstance(request, StopTask) and self._controller.task_state is TaskState.STOPPED:
-            return
+        if isinstance(request, StopTask):
+            self._tasks.stop()
+            if self._controller.task_state is TaskState.STOPPED:
+                return
         try:
             _check_point(request)
             self._controller.request(request)
@@ -177,7 +183,8 @@ class Kernel:
         self._programs.run(item)
 
     def _task_input(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> None:
-        self._reply(item.origin, self._tasks.answer(item))
+        if text := self._tasks.answer(item):
+            self._reply(item.origin, text)
 
     def _show_popup(self, item: ShowPopup) -> None:
         self._emit(Popup(self._controller.tick, item.text, "", "info", False, False, "", 0))
@@ -205,7 +212,8 @@ class Kernel:
         self._host.watchdogs.arrived(item.names, self._controller.tick)
 
     def _channel(self, item: ChannelEvent) -> None:
-        self._host.channel_event(item)
+        if not self._tasks.channel_event(item):
+            self._host.channel_event(item)
 
     # ---------------------------------------------------------------- outputs
 

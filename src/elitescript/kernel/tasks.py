@@ -1,29 +1,31 @@
 """The task that is loaded, its configuration, and program variables that are set from outside.
 
 A task `NAME.task` is played by running the program beside it: `NAME.script`, as the pendant writes it, or else
-`NAME.task.script` (*assumed*). Configurations are files of the task folder too, and nothing of them is read
-(*assumed*).
+`NAME.task.script` (*assumed*); its program may also come from a client, see `external_control`. Configurations are
+files of the task folder too, and nothing of them is read (*assumed*).
 """
 
 from __future__ import annotations
 
 from ast import literal_eval
+from collections.abc import Callable
 from keyword import iskeyword
 from typing import Final
 
 from elitescript.controller.controller import Controller
 from elitescript.errors import ProgramError, ScriptError
+from elitescript.kernel.external_control import Fetch, sender_of
 from elitescript.kernel.programs import PRESETS_MAX, Programs
 from elitescript.language.source import SourceFile
 from elitescript.language.units import MAX_UNIT_BYTES
 from elitescript.messages.enums import TaskState
-from elitescript.messages.inputs import GetVariable, LoadConfiguration, LoadTask, PlayTask, SetVariable
+from elitescript.messages.inputs import ChannelEvent, GetVariable, LoadConfiguration, LoadTask, PlayTask, SetVariable
 from elitescript.messages.machine import ResumeTask
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.host import ScriptHost
-from elitescript.runtime.world import Files, relative_name
+from elitescript.runtime.world import Channels, Files, relative_name
 
 VALUE_MAX: Final = 4096
 """Characters of a value that are told."""
@@ -37,18 +39,38 @@ class Tasks:
         host: runs programs.
         programs: starts them.
         files: the task folder.
+        channels: to clients that have the program of a task.
         configuration: path of the configuration that is loaded at the start.
     """
 
-    __slots__ = ("_configuration", "_controller", "_files", "_host", "_initial", "_loaded", "_picture", "_programs")
+    __slots__ = (
+        "_channels",
+        "_configuration",
+        "_controller",
+        "_fetch",
+        "_files",
+        "_host",
+        "_initial",
+        "_loaded",
+        "_picture",
+        "_programs",
+    )
 
     def __init__(
-        self, controller: Controller, host: ScriptHost, programs: Programs, files: Files, configuration: str
+        self,
+        controller: Controller,
+        host: ScriptHost,
+        programs: Programs,
+        files: Files,
+        channels: Channels,
+        configuration: str,
     ) -> None:
         self._controller = controller
         self._host = host
         self._programs = programs
         self._files = files
+        self._channels = channels
+        self._fetch: Fetch | None = None
         self._loaded = ""
         self._initial = self._configuration = configuration
         self._picture: TaskPicture | None = None
@@ -68,19 +90,51 @@ class Tasks:
         """Nothing is loaded, and no variable has a value."""
         self._loaded, self._configuration, self._picture = "", self._initial, None
         self._programs.presets.clear()
+        if self._fetch is not None:
+            self._fetch.close()
+            self._fetch = None
 
     def answer(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> str:
-        """Do what is asked; return the text of the reply."""
+        """Do what is asked; return the text of the reply, empty if `due` has it later."""
+        return self._guarded(lambda: self._answer(item))
+
+    def stop(self) -> None:
+        """The task is to stop: a program that is on its way does not start."""
+        if self._fetch is not None:
+            self._fetch.abandon("the task was stopped")
+
+    def channel_event(self, event: ChannelEvent) -> bool:
+        """Take an event of a channel; whether it was for a task."""
+        if self._fetch is None or self._fetch.channel != event.channel:
+            return False
+        self._fetch.event(event, self._controller.tick)
+        return True
+
+    def due(self) -> tuple[str, str] | None:
+        """Start the program that has come from a client; return origin and text of the reply, None if there is none."""
+        fetch = self._fetch
+        if fetch is None:
+            return None
+        text = self._guarded(lambda: self._start_fetched(fetch))
+        if not text:
+            return None
+        self._fetch = None
+        return fetch.origin, text
+
+    def _answer(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> str:
+        if isinstance(item, LoadTask):
+            return self._load_task(item.path)
+        if isinstance(item, LoadConfiguration):
+            return self._load_configuration(item.path)
+        if isinstance(item, PlayTask):
+            return self._play(item.origin)
+        if isinstance(item, SetVariable):
+            return self._set_variable(item.name, item.value)
+        return self._get_variable(item.name)
+
+    def _guarded(self, work: Callable[[], str]) -> str:
         try:
-            if isinstance(item, LoadTask):
-                return self._load_task(item.path)
-            if isinstance(item, LoadConfiguration):
-                return self._load_configuration(item.path)
-            if isinstance(item, PlayTask):
-                return self._play()
-            if isinstance(item, SetVariable):
-                return self._set_variable(item.name, item.value)
-            return self._get_variable(item.name)
+            return work()
         except ProgramError as error:
             self._programs.report(error, None, item.origin)
             return refused(f"the program does not compile: {error.problems[0]}")
@@ -92,7 +146,8 @@ class Tasks:
     def _load_task(self, path: str) -> str:
         if self._controller.task.is_running:
             return refused("a task is running; stop it first")
-        self._program_of(path)
+        if sender_of(self._files, relative_name(path)) is None:
+            self._program_of(path)
         self._loaded, self._picture = path, None
         return done()
 
@@ -117,7 +172,7 @@ class Tasks:
         self._configuration, self._picture = path, None
         return done()
 
-    def _play(self) -> str:
+    def _play(self, origin: str) -> str:
         controller = self._controller
         if controller.task_state is TaskState.PAUSED:
             controller.request(ResumeTask())
@@ -126,16 +181,34 @@ class Tasks:
             return refused("a task is running; stop it first")
         if not self._loaded:
             return refused("no task is loaded")
+        if self._fetch is not None:
+            return refused("the program of the task is on its way")
         controller.safety.require("start_task")
         controller.power.require_ready()
+        if (sender := sender_of(self._files, relative_name(self._loaded))) is not None:
+            self._fetch = Fetch(self._channels, sender, origin, controller.tick)
+            return ""
         name = self._program_of(self._loaded)
         if self._files.size(name) > MAX_UNIT_BYTES:
             return refused(f"{name} is longer than {MAX_UNIT_BYTES} bytes")
         with self._files.open(name, "rb", None, None) as file:
-            source = SourceFile.from_bytes(name, bytes(file.read(MAX_UNIT_BYTES)))
-        unit = self._programs.compiled(name, source.text, None)
+            return self._start(name, bytes(file.read(MAX_UNIT_BYTES)))
+
+    def _start(self, name: str, data: bytes) -> str:
+        unit = self._programs.compiled(name, SourceFile.from_bytes(name, data).text, None)
         self._programs.start(unit, unit.name or relative_name(self._loaded).removesuffix(".task"))
         return done()
+
+    def _start_fetched(self, fetch: Fetch) -> str:
+        controller = self._controller
+        data = fetch.result(controller.tick)
+        if data is None:
+            return ""
+        if controller.task.is_running:
+            return refused("another program has been started meanwhile")
+        controller.safety.require("start_task")
+        controller.power.require_ready()
+        return self._start(str(fetch.sender), data)
 
     def _set_variable(self, name: str, value: str) -> str:
         if self._controller.task.is_running:

@@ -19,7 +19,7 @@ Laws, with v, a the wanted speed and acceleration and d the length of the path:
   target all the same: the speed in the sphere is one from which the arm can stop there (*assumed*);
 - a duration t > 0 replaces v and a (documented) and is kept exactly; when the limits of the arm
   do not allow it the move takes the shortest possible time (*assumed*);
-- a move whose target is where the arm stands takes no time, whatever t (*assumed*).
+- a move whose target is where the arm stands takes no time, or t if that is given (*assumed*).
 """
 
 from __future__ import annotations

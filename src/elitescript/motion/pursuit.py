@@ -82,14 +82,15 @@ def caught_up(lag: float, rate: float, acceleration: float, rate_max: float, gen
         rate: as for `CatchUp`.
         acceleration: as for `CatchUp`.
         rate_max: as for `CatchUp`.
-        gentle_s: what would take less than this is done more gently; it still takes at most this.
+        gentle_s: what would take less than this is done more gently; it still takes at most this. Next to nothing
+            does not count: it stays as it is.
     """
     law = CatchUp(lag, rate, acceleration, rate_max)
-    if not 0.0 < law.duration_s < gentle_s:
+    if not _SHORTEST * gentle_s < law.duration_s < gentle_s:
         return law
     low, high = acceleration * (law.duration_s / gentle_s) ** 2, acceleration
     for _ in range(_HALVINGS):
-        middle = sqrt(low * high)
+        middle = sqrt(low) * sqrt(high)
         gentler = CatchUp(lag, rate, middle, rate_max)
         if gentler.duration_s <= gentle_s:
             law, high = gentler, middle
@@ -97,6 +98,9 @@ def caught_up(lag: float, rate: float, acceleration: float, rate_max: float, gen
             low = middle
     return law
 
+
+_SHORTEST: Final = 1e-6
+"""Share of the gentle time in which not even rounding of a place is caught up."""
 
 _HALVINGS: Final = 12
 """Of the logarithm of the acceleration; leave less than a hundredth of it."""

@@ -17,6 +17,7 @@ from math import inf, isfinite, sqrt
 from typing import Final
 
 from elitescript.errors import UsageError
+from elitescript.messages.motion import Six
 from elitescript.motion.segment import Segment
 
 
@@ -156,6 +157,50 @@ def stop_ramp_tool(segment: Segment, path_time_s: float, rate: float, decelerati
     return _braking_ramp(segment.tool_speed, segment.duration_s, path_time_s, rate, deceleration)
 
 
+def change_ramp(
+    segment: Segment, path_time_s: float, rate: float, rate_target: float, least_s: float, qdd_max: Six
+) -> float:
+    """Return the ramp, s, in which a running segment takes on another rate; longer where joints have no room.
+
+    A change of rate accelerates the joints besides what the segment plans. Where both together would pass a limit the
+    ramp is made longer, so that the limits of the arm hold; where the plan itself uses nearly all of it, a twentieth is
+    added.
+
+    Args:
+        segment: the move under way.
+        path_time_s: path time at which the ramp begins.
+        rate: rate at that time.
+        rate_target: rate at its end.
+        least_s: ramp that is wanted where there is room.
+        qdd_max: acceleration limits of the joints, rad/s^2.
+    """
+    _check_rate(rate)
+    change = rate_target - rate
+    ramp_s = least_s
+    for _ in range(_BRAKING_ROUNDS if change else 0):
+        full_window_s = 0.5 * (rate + rate_target) * ramp_s
+        window_s = min(full_window_s, max(0.0, segment.duration_s - path_time_s))
+        needed_s = least_s
+        for point in range(_BRAKING_POINTS if window_s else 1):
+            ahead_s = window_s * point / (_BRAKING_POINTS - 1)
+            speeds = segment.sample_speed(path_time_s + ahead_s)
+            later = segment.sample_speed(path_time_s + ahead_s + _DIFFERENCE_S)
+            # On a linear ramp the rate squared goes linearly with the path time.
+            share = ahead_s / full_window_s if full_window_s else 0.0
+            rate_squared = rate * rate + (rate_target * rate_target - rate * rate) * share
+            for speed, speed_later, limit in zip(speeds, later, qdd_max, strict=True):
+                planned = rate_squared * (speed_later - speed) / _DIFFERENCE_S
+                room = limit - abs(planned) if planned * change * speed > 0.0 else limit
+                needed_s = max(needed_s, abs(change * speed) / max(room, _LEAST_ROOM * limit))
+        if needed_s <= ramp_s * (1.0 + _RAMP_TOLERANCE):
+            break
+        ramp_s = needed_s
+    return ramp_s
+
+
+_LEAST_ROOM: Final = 0.05
+"""Share of a limit that a change of rate may use in any case."""
+
 _BRAKING_POINTS: Final = 12
 """Points of the braking distance at which the deceleration is looked at."""
 
@@ -164,6 +209,9 @@ _BRAKING_ROUNDS: Final = 12
 
 _RAMP_TOLERANCE: Final = 1e-3
 """Relative accuracy of a ramp."""
+
+_GENTLEST: Final = 1e-9
+"""Deceleration below which a braking outlasts every move, rad/s^2 or m/s^2."""
 
 _DIFFERENCE_S: Final = 1e-4
 """Step of the difference that gives the planned deceleration, s of path time."""
@@ -192,7 +240,7 @@ def _braking_ramp(
             rate_squared = rate * rate * (1.0 - ahead_s / full_window_s) if full_window_s else rate * rate
             for speed, speed_later in zip(map(abs, speeds), map(abs, later), strict=True):
                 planned = max(0.0, rate_squared * (speed - speed_later) / _DIFFERENCE_S)
-                needed_s = max(needed_s, rate * speed / max(deceleration - planned, 0.5 * deceleration))
+                needed_s = max(needed_s, rate * speed / max(deceleration - planned, 0.5 * deceleration, _GENTLEST))
         if needed_s <= ramp_s * (1.0 + _RAMP_TOLERANCE):
             break
         ramp_s = needed_s

@@ -31,6 +31,9 @@ FLOOR: Final = 1000
 """False values below the fuel. One is enough as long as `checkpoint` can be called; in the last calls before the
 recursion limit it cannot, and each try takes one away."""
 
+STARTS_PER_TICK: Final = 1000
+"""Threads that begin in the tick in which they are started; those that start each other do not stop time either."""
+
 PORTION: Final = 500
 """Checkpoints that are paid out at a time."""
 
@@ -70,6 +73,7 @@ class Scheduler:
         "_portion",
         "_ready",
         "_started",
+        "_starts_max",
         "_timers",
         "_work_per_tick",
         "current",
@@ -102,7 +106,7 @@ class Scheduler:
         self._ready: deque[Strand] = deque()
         self._next: list[Strand] = []
         self._timers = Timers()
-        self._started = 0
+        self._started = self._starts_max = 0
         self._is_in_tick = False
         self._is_interrupted = False
         self._is_pausing = False
@@ -120,7 +124,7 @@ class Scheduler:
         strand = Strand(self._started, name, body, builtins, is_secondary=is_secondary)
         self._started += 1
         self.strands.append(strand)
-        self._enqueue(strand)
+        (self._next.append if self._started > self._starts_max else self._enqueue)(strand)
         return strand
 
     def find(self, handle: int) -> Strand | None:
@@ -132,6 +136,7 @@ class Scheduler:
     def begin_tick(self, tick: int) -> None:
         """Make everything ready that is due at a tick."""
         self.now = tick
+        self._starts_max = self._started + STARTS_PER_TICK
         self._is_in_tick = True
         if self._is_pausing:
             self._is_pausing = False

@@ -18,8 +18,8 @@ from typing import Any, Final, Protocol
 PERIOD_NS: Final = 4_000_000
 LATE_NS: Final = PERIOD_NS
 """A tick that begins this much after its time is counted as an overrun."""
-CATCH_UP_TICKS: Final = 50
-"""Missed ticks that are made up for, 0.2 s; more would reach clients in one burst."""
+CATCH_UP_TICKS: Final = 125
+"""Missed ticks that are made up for, 0.5 s; more would reach clients in one burst."""
 
 
 class Alarm(Protocol):

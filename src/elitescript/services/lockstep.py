@@ -36,18 +36,18 @@ _OPEN = Gate(True, True, "")
 
 def gate(clients: Mapping[str, Client]) -> Gate:
     """Ask the clients of the RTSI port of one robot."""
-    streaming = [
-        (client, connection)
-        for client in clients.values()
-        if isinstance(connection := client.connection, RtsiConnection) and connection.is_streaming
-    ]
-    participants = [client for client, connection in streaming if connection.has_inputs]
-    if not participants:
-        return _UNASKED
-    for client in participants:
-        if client.owes_input:
-            return Gate(False, True, client.origin)
-    for client, _ in streaming:
+    has_participants = False
+    behind = ""
+    for client in clients.values():
+        connection = client.connection
+        if not isinstance(connection, RtsiConnection) or not connection.is_streaming:
+            continue
+        if connection.has_inputs:
+            has_participants = True
+            if client.owes_input:
+                return Gate(False, True, client.origin)
         if client.is_behind:
-            return Gate(False, True, client.origin)
-    return _OPEN
+            behind = client.origin
+    if not has_participants:
+        return _UNASKED
+    return Gate(False, True, behind) if behind else _OPEN

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -54,6 +55,9 @@ class Server:
                 control = ControlChannel(station, self._instance + index)
                 await control.open()
                 self._controls.append(control)
+            # What is there now stays; the collector need not look at it in every round.
+            gc.collect()
+            gc.freeze()
             for station in self.stations:
                 await station.open()
         except BaseException:

@@ -17,7 +17,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
-from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.lockstep import Gate, gate
@@ -28,6 +28,10 @@ from elitescript.services.tcp import Listener, bind
 RTSI: Final = "rtsi"
 PENDING_MAX: Final = 10_000
 """Inputs that may wait while time stands still."""
+REPORT_TICKS: Final = 10 * TICKS_PER_S
+"""After so many ticks the log is told how many of them were late."""
+LATE_MANY: Final = REPORT_TICKS // 100
+"""So many of them are a problem."""
 BUSY_STEPS: Final = 64
 """Ticks in lockstep after which everybody else is served."""
 
@@ -210,8 +214,18 @@ class Station:
         cycle = self._cycle
         assert cycle is not None
         while True:
-            await cycle.next()
-            await self.step()
+            before = cycle.overruns
+            for _ in range(REPORT_TICKS):
+                await cycle.next()
+                await self.step()
+            self._tell_late(cycle, cycle.overruns - before)
+
+    def _tell_late(self, cycle: Cycle, late: int) -> None:
+        """Say how many ticks began late of the last `REPORT_TICKS`."""
+        worst_ms, cycle.worst_ns = cycle.worst_ns / 1e6, 0
+        if late:
+            text = f"{late} of {REPORT_TICKS} ticks began late, by {worst_ms:.1f} ms at most: the computer is busy"
+            self.note("late", text, is_problem=late >= LATE_MANY, ticks=late, worst_ms=worst_ms)
 
     async def _run_in_lockstep(self) -> None:
         cycle = self._cycle
