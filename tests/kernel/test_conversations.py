@@ -124,10 +124,10 @@ class TestQueue:
         assert talk.replies[-1] == "ack: 3: g = 3"
 
     def test_it_is_bounded(self):
-        talk = Talk("sleep(100)", config=KernelConfig(firmware="2.14"))
-        talk.send(*(Interpret("interpreter#1", "0") for _ in range(8501)))
+        talk = Talk("sleep(100)", config=KernelConfig(firmware="2.10"))
+        talk.send(*(Interpret("interpreter#1", "0") for _ in range(2001)))
         assert talk.replies[-1] == "discard: Too many interpreted messages: 0"
-        assert talk.replies[-2] == "ack: 8500: 0"
+        assert talk.replies[-2] == "ack: 2000: 0"
 
     def test_numbers_begin_anew_with_each_program(self):
         talk = Talk(*HOST)

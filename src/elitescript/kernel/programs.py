@@ -49,7 +49,7 @@ class Programs:
         try:
             compiled = self.compiled(f"<{unit.origin}>", unit.text, unit.kind)
         except ProgramError as error:
-            self.report(error, unit.kind)
+            self.report(error, unit.kind, unit.origin)
             return
         if unit.kind == SECONDARY:
             try:
@@ -59,7 +59,7 @@ class Programs:
             return
         if unit.kind == LINE and (name := self._missing_name(unit.text)):
             text = f"name {name!r} is not defined"
-            self._alarm("R100", "NameError", text, 1, 1, unit.text.split("\n", 1)[0])
+            self._alarm("R100", "NameError", text, 1, 1, unit.origin, unit.text.split("\n", 1)[0])
             return
         self.start(compiled, compiled.name)
 
@@ -80,15 +80,21 @@ class Programs:
         self._controller.task_started(name)
         self._host.start(unit, dict(self.presets))
 
-    def report(self, error: ProgramError, kind: str | None) -> None:
-        """Say why a text does not compile: the first error as an alarm, the others in the log."""
+    def report(self, error: ProgramError, kind: str | None, origin: str) -> None:
+        """Say why a text does not compile: the first error as an alarm, the others in the log.
+
+        Args:
+            error: why.
+            kind: of the unit; None for a task.
+            origin: who sent it; stands in the place of the thread.
+        """
         problems = sorted(error.problems, key=lambda problem: not problem.is_error)
         first: Any = problems[0]
         if kind == SECONDARY:
             self._warn(f"{SECONDARY_WARNING}SyntaxError: {first.text}", first.line)
         else:
             hint = {"hint": first.hint} if first.hint else {}
-            self._alarm(first.code, "SyntaxError", first.text, first.line, first.column, "", hint)
+            self._alarm(first.code, "SyntaxError", first.text, first.line, first.column, origin, "", hint)
         for problem in problems[1 : PROBLEMS_MAX + 1]:
             self._warn(str(problem), problem.line)
 
@@ -113,8 +119,9 @@ class Programs:
         text: str,
         line: int,
         column: int,
+        origin: str,
         source_line: str,
         details: dict[str, Any] | None = None,
     ) -> None:
         tick = self._controller.tick
-        self._controller.emit(Alarm(tick, code, class_name, text, line, column, "", source_line, details or {}))
+        self._controller.emit(Alarm(tick, code, class_name, text, line, column, origin, source_line, details or {}))

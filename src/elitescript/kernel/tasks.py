@@ -96,7 +96,7 @@ class Tasks:
 
     def answer(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> str:
         """Do what is asked; return the text of the reply, empty if `due` has it later."""
-        return self._guarded(lambda: self._answer(item))
+        return self._guarded(lambda: self._answer(item), item.origin)
 
     def stop(self) -> None:
         """The task is to stop: a program that is on its way does not start."""
@@ -115,7 +115,7 @@ class Tasks:
         fetch = self._fetch
         if fetch is None:
             return None
-        text = self._guarded(lambda: self._start_fetched(fetch))
+        text = self._guarded(lambda: self._start_fetched(fetch), fetch.origin)
         if not text:
             return None
         self._fetch = None
@@ -132,11 +132,11 @@ class Tasks:
             return self._set_variable(item.name, item.value)
         return self._get_variable(item.name)
 
-    def _guarded(self, work: Callable[[], str]) -> str:
+    def _guarded(self, work: Callable[[], str], origin: str) -> str:
         try:
             return work()
         except ProgramError as error:
-            self._programs.report(error, None)
+            self._programs.report(error, None, origin)
             return refused(f"the program does not compile: {error.problems[0]}")
         except ScriptError as error:
             return refused(f"{error}; {error.hint}" if error.hint else str(error))

@@ -20,6 +20,7 @@ from elitescript.protocol.query import QueryConnection
 from elitescript.testing.spec import Case, Expectation, Outcome
 from elitescript.testing.spec_events import note_event
 
+CLIENT: Final = "primary#1"
 WATCHED_S: Final = 5.0
 """Virtual time for which a robot is watched after the last text."""
 
@@ -76,7 +77,7 @@ class _Session:
             if isinstance(part, Refusal):
                 self._note_refusal(part)
             else:
-                self._tick(RunUnit("primary#1", part.kind, part.text, part.first_line))
+                self._tick(RunUnit(CLIENT, part.kind, part.text, part.first_line))
 
     def _note_refusal(self, refusal: Refusal) -> None:
         self.outcome.lists["error"] += [f"{problem.code} line {problem.line}" for problem in refusal.problems]
@@ -117,7 +118,7 @@ class _Session:
     def _tick(self, *inputs: Input) -> Output:
         self._last = output = self.kernel.tick(inputs)
         for event in output.events:
-            if isinstance(event, Alarm) and not event.thread:
+            if isinstance(event, Alarm) and event.thread == CLIENT:
                 key = "error" if event.code.startswith("E") else "refused"
                 place = f"{event.code} line {event.line}" if key == "error" else event.class_name
                 self.outcome.lists[key].append(place)
