@@ -56,6 +56,9 @@ class MotionControl:
         speed_ramp_s: time in which a new speed percentage takes hold of a planned move.
         on_event: receives motion events and warnings.
         on_end: called with number and completeness of a move when the arm has come to rest.
+
+    Attributes:
+        speed_scale: speed percentage as a fraction; changed by `set_speed_scale`.
     """
 
     __slots__ = (
@@ -72,11 +75,11 @@ class MotionControl:
         "_sampled_tick",
         "_source",
         "_speed_ramp_s",
-        "_speed_scale",
         "_started",
         "_stop_joint_deceleration",
         "_succession",
         "on_obstacle",
+        "speed_scale",
         "waypoint",
     )
 
@@ -102,7 +105,7 @@ class MotionControl:
         self._next: Move | None = None
         self._started: MotionStarted | None = None
         self._count = 0
-        self._speed_scale = 1.0
+        self.speed_scale = 1.0
         self._is_paused = False
         self._sampled_tick = -1
         self._sampled = Setpoint(home, ZERO_SIX)
@@ -124,15 +127,10 @@ class MotionControl:
         """Whether a motion is under way (paused or braking included)."""
         return self._source is not None
 
-    @property
-    def speed_scale(self) -> float:
-        """Speed percentage as a fraction."""
-        return self._speed_scale
-
     def rate(self, tick: int) -> float:
         """How fast planned time passes, 0 to 1; the speed percentage while no planned move runs."""
         source = self._source
-        return source.scale.rate(tick * PERIOD_S) if isinstance(source, Move) else self._speed_scale
+        return source.scale.rate(tick * PERIOD_S) if isinstance(source, Move) else self.speed_scale
 
     @property
     def under_way(self) -> tuple[AnySource, ...]:
@@ -186,7 +184,7 @@ class MotionControl:
             return self._brake(request, tick, T_flange_tcp)
         if isinstance(request, SpeedJ | SpeedL | ServoJ):
             return self._drive(request, tick, T_flange_tcp, line, thread)
-        rate = 0.0 if self._is_paused else self._speed_scale
+        rate = 0.0 if self._is_paused else self.speed_scale
         call = Call(self._count + 1, tick, line, thread, T_flange_tcp)
         move, order, cautions = self._succession.accept(request, call, self._source, self._next, self._q_rest, rate)
         self._count += 1
@@ -249,7 +247,7 @@ class MotionControl:
 
     def set_speed_scale(self, fraction: float, tick: int) -> None:
         """New speed percentage, taken on in a ramp."""
-        self._speed_scale = fraction
+        self.speed_scale = fraction
         if not self._is_paused:
             self._set_rates(fraction, tick)
 
@@ -273,10 +271,10 @@ class MotionControl:
         self._advance(tick)
         source = self._source
         if isinstance(source, Drive) and not source.is_stopping:
-            source.resume(tick, self._speed_scale)
+            source.resume(tick, self.speed_scale)
             self._changed(tick)
         else:
-            self._set_rates(self._speed_scale, tick)
+            self._set_rates(self.speed_scale, tick)
 
     def settle(self, tick: int) -> None:
         """Note what has happened by `tick`; call it before scripts run in that tick."""
@@ -359,10 +357,10 @@ class MotionControl:
     ) -> AnyDrive:
         start, deceleration = self.setpoint(tick), self._stop_joint_deceleration
         if isinstance(request, SpeedJ):
-            return JointDrive(number, thread, line, request, tick, start, self._speed_scale, self._limits, deceleration)
+            return JointDrive(number, thread, line, request, tick, start, self.speed_scale, self._limits, deceleration)
         if isinstance(request, SpeedL):
             motion = ToolMotion(self._arm, self._limits, T_flange_tcp, deceleration)
-            return ToolDrive(number, thread, line, request, tick, start, self._speed_scale, motion)
+            return ToolDrive(number, thread, line, request, tick, start, self.speed_scale, motion)
         return ServoDrive(number, thread, line, request, tick, start, self._limits, deceleration)
 
     def _report_take_over(
