@@ -429,6 +429,18 @@ def test_the_arm_presses_on_a_part_that_a_belt_carries(is_force_first):
     require_smooth(machine.rows)
 
 
+def test_an_arm_beside_a_belt_comes_to_rest_after_the_nominal_motion_without_a_jump():
+    machine = Machine()
+    machine.controller.request(WriteSignal("encoder_speed", 0, -150.0))
+    machine.ask(TrackLinear((-0.72, 0.39, 0.0), 1000.0, 0))
+    machine.ask(ForceMode(BASE, Z, wrench(fz=30.0), 0, (0.2,) * 6))
+    machine.run(250)
+    machine.ask(EndForceMode())
+    machine.run(400)
+    machine.until_rest()
+    require_smooth(machine.rows)
+
+
 def test_a_belt_is_not_taken_up_while_the_arm_presses():
     machine = Machine()
     machine.ask(press(20.0))

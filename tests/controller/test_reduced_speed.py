@@ -10,7 +10,7 @@ from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits
 from elitescript.controller.safety_monitor import SafetyMonitor
 from elitescript.controller.setup import Setup
 from elitescript.kinematics.transforms import IDENTITY
-from elitescript.messages.motion import MoveJ, MoveL, SpeedJ
+from elitescript.messages.motion import MoveJ, MoveL, SpeedJ, SpeedL
 from elitescript.models.model import load_model
 
 MODEL = load_model("CS66")
@@ -68,6 +68,33 @@ def test_a_motion_under_way_is_slowed_until_it_is_over(speed, motion):
     assert motion.speed_scale < 0.2
     speed.release(210)
     assert motion.speed_scale == 0.5
+
+
+def test_a_motion_is_slowed_once_however_often_it_is_asked_for(speed, motion):
+    motion.request(MoveJ(TURN, 4.0, 1.5), 0, IDENTITY, 1, "main")
+    for tick in (50, 50, 51, 60):
+        motion.settle(tick)
+        speed.slow_down(tick)
+    peak = max(abs(motion.sample(tick).qd[0]) for tick in range(120, 200))
+    assert peak * RADIUS == pytest.approx(MARGIN * 0.2, rel=0.05)
+
+
+@pytest.mark.parametrize("request_", [MoveJ(TURN, 4.0, 1.5), SpeedJ((1.5, 0.0, 0.0, 0.0, 0.0, 0.0), 4.0)])
+def test_a_motion_that_is_slow_or_stands_at_the_moment_is_slowed_for_later(speed, motion, request_):
+    motion.request(request_, 0, IDENTITY, 1, "main")
+    motion.settle(20)
+    motion.pause(20)
+    speed.slow_down(100)
+    motion.resume(100)
+    peak = max(abs(motion.sample(tick).qd[0]) for tick in range(100, 600))
+    assert peak * RADIUS == pytest.approx(MARGIN * 0.2, rel=0.05)
+
+
+def test_a_tool_motion_is_slowed_to_the_limit(speed, motion):
+    motion.request(SpeedL((0.0, 0.5, 0.0, 0.0, 0.0, 0.0), 2.0, 2.0), 0, IDENTITY, 1, "main")
+    motion.settle(60)
+    speed.slow_down(60)
+    assert motion.speed_scale == pytest.approx(MARGIN * 0.2 / 0.5)
 
 
 def test_nothing_is_slowed_at_standstill(speed, motion):

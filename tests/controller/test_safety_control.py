@@ -293,6 +293,16 @@ class TestReducedMode:
         assert robot.current.state == "finished"
         assert self.fastest(robot.current.trace) <= 0.2 * 1.02
 
+    def test_a_motion_that_was_slow_when_the_mode_changed_does_not_become_too_fast_later(self):
+        robot = robot_with(self.LIMITS, reduced_mode=[(0.5, True)])
+        robot.set_speed(0.1)
+        robot.start(DOWN, trace=True)
+        robot.advance(2.0)
+        robot.set_speed(1.0)
+        robot.advance(10.0)
+        assert robot.current.state == "finished"
+        assert self.fastest(robot.current.trace) == pytest.approx(0.2, rel=0.02)
+
     def test_a_motion_that_cannot_be_slowed_down_is_stopped_after_the_grace(self):
         robot = robot_with(SafetyLimits(reduced=SafetyBounds(tcp_speed_max=0.1)), reduced_mode=[(0.5, True)])
         program = (

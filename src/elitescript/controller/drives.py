@@ -7,6 +7,8 @@ is stopped, or until it stands for good. Before anything is changed at a tick, `
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from elitescript.controller.sources import NEVER, Source
 from elitescript.errors import MotionError
 from elitescript.messages.motion import DriveRequest, Six, SpeedJ
@@ -152,6 +154,12 @@ class JointDrive(Drive):
     def setpoint(self, tick: float) -> Setpoint:
         """Target joints at a tick up to `due_tick`."""
         return self.profile.at((tick - self._start_tick) * PERIOD_S)
+
+    def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
+        """States up to the next tick that is due, with the speeds that were asked for."""
+        due_tick = self.due_tick
+        step = (due_tick - tick) / points if due_tick < NEVER else 0.0
+        return (Setpoint(self.setpoint(tick + k * step).q, self._qd) for k in range(points + 1 if step else 1))
 
     def obstacle(self, tick: int) -> Obstacle | None:
         """What keeps the drive from going on beyond a tick."""

@@ -67,5 +67,7 @@ class ForceControl(YieldingCorrection):
         return in_base(axes, self._law.speeds(along_axes(axes, free), (-a, -b, -c, -d, -e, -f)))
 
     def _settled(self, step: Yielded, nominal: Setpoint, is_resting: bool) -> None:
-        if is_resting and not self.is_on and not self.is_yielding:
+        # Beside the nominal place the joints may have to brake longer than those of the nominal motion.
+        is_still = step.setpoint.qd == ZERO_SIX
+        if is_resting and is_still and not self.is_on and not self.is_yielding:
             self._is_held = False

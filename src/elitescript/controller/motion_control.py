@@ -130,6 +130,11 @@ class MotionControl:
         return self._speed_scale
 
     @property
+    def under_way(self) -> tuple[AnySource, ...]:
+        """What moves the arm, and what follows at standstill."""
+        return tuple([source for source in (self._source, self._next) if source is not None])
+
+    @property
     def next_tick(self) -> int | None:
         """Tick at which the present motion changes by itself; None while it will not."""
         source = self._source

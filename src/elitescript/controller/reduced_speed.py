@@ -11,7 +11,7 @@ from typing import Final
 
 from elitescript.controller.arm_state import ArmState
 from elitescript.controller.motion_control import MotionControl
-from elitescript.controller.safety_monitor import SafetyMonitor
+from elitescript.controller.safety_monitor import SPEED_TOLERANCE, SafetyMonitor
 from elitescript.controller.setup import Setup
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.motion import MotionRequest, MoveJ, Six
@@ -60,18 +60,16 @@ class ReducedSpeed:
             self._motion.set_speed_scale(self.scale, tick)
 
     def slow_down(self, tick: int) -> None:
-        """Lower the speed so that the motion under way keeps the limits."""
-        if not self._arm_state.is_moving:
-            return
-        due = self._motion.next_tick
-        last = tick if due is None else due
-        share = 0.0
-        for k in range(SAMPLES + 1):
-            q, qd = self._motion.sample(tick + (last - tick) * k / SAMPLES)
-            share = max(share, self._share(q, qd))
-        if share > 1.0:
-            self._cap *= MARGIN / share
-            self._motion.set_speed_scale(self.scale * self._cap, tick)
+        """Lower the speed so that the motions under way keep the limits at any speed percentage.
+
+        It does not count how fast they are at this moment, so it may be asked for again at any time.
+        """
+        sources = self._motion.under_way
+        share = max([self._share(*state) for source in sources for state in source.at_full_speed(tick, SAMPLES)] or [0])
+        cap = MARGIN / share if share > 1.0 + SPEED_TOLERANCE else 1.0
+        if cap != self._cap:
+            self._cap = cap
+            self._motion.set_speed_scale(self.scale * cap, tick)
 
     def prepared(self, request: MotionRequest, tick: int) -> MotionRequest:
         """A joint motion with a speed at which the TCP keeps its limit; any other request as it is."""

@@ -322,7 +322,7 @@ class SafetyControl:
             too_fast = self._monitor.speed_breach(q, qd, T_flange_tcp, self.mode)
             if too_fast is not None:
                 self._stop(too_fast)
-        elif is_disturbed:
+        if is_disturbed and self.mode in SLOWED_MODES:
             self._speed.slow_down(tick)
 
     def _stop(self, breach: Breach) -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from math import hypot
 from typing import Final
 
 from elitescript.controller.drives import Drive
 from elitescript.controller.sources import NEVER
+from elitescript.kinematics.jacobian import joint_speeds
 from elitescript.messages.motion import DriveRequest, ServoJ, Six, SpeedL
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
@@ -122,6 +124,11 @@ class ToolDrive(Stepped):
     def q_rest(self) -> Six:
         """Where the arm is, rad."""
         return self.state.q
+
+    def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
+        """The present place, with the velocity that was asked for."""
+        q, motion = self.state.q, self._motion
+        yield Setpoint(q, joint_speeds(motion.arm, q, self._xd, motion.T_flange_tcp) or self.state.qd)
 
     @property
     def _target(self) -> Six:
@@ -282,6 +289,10 @@ class ServoDrive(Stepped):
 
     def set_fraction(self, tick: int, fraction: float) -> None:
         """The stream alone says how fast the arm goes."""
+
+    def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
+        """None, for the same reason."""
+        return iter(())
 
     def pause(self, tick: int) -> None:
         """Brake, to go on later."""
