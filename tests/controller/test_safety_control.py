@@ -282,6 +282,44 @@ class TestReducedMode:
         speeds = [row.qd[0] for row in run.trace]
         assert max(abs(b - a) for a, b in itertools.pairwise(speeds)) <= 12.0 * 0.004
 
+    KINDS = (
+        ("movej", "  movej([1.5, -1.5708, -1.5708, -1.5708, 1.5708, 0], a=3, v=1)\n"),
+        ("movel", "  p[1] += 0.3\n  movel(p, a=1.2, v=0.4)\n"),
+        ("movec", "  w = p.copy()\n  w[0] -= 0.1\n  w[1] += 0.1\n  p[1] += 0.2\n  movec(w, p, a=1.2, v=0.4)\n"),
+        ("movep", "  for i in range(60):\n    p[1] += 0.005\n    movep(p, a=1.2, v=0.4, r=0.002)\n  end\n"),
+        (
+            "blends",
+            "  for i in range(4):\n    p[1] += 0.08\n    p[2] += 0.02\n    movel(p, a=1.2, v=0.4, r=0.03)\n  end\n",
+        ),
+        ("speedl", "  speedl([0, 0.4, 0, 0, 0, 0], 1.2, 2)\n"),
+        ("speedj", "  speedj([0.8, 0, 0, 0, 0, 0], 3, 2)\n"),
+    )
+
+    @pytest.mark.parametrize(("name", "body"), KINDS, ids=[kind[0] for kind in KINDS])
+    @pytest.mark.parametrize("time_s", [0.0, 0.1, 0.3, 0.5])
+    def test_every_motion_settles_at_the_limit_whenever_it_begins(self, name, body, time_s):
+        program = f"def p():\n  p = get_target_tcp_pose()\n{body}end\n"
+        limits = SafetyLimits(reduced=SafetyBounds(tcp_speed_max=0.1))
+        run = robot_with(limits, reduced_mode=[(time_s, True)]).run(program, trace=True)
+        assert run.state == "finished"
+        settled = [row for row in run.trace if time_s + 0.55 < row.t < time_s + 1.3]
+        speeds = [self.fastest(pair) for pair in itertools.pairwise(settled)]
+        assert (min(speeds), max(speeds)) == pytest.approx((0.099, 0.099), rel=0.03)
+
+    @pytest.mark.parametrize(("name", "body"), KINDS[:5], ids=[kind[0] for kind in KINDS[:5]])
+    @pytest.mark.parametrize("time_s", [0.0, 0.3])
+    def test_a_motion_takes_up_its_own_speed_when_the_mode_ends(self, name, body, time_s):
+        program = f"def p():\n  p = get_target_tcp_pose()\n{body}end\n"
+        limits = SafetyLimits(reduced=SafetyBounds(tcp_speed_max=0.1))
+        signal = [(time_s, True), (time_s + 0.6, False)]
+        run = robot_with(limits, reduced_mode=signal).run(program, trace=True)
+        assert run.state == "finished"
+        own = self.fastest(VirtualRobot("CS66").run(program, trace=True).trace)
+        assert self.fastest([row for row in run.trace if row.t > time_s + 0.6]) > 0.95 * own
+        speeds = [row.qd for row in run.trace]
+        jumps = [abs(y - x) for one, two in itertools.pairwise(speeds) for x, y in zip(one, two, strict=True)]
+        assert max(jumps) <= 12.6 * 0.004
+
     def test_a_change_of_the_speed_percentage_does_not_lift_the_limit(self):
         robot = robot_with(self.LIMITS)
         robot.signals["reduced_mode"] = True

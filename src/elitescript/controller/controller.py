@@ -341,7 +341,6 @@ class Controller:
             return self._yield.request(request, self._tick, is_moving, Caller(line, thread))
         if isinstance(request, TrackRequest):
             return self._tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
-        request = self.safety.prepared(request, line, thread)
         return self._motion.request(request, self._tick, T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:

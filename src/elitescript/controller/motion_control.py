@@ -71,7 +71,7 @@ class MotionControl:
         "_sampled",
         "_sampled_tick",
         "_source",
-        "_speed_ramp_s",
+        "speed_ramp_s",
         "_speed_scale",
         "_started",
         "_stop_joint_deceleration",
@@ -95,7 +95,7 @@ class MotionControl:
         self._succession = Succession(arm, limits)
         self._q_rest = home
         self._stop_joint_deceleration = stop_joint_deceleration
-        self._speed_ramp_s = speed_ramp_s
+        self.speed_ramp_s = speed_ramp_s
         self._on_event = on_event
         self._on_end = on_end
         self._source: AnySource | None = None
@@ -109,11 +109,6 @@ class MotionControl:
         self._noted: set[tuple[int, str]] = set()
         self.waypoint: Six | None = None
         self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
-
-    def set_limits(self, limits: MotionLimits) -> None:
-        """Take other limits for motions that are asked for from now on."""
-        self._limits = limits
-        self._succession = Succession(self._arm, limits)
 
     def begin_program(self) -> None:
         """Say again, once for each line, what has been said to the program before."""
@@ -130,9 +125,19 @@ class MotionControl:
         return self._speed_scale
 
     @property
-    def under_way(self) -> tuple[AnySource, ...]:
-        """What moves the arm, and what follows at standstill."""
-        return tuple([source for source in (self._source, self._next) if source is not None])
+    def source(self) -> AnySource | None:
+        """What moves the arm; None at standstill."""
+        return self._source
+
+    @property
+    def limits(self) -> MotionLimits:
+        """Joint and tool limits."""
+        return self._limits
+
+    @property
+    def can_change_rate(self) -> bool:
+        """Whether what is under way goes on, and is neither paused nor stopping."""
+        return self._source is not None and not self._is_paused and not self._source.is_stopping
 
     @property
     def next_tick(self) -> int | None:
@@ -248,6 +253,19 @@ class MotionControl:
         if not self._is_paused:
             self._set_rates(fraction, tick)
 
+    def lead_rate(self, rate: float, tick: int) -> None:
+        """Let the move under way reach a rate at the next tick, and keep it until it is told otherwise.
+
+        The caller sees to it that the joints can do that.
+        """
+        self._advance(tick)
+        source = self._source
+        if isinstance(source, Move) and self.can_change_rate:
+            source.set_rate(tick, rate, PERIOD_S)
+            if self._next is not None:
+                lay_behind(source, self._next)
+            self._changed(tick)
+
     def pause(self, tick: int) -> None:
         """Brake, to go on later."""
         self._is_paused = True
@@ -307,12 +325,12 @@ class MotionControl:
         if isinstance(source, Drive):
             source.set_fraction(tick, rate)
         elif isinstance(source, Move) and not source.is_stopping:
-            source.change_rate(tick, rate, self._speed_ramp_s, self._limits.qdd_max)
+            source.change_rate(tick, rate, self.speed_ramp_s, self._limits.qdd_max)
             if waiting is not None:
                 lay_behind(source, waiting)
                 waiting = None
         if waiting is not None:
-            waiting.change_rate(tick, rate, self._speed_ramp_s, self._limits.qdd_max)
+            waiting.change_rate(tick, rate, self.speed_ramp_s, self._limits.qdd_max)
         self._changed(tick)
 
     # ---------------------------------------------------------------- drives and brakes

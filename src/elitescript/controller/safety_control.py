@@ -24,7 +24,7 @@ from elitescript.kinematics.arm import Arm
 from elitescript.messages.enums import SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Event, MotionStarted, SafetyModeChanged, Warned
 from elitescript.messages.machine import AskSafety
-from elitescript.messages.motion import MotionRequest, Six
+from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import ticks_for
 from elitescript.motion.limits import MotionLimits, joint_outside
@@ -130,7 +130,7 @@ class SafetyControl:
         self._setup = setup
         self._signals = signals
         self._task = task
-        self._speed = ReducedSpeed(self._monitor, motion, arm_state, setup, speed_scale)
+        self._speed = ReducedSpeed(self._monitor, motion, setup, speed_scale)
         self._breach: Breach | None = None
         self._blamed: tuple[int, str] = (0, "main")
         self._effects: list[tuple[SafetyMode, Breach | None]] = []
@@ -266,18 +266,6 @@ class SafetyControl:
             # The power goes off whatever the state was and is.
             self._effects.append((SafetyMode.FAULT, requested_breach("the safety system was restarted")))
 
-    def prepared(self, request: MotionRequest, line: int, thread: str) -> MotionRequest:
-        """A request as it is planned; see `ReducedSpeed.prepared`."""
-        if self.mode not in SLOWED_MODES:
-            return request
-        slower = self._speed.prepared(request, self._port.tick)
-        if slower != request and line not in self._slowed_lines:
-            self._slowed_lines.add(line)
-            limit = self._monitor.limits.bounds(self.mode).tcp_speed_max
-            text = f"the motion is slowed down: the TCP keeps {limit} m/s in {self.mode.name.lower()} mode"
-            self._port.emit(Warned(self._port.tick, text, thread, line))
-        return slower
-
     # ---------------------------------------------------------------- the safety phase of a tick
 
     def check(self, tick: int) -> None:
@@ -322,8 +310,16 @@ class SafetyControl:
             too_fast = self._monitor.speed_breach(q, qd, T_flange_tcp, self.mode)
             if too_fast is not None:
                 self._stop(too_fast)
-        if is_disturbed and self.mode in SLOWED_MODES:
-            self._speed.slow_down(tick)
+        if self.mode in SLOWED_MODES and self._speed.slow_down(tick):
+            self._say_slowed(tick)
+
+    def _say_slowed(self, tick: int) -> None:
+        line, thread = self._blamed
+        if line in self._slowed_lines:
+            return
+        self._slowed_lines.add(line)
+        mode = self.mode.name.lower()
+        self._port.emit(Warned(tick, f"the motion is slowed down to the limits of {mode} mode", thread, line))
 
     def _stop(self, breach: Breach) -> None:
         self._breach = breach
@@ -381,7 +377,6 @@ class SafetyControl:
 
     def _enter_motion(self, after: SafetyMode, tick: int) -> None:
         """Take on the limits of a state in which the arm may move, and let a task go on that a safeguard has held."""
-        self._motion.set_limits(self._monitor.limits.lowered(self._motion_limits, after))
         if after is SafetyMode.NORMAL:
             self._speed.release(tick)
         self._is_disturbed = True
@@ -390,9 +385,6 @@ class SafetyControl:
             if self._task.state is TaskState.PAUSED:
                 self._task.apply("resume")
                 self._port.program.resume()
-        if after is not SafetyMode.NORMAL:
-            self._speed.slow_down(tick)
-
     def _fail_task(self, mode: SafetyMode, breach: Breach) -> None:
         if not self._task.is_running:
             return

@@ -7,7 +7,7 @@ mode limits the TCP to `REDUCED_TCP_SPEED` (*assumed*: the usual value of collab
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf, isfinite, pi
 from typing import Any, Final
 
@@ -15,7 +15,7 @@ from elitescript.errors import UsageError
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.motion import Six
-from elitescript.motion.limits import JOINT_NAMES, MotionLimits
+from elitescript.motion.limits import JOINT_NAMES
 
 REDUCED_TCP_SPEED: Final = 0.75
 """m/s"""
@@ -170,15 +170,6 @@ class SafetyLimits:
     def bounds(self, mode: SafetyMode) -> SafetyBounds:
         """Limits of speed and range in a mode."""
         return self.normal if mode is SafetyMode.NORMAL else self.reduced.within(self.normal)
-
-    def lowered(self, limits: MotionLimits, mode: SafetyMode) -> MotionLimits:
-        """The limits with which motions are planned: in reduced mode and recovery they keep the speeds (*assumed*)."""
-        if mode not in (SafetyMode.REDUCED, SafetyMode.RECOVERY):
-            return limits
-        bounds = self.bounds(mode)
-        a, b, c, d, e, f = map(min, limits.qd_max, bounds.qd_max or limits.qd_max)
-        speed = limits.tool_speed_max if bounds.tcp_speed_max is None else bounds.tcp_speed_max
-        return replace(limits, qd_max=(a, b, c, d, e, f), tool_speed_max=min(limits.tool_speed_max, speed))
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> SafetyLimits:
