@@ -318,7 +318,7 @@ class TestReducedMode:
         assert self.fastest([row for row in run.trace if row.t > time_s + 0.6]) > 0.95 * own
         speeds = [row.qd for row in run.trace]
         jumps = [abs(y - x) for one, two in itertools.pairwise(speeds) for x, y in zip(one, two, strict=True)]
-        assert max(jumps) <= 12.6 * 0.004
+        assert max(jumps) <= 24.0 * 0.004
 
     def test_a_change_of_the_speed_percentage_does_not_lift_the_limit(self):
         robot = robot_with(self.LIMITS)

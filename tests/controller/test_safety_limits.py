@@ -8,7 +8,6 @@ from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, Saf
 from elitescript.errors import UsageError
 from elitescript.kinematics.transforms import IDENTITY
 from elitescript.messages.enums import SafetyMode
-from tests.motion.moves import limits_of
 
 FULL = {
     "tcp_speed": 1.2,
@@ -115,14 +114,3 @@ def test_a_plane_measures_along_its_normal_from_its_offset():
     plane = SafetyPlane("p", (0.0, 0.0, 1.0), (0.0, 0.0, 5.0), 0.25)
     assert plane.distance((*IDENTITY[:9], 7.0, 8.0, 3.0)) == pytest.approx(1.75)
     assert plane.distance((*IDENTITY[:9], 7.0, 8.0, 1.0)) == pytest.approx(-0.25)
-
-
-def test_planning_is_lowered_only_where_the_mode_asks_for_it():
-    limits = limits_of("CS66")
-    safety = SafetyLimits(reduced=SafetyBounds(qd_max=(0.5,) * 6, tcp_speed_max=0.2))
-    assert safety.lowered(limits, SafetyMode.NORMAL) is limits
-    lowered = safety.lowered(limits, SafetyMode.REDUCED)
-    assert (lowered.qd_max, lowered.tool_speed_max) == ((0.5,) * 6, 0.2)
-    assert lowered.qdd_max == limits.qdd_max
-    wide = SafetyLimits(reduced=SafetyBounds(qd_max=(99.0,) * 6, tcp_speed_max=99.0))
-    assert wide.lowered(limits, SafetyMode.REDUCED) == limits

@@ -71,12 +71,12 @@ class MotionControl:
         "_sampled",
         "_sampled_tick",
         "_source",
-        "speed_ramp_s",
         "_speed_scale",
         "_started",
         "_stop_joint_deceleration",
         "_succession",
         "on_obstacle",
+        "speed_ramp_s",
         "waypoint",
     )
 

@@ -385,6 +385,7 @@ class SafetyControl:
             if self._task.state is TaskState.PAUSED:
                 self._task.apply("resume")
                 self._port.program.resume()
+
     def _fail_task(self, mode: SafetyMode, breach: Breach) -> None:
         if not self._task.is_running:
             return
