@@ -60,9 +60,24 @@ def test_speeds_of_reduced_mode_are_never_above_the_normal_ones():
     assert limits.bounds(SafetyMode.NORMAL).qd_max == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
 
 
+def test_the_force_is_limited_in_every_mode_and_never_higher_in_reduced_mode():
+    for table, normal, reduced in (
+        ({}, 250.0, 150.0),
+        ({"tcp_force": 400}, 400.0, 150.0),
+        ({"tcp_force": 100}, 100.0, 100.0),
+        ({"tcp_force": 400, "reduced": {"tcp_force": 390}}, 400.0, 390.0),
+        ({"reduced": {"tcp_force": 300}}, 250.0, 250.0),
+    ):
+        limits = SafetyLimits.from_table(table)
+        assert limits.tcp_force_max(SafetyMode.NORMAL) == normal
+        assert limits.tcp_force_max(SafetyMode.REDUCED) == limits.tcp_force_max(SafetyMode.RECOVERY) == reduced
+        assert limits.is_default
+
+
 @pytest.mark.parametrize(
     ("table", "text"),
     [
+        ({"tcp_force": 0}, r"^\[safety\] tcp_force must be a number > 0 in N, got 0"),
         ({"tcp_sped": 1}, r"^\[safety\] tcp_sped is not known; there are .*tcp_speed"),
         ({"tcp_speed": "fast"}, r"^\[safety\] tcp_speed must be a number > 0 in m/s, got 'fast'"),
         ({"tcp_speed": True}, r"tcp_speed must be a number > 0 in m/s, got True"),

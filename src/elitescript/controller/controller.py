@@ -133,7 +133,16 @@ class Controller:
         self.loads = JointLoads(model, plant, self._arm_state, self._setup)
         watched = safety or SafetyLimits()
         self.safety = SafetyControl(
-            self, watched, limits, self._motion, self._arm_state, self._setup, self._signals, self.task, speed_scale
+            self,
+            watched,
+            limits,
+            self._motion,
+            self._arm_state,
+            self._setup,
+            self._signals,
+            self._yield.sensor,
+            self.task,
+            speed_scale,
         )
         self._tracking.on_obstacle = self.safety.meet_obstacle
 
@@ -337,6 +346,8 @@ class Controller:
         self.safety.require("move")
         T_flange_tcp = self._setup.T_flange_tcp
         if isinstance(request, YieldRequest) or self._yield.is_ended_by(request):
+            if isinstance(request, YieldRequest):
+                self.safety.note_yielding(request, line, thread)
             is_moving = self._motion.is_moving or self._tracking.is_active
             return self._yield.request(request, self._tick, is_moving, Caller(line, thread))
         if isinstance(request, TrackRequest):
@@ -422,6 +433,10 @@ class Controller:
     def _set_line_mark(self, request: SetLineMark) -> None:
         self._node = (request.number, request.label)
         self.emit(LineMarked(self._tick, request.number, request.label))
+
+    def limit_yielding(self, speed: float | None) -> None:
+        """Let the TCP yield to forces no faster than that, m/s; None lifts the limit."""
+        self._yield.limit_speed(speed)
 
     def switch_off(self) -> None:
         """Stop the arm and switch its power off at standstill."""

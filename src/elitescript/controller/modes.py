@@ -44,7 +44,7 @@ class Power:
         """
         why = WHY_NOT_READY.get(RobotMode.POWER_OFF if self.is_going_off else self.mode)
         if why is not None:
-            raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
+            raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes; starting a program does both")
 
     def go_up(self) -> None:
         """Power on and release the brakes, as far as that is not done."""

@@ -125,17 +125,18 @@ TRANSITIONS: Final[dict[tuple[SafetyMode, str], SafetyMode | None]] = {
     (mode, action): after for action, row in _ROWS.items() for mode, after in row.items()
 }
 
+SWITCH_ON: Final = "power on and release the brakes, which starting a program does by itself"
+"""The way back to an arm that may move, after its power has gone off."""
+
 WHAT_TO_DO: Final[dict[SafetyMode, str]] = {
     SAFEGUARD: "the safeguard is open; close it (signal safeguard_stop to False)",
     PROTECTIVE: "the arm is in protective stop; remove its cause, then unlock it (unlock_protective_stop), "
     f"from {UNLOCK_AFTER_S:g} s after the stop on",
     SYSTEM_STOP: "the emergency stop of the cell is pressed; release it (signal system_emergency_stop to False), then "
-    "power on and release the brakes",
-    ROBOT_STOP: "the emergency stop is pressed; release it (signal emergency_stop to False), then power on and release "
-    "the brakes",
-    VIOLATION: "a safety limit was violated; restart the safety system (restart_safety), then power on and release the "
-    "brakes",
-    FAULT: "the safety system has a fault; restart it (restart_safety), then power on and release the brakes",
+    f"{SWITCH_ON}",
+    ROBOT_STOP: f"the emergency stop is pressed; release it (signal emergency_stop to False), then {SWITCH_ON}",
+    VIOLATION: f"a safety limit was violated; restart the safety system (restart_safety), then {SWITCH_ON}",
+    FAULT: f"the safety system has a fault; restart it (restart_safety), then {SWITCH_ON}",
 }
 """Why the arm may not move, and what leads back."""
 

@@ -8,17 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import hypot
 from typing import Any, Final, Protocol
 
 from elitescript.controller.arm_state import ArmState
 from elitescript.controller.io import SignalImage
 from elitescript.controller.motion_control import MotionControl
 from elitescript.controller.reduced_speed import SLOWED_MODES, ReducedSpeed
-from elitescript.controller.safety import ASKED_FROM_OUTSIDE, EFFECTS, WHAT_TO_DO, Safety
+from elitescript.controller.safety import ASKED_FROM_OUTSIDE, EFFECTS, MOVING_MODES, WHAT_TO_DO, Safety
 from elitescript.controller.safety_limits import PAIRS, SafetyLimits
 from elitescript.controller.safety_monitor import Breach, SafetyMonitor, obstacle_breach, requested_breach
 from elitescript.controller.setup import Setup
 from elitescript.controller.tasks import ProgramPort, Task
+from elitescript.controller.wrench_sensor import WrenchSensor
 from elitescript.errors import ArgumentRangeError, UsageError
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.enums import SafetyMode, TaskState
@@ -27,6 +29,7 @@ from elitescript.messages.machine import AskSafety
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import ticks_for
+from elitescript.messages.yielding import ForceMode, Freedrive, YieldRequest
 from elitescript.motion.limits import MotionLimits, joint_outside
 from elitescript.motion.speed import Obstacle
 
@@ -39,13 +42,16 @@ INPUT_ACTIONS: Final = {
     "safeguard_stop": ("open_safeguard", "close_safeguard"),
 }
 
+FORCE_TOLERANCE: Final = 0.02
+"""By how much, as a share, a force above its limit may grow after the arm has been allowed to move on (*assumed*)."""
+
 _EXPLAINED: Final = (SafetyMode.PROTECTIVE_STOP, SafetyMode.VIOLATION, SafetyMode.FAULT)
 """States that are entered for a reason of their own."""
 
 _RESTART_HINTS: Final = (
     "look for the cause before the arm is switched on again",
-    "power on and release the brakes",
-    "start the program again: it does not go on where it was",
+    "release the stop, or restart the safety system after a violation or a fault",
+    "start the program again: that powers on and releases the brakes; it begins at its first line",
 )
 
 
@@ -67,6 +73,9 @@ class SafetyPort(Protocol):
     def emit(self, event: Event) -> None:
         """Record what happened."""
 
+    def limit_yielding(self, speed: float | None) -> None:
+        """Let the TCP yield to forces no faster than that, m/s; None lifts the limit."""
+
     def switch_off(self) -> None:
         """Stop the arm and switch its power off at standstill."""
 
@@ -82,6 +91,7 @@ class SafetyControl:
         arm_state: target and actual joints.
         setup: the active TCP.
         signals: inputs of the safety system.
+        sensor: the force at the TCP.
         task: is paused and ended by stops.
         speed_scale: speed percentage at the start, as a fraction.
     """
@@ -91,6 +101,8 @@ class SafetyControl:
         "_blamed",
         "_breach",
         "_effects",
+        "_force_known",
+        "_has_moved_on",
         "_is_disturbed",
         "_is_first",
         "_is_holding_task",
@@ -101,6 +113,7 @@ class SafetyControl:
         "_motion_limits",
         "_port",
         "_safety",
+        "_sensor",
         "_setup",
         "_signals",
         "_slowed_lines",
@@ -118,6 +131,7 @@ class SafetyControl:
         arm_state: ArmState,
         setup: Setup,
         signals: SignalImage,
+        sensor: WrenchSensor,
         task: Task,
         speed_scale: float,
     ) -> None:
@@ -129,6 +143,7 @@ class SafetyControl:
         self._arm_state = arm_state
         self._setup = setup
         self._signals = signals
+        self._sensor = sensor
         self._task = task
         self._speed = ReducedSpeed(self._monitor, motion, setup, speed_scale)
         self._breach: Breach | None = None
@@ -138,7 +153,10 @@ class SafetyControl:
         self._is_disturbed = True
         self._is_holding_task = False
         self._is_task_new = False
-        self._is_watching = self._monitor.is_watching(self.mode)
+        self._has_moved_on = False
+        self._force_known = 0.0
+        self._is_watching = False
+        self._update_watching()
         self._speeds_hold_from = 0
         self._slowed_lines: set[int] = set()
         motion.on_obstacle = self.meet_obstacle
@@ -218,6 +236,24 @@ class SafetyControl:
             self._set_reduced(self._wants_reduced())
         elif name == "configurable_digital_in":
             self.disturb()
+        elif name == "external_wrench":
+            self._update_watching()
+            self.disturb()
+
+    def note_yielding(self, request: YieldRequest, line: int, thread: str) -> None:
+        """Force mode or hand guiding is asked for: the one to blame, and a target force that the arm may not reach."""
+        if isinstance(request, ForceMode | Freedrive):
+            self._blamed = (line, thread)
+        if isinstance(request, ForceMode):
+            asked = [
+                target for target, is_free in zip(request.target[:3], request.selection[:3], strict=True) if is_free
+            ]
+            force, limit = hypot(*asked), self._monitor.limits.tcp_force_max(self.mode)
+            if force > limit:
+                text = (
+                    f"force_mode asks for {force:g} N; at more than {limit:g} N the arm stops protectively (tcp_force)"
+                )
+                self._port.emit(Warned(self._port.tick, text, thread, line))
 
     def task_started(self) -> None:
         """A program begins; whether it may is decided in the safety phase."""
@@ -306,12 +342,33 @@ class SafetyControl:
             else:
                 self._stop(breach)
                 return
+        too_strong = self._force_breach(tick, q, qd, is_first=is_first)
+        if too_strong is not None:
+            self._stop(too_strong)
+            return
         if self.mode is SafetyMode.NORMAL or tick >= self._speeds_hold_from:
             too_fast = self._monitor.speed_breach(q, qd, T_flange_tcp, self.mode)
             if too_fast is not None:
                 self._stop(too_fast)
         if self.mode in SLOWED_MODES and self._speed.slow_down(tick):
             self._say_slowed(tick)
+
+    def _force_breach(self, tick: int, q: Six, qd: Six, *, is_first: bool) -> Breach | None:
+        """A force above its limit, unless the arm found it when it was allowed to move: then until it grows."""
+        has_moved_on, self._has_moved_on = self._has_moved_on, False
+        if not self._sensor.is_in_use:
+            return None
+        force = self._sensor.force(q, qd)
+        breach = self._monitor.force_breach(force, self.mode)
+        if breach is None:
+            self._force_known = 0.0
+        elif is_first or has_moved_on:
+            self._force_known = force * (1.0 + FORCE_TOLERANCE)
+            self._port.emit(Warned(tick, f"{breach.text}; the arm may move back out"))
+        return None if force <= self._force_known else breach
+
+    def _update_watching(self) -> None:
+        self._is_watching = self._safety.may_move and (self._monitor.is_watching(self.mode) or self._sensor.is_in_use)
 
     def _say_slowed(self, tick: int) -> None:
         line, thread = self._blamed
@@ -340,7 +397,8 @@ class SafetyControl:
         breach = self._breach if after in _EXPLAINED else None
         reason = breach.text if breach is not None else self._words(after)
         self._effects.append((after, breach))
-        self._is_watching = self._safety.may_move and self._monitor.is_watching(after)
+        self._update_watching()
+        self._has_moved_on = self._has_moved_on or (before not in MOVING_MODES and after in MOVING_MODES)
         if before not in SLOWED_MODES:
             self._speeds_hold_from = self._port.tick + GRACE_TICKS
         self._port.emit(SafetyModeChanged(self._port.tick, after, reason))
@@ -377,7 +435,9 @@ class SafetyControl:
 
     def _enter_motion(self, after: SafetyMode, tick: int) -> None:
         """Take on the limits of a state in which the arm may move, and let a task go on that a safeguard has held."""
-        if after is SafetyMode.NORMAL:
+        is_slowed = after in SLOWED_MODES
+        self._port.limit_yielding(self._monitor.limits.bounds(after).tcp_speed_max if is_slowed else None)
+        if not is_slowed:
             self._speed.release(tick)
         self._is_disturbed = True
         if self._is_holding_task:
