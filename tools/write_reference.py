@@ -199,7 +199,8 @@ _CELL_FILE: Final = """\
 ## Limits: the cell file
 
 Without limits, normal mode watches nothing but the joint ranges of the model and the force at the TCP, and reduced mode
-slows the TCP down to 0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or `VirtualRobot(safety=SafetyLimits(...))`.
+slows the TCP down to 0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or
+`VirtualRobot(safety=SafetyLimits(...))`.
 A limit that is exceeded while the arm moves is a protective stop. Every key may be left out.
 
 The force counts where anything can touch the TCP: with contact planes, or while `external_wrench` is not zero. Its

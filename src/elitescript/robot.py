@@ -393,7 +393,7 @@ class VirtualRobot:
     def _report_stuck(self) -> None:
         threads = self.threads()
         waits = "; ".join(
-            f"{thread.name} (line {thread.line}) " + (f"waits for {thread.waits_for}" if thread.waits_for else "is held")
+            f"{thread.name} (line {thread.line}) {f'waits for {thread.waits_for}' if thread.waits_for else 'is held'}"
             for thread in threads
         )
         obstruction = self.controller.safety.obstruction

@@ -131,19 +131,8 @@ class Controller:
         self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._node: tuple[int, str] = (0, "")
         self.loads = JointLoads(model, plant, self._arm_state, self._setup)
-        watched = safety or SafetyLimits()
-        self.safety = SafetyControl(
-            self,
-            watched,
-            limits,
-            self._motion,
-            self._arm_state,
-            self._setup,
-            self._signals,
-            self._yield.sensor,
-            self.task,
-            speed_scale,
-        )
+        parts = (self._motion, self._arm_state, self._setup, self._signals, self._yield, self.task)
+        self.safety = SafetyControl(self, safety or SafetyLimits(), limits, *parts, speed_scale)
         self._tracking.on_obstacle = self.safety.meet_obstacle
 
     def attach(self, program: ProgramPort) -> None:
@@ -433,10 +422,6 @@ class Controller:
     def _set_line_mark(self, request: SetLineMark) -> None:
         self._node = (request.number, request.label)
         self.emit(LineMarked(self._tick, request.number, request.label))
-
-    def limit_yielding(self, speed: float | None) -> None:
-        """Let the TCP yield to forces no faster than that, m/s; None lifts the limit."""
-        self._yield.limit_speed(speed)
 
     def switch_off(self) -> None:
         """Stop the arm and switch its power off at standstill."""

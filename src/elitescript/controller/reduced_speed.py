@@ -18,9 +18,12 @@ from elitescript.controller.setup import Setup
 from elitescript.controller.sources import Move
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.motion import Six
-from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.timing import PERIOD_S, ticks_for
 
 SLOWED_MODES: Final = (SafetyMode.REDUCED, SafetyMode.RECOVERY)
+
+GRACE_TICKS: Final = ticks_for(0.5)
+"""From the change to reduced mode until its limits of speed hold: the time to brake to them (*assumed*)."""
 
 SAMPLES: Final = 64
 """Places of a motion at a speed at which it is compared with the limits."""
@@ -85,7 +88,7 @@ class ReducedSpeed:
         return self._cap < self.scale
 
     def _slow_move(self, move: Move, tick: int) -> bool:
-        if not self._motion.can_change_rate or tick < move.start_tick:
+        if self._motion.is_paused or move.is_stopping or tick < move.start_tick:
             return False
         now_s = tick * PERIOD_S
         rate, path_time_s = move.scale.rate(now_s), move.path_time_s(tick)

@@ -118,6 +118,13 @@ _ROWS: Final[dict[str, dict[SafetyMode, SafetyMode | None]]] = {
 
 ACTIONS: Final = tuple(_ROWS)
 
+INPUT_ACTIONS: Final = {
+    "emergency_stop": ("press_emergency_stop", "release_emergency_stop"),
+    "system_emergency_stop": ("press_system_stop", "release_system_stop"),
+    "safeguard_stop": ("open_safeguard", "close_safeguard"),
+}
+"""What a signal does when it becomes true, and false."""
+
 ASKED_FROM_OUTSIDE: Final = ("stop_protectively", "unlock_protective_stop", "violate", "fail", "restart_safety")
 """Actions that a request may name; the others follow from signals, from the arm and from the task."""
 
@@ -139,6 +146,13 @@ WHAT_TO_DO: Final[dict[SafetyMode, str]] = {
     FAULT: f"the safety system has a fault; restart it (restart_safety), then {SWITCH_ON}",
 }
 """Why the arm may not move, and what leads back."""
+
+RESTART_HINTS: Final = (
+    "look for the cause before the arm is switched on again",
+    "release the stop, or restart the safety system after a violation or a fault",
+    "start the program again: that powers on and releases the brakes; it begins at its first line",
+)
+"""What to try after a stop that has taken the power."""
 
 _NOT_LOCKED: Final = "there is no protective stop to unlock"
 

@@ -8,19 +8,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import hypot
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 from elitescript.controller.arm_state import ArmState
+from elitescript.controller.force_watch import ForceWatch
 from elitescript.controller.io import SignalImage
 from elitescript.controller.motion_control import MotionControl
-from elitescript.controller.reduced_speed import SLOWED_MODES, ReducedSpeed
-from elitescript.controller.safety import ASKED_FROM_OUTSIDE, EFFECTS, MOVING_MODES, WHAT_TO_DO, Safety
-from elitescript.controller.safety_limits import PAIRS, SafetyLimits
+from elitescript.controller.reduced_speed import GRACE_TICKS, SLOWED_MODES, ReducedSpeed
+from elitescript.controller.safety import (
+    ASKED_FROM_OUTSIDE,
+    EFFECTS,
+    INPUT_ACTIONS,
+    MOVING_MODES,
+    RESTART_HINTS,
+    WHAT_TO_DO,
+    Safety,
+)
+from elitescript.controller.safety_limits import SafetyLimits, switched_pairs
 from elitescript.controller.safety_monitor import Breach, SafetyMonitor, obstacle_breach, requested_breach
 from elitescript.controller.setup import Setup
 from elitescript.controller.tasks import ProgramPort, Task
-from elitescript.controller.wrench_sensor import WrenchSensor
+from elitescript.controller.yield_control import YieldControl
 from elitescript.errors import ArgumentRangeError, UsageError
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.enums import SafetyMode, TaskState
@@ -28,31 +36,12 @@ from elitescript.messages.events import Alarm, Event, MotionStarted, SafetyModeC
 from elitescript.messages.machine import AskSafety
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
-from elitescript.messages.timing import ticks_for
 from elitescript.messages.yielding import ForceMode, Freedrive, YieldRequest
 from elitescript.motion.limits import MotionLimits, joint_outside
 from elitescript.motion.speed import Obstacle
 
-GRACE_TICKS: Final = ticks_for(0.5)
-"""From the change to reduced mode until its limits of speed hold: the time to brake to them (*assumed*)."""
-
-INPUT_ACTIONS: Final = {
-    "emergency_stop": ("press_emergency_stop", "release_emergency_stop"),
-    "system_emergency_stop": ("press_system_stop", "release_system_stop"),
-    "safeguard_stop": ("open_safeguard", "close_safeguard"),
-}
-
-FORCE_TOLERANCE: Final = 0.02
-"""By how much, as a share, a force above its limit may grow after the arm has been allowed to move on (*assumed*)."""
-
 _EXPLAINED: Final = (SafetyMode.PROTECTIVE_STOP, SafetyMode.VIOLATION, SafetyMode.FAULT)
 """States that are entered for a reason of their own."""
-
-_RESTART_HINTS: Final = (
-    "look for the cause before the arm is switched on again",
-    "release the stop, or restart the safety system after a violation or a fault",
-    "start the program again: that powers on and releases the brakes; it begins at its first line",
-)
 
 
 class SafetyPort(Protocol):
@@ -73,9 +62,6 @@ class SafetyPort(Protocol):
     def emit(self, event: Event) -> None:
         """Record what happened."""
 
-    def limit_yielding(self, speed: float | None) -> None:
-        """Let the TCP yield to forces no faster than that, m/s; None lifts the limit."""
-
     def switch_off(self) -> None:
         """Stop the arm and switch its power off at standstill."""
 
@@ -91,7 +77,7 @@ class SafetyControl:
         arm_state: target and actual joints.
         setup: the active TCP.
         signals: inputs of the safety system.
-        sensor: the force at the TCP.
+        yielding: what yields to forces, and their sensor.
         task: is paused and ended by stops.
         speed_scale: speed percentage at the start, as a fraction.
     """
@@ -101,8 +87,7 @@ class SafetyControl:
         "_blamed",
         "_breach",
         "_effects",
-        "_force_known",
-        "_has_moved_on",
+        "_force",
         "_is_disturbed",
         "_is_first",
         "_is_holding_task",
@@ -113,13 +98,13 @@ class SafetyControl:
         "_motion_limits",
         "_port",
         "_safety",
-        "_sensor",
         "_setup",
         "_signals",
         "_slowed_lines",
         "_speed",
         "_speeds_hold_from",
         "_task",
+        "_yield",
     )
 
     def __init__(
@@ -131,7 +116,7 @@ class SafetyControl:
         arm_state: ArmState,
         setup: Setup,
         signals: SignalImage,
-        sensor: WrenchSensor,
+        yielding: YieldControl,
         task: Task,
         speed_scale: float,
     ) -> None:
@@ -143,7 +128,8 @@ class SafetyControl:
         self._arm_state = arm_state
         self._setup = setup
         self._signals = signals
-        self._sensor = sensor
+        self._yield = yielding
+        self._force = ForceWatch(self._monitor, yielding.sensor)
         self._task = task
         self._speed = ReducedSpeed(self._monitor, motion, setup, speed_scale)
         self._breach: Breach | None = None
@@ -153,8 +139,6 @@ class SafetyControl:
         self._is_disturbed = True
         self._is_holding_task = False
         self._is_task_new = False
-        self._has_moved_on = False
-        self._force_known = 0.0
         self._is_watching = False
         self._update_watching()
         self._speeds_hold_from = 0
@@ -244,16 +228,9 @@ class SafetyControl:
         """Force mode or hand guiding is asked for: the one to blame, and a target force that the arm may not reach."""
         if isinstance(request, ForceMode | Freedrive):
             self._blamed = (line, thread)
-        if isinstance(request, ForceMode):
-            asked = [
-                target for target, is_free in zip(request.target[:3], request.selection[:3], strict=True) if is_free
-            ]
-            force, limit = hypot(*asked), self._monitor.limits.tcp_force_max(self.mode)
-            if force > limit:
-                text = (
-                    f"force_mode asks for {force:g} N; at more than {limit:g} N the arm stops protectively (tcp_force)"
-                )
-                self._port.emit(Warned(self._port.tick, text, thread, line))
+        caution = self._force.caution(request, self.mode) if isinstance(request, ForceMode) else ""
+        if caution:
+            self._port.emit(Warned(self._port.tick, caution, thread, line))
 
     def task_started(self) -> None:
         """A program begins; whether it may is decided in the safety phase."""
@@ -318,6 +295,7 @@ class SafetyControl:
         if self._is_watching and (is_disturbed or is_moving):
             self._look(tick, is_first=is_first, is_disturbed=is_disturbed)
             self._act(tick)
+        self._force.is_to_tolerate = False
         if not is_moving:
             self._speed.release(tick)
 
@@ -342,33 +320,18 @@ class SafetyControl:
             else:
                 self._stop(breach)
                 return
-        too_strong = self._force_breach(tick, q, qd, is_first=is_first)
-        if too_strong is not None:
-            self._stop(too_strong)
-            return
-        if self.mode is SafetyMode.NORMAL or tick >= self._speeds_hold_from:
-            too_fast = self._monitor.speed_breach(q, qd, T_flange_tcp, self.mode)
-            if too_fast is not None:
-                self._stop(too_fast)
+        breach, tolerated = self._force.look(q, qd, self.mode)
+        if tolerated:
+            self._port.emit(Warned(tick, tolerated))
+        if breach is None and (self.mode is SafetyMode.NORMAL or tick >= self._speeds_hold_from):
+            breach = self._monitor.speed_breach(q, qd, T_flange_tcp, self.mode)
+        if breach is not None:
+            self._stop(breach)
         if self.mode in SLOWED_MODES and self._speed.slow_down(tick):
             self._say_slowed(tick)
 
-    def _force_breach(self, tick: int, q: Six, qd: Six, *, is_first: bool) -> Breach | None:
-        """A force above its limit, unless the arm found it when it was allowed to move: then until it grows."""
-        has_moved_on, self._has_moved_on = self._has_moved_on, False
-        if not self._sensor.is_in_use:
-            return None
-        force = self._sensor.force(q, qd)
-        breach = self._monitor.force_breach(force, self.mode)
-        if breach is None:
-            self._force_known = 0.0
-        elif is_first or has_moved_on:
-            self._force_known = force * (1.0 + FORCE_TOLERANCE)
-            self._port.emit(Warned(tick, f"{breach.text}; the arm may move back out"))
-        return None if force <= self._force_known else breach
-
     def _update_watching(self) -> None:
-        self._is_watching = self._safety.may_move and (self._monitor.is_watching(self.mode) or self._sensor.is_in_use)
+        self._is_watching = self._safety.may_move and (self._monitor.is_watching(self.mode) or self._force.is_watching)
 
     def _say_slowed(self, tick: int) -> None:
         line, thread = self._blamed
@@ -386,7 +349,7 @@ class SafetyControl:
         if self._safety.refusal("start_task"):
             breach = self._breach if self.mode in _EXPLAINED else None
             why = "" if breach is None else f"; the reason of the stop was: {breach.text}"
-            breach = breach or Breach("emergency_stop", "", hints=_RESTART_HINTS)
+            breach = breach or Breach("emergency_stop", "", hints=RESTART_HINTS)
             self._fail_task(self.mode, replace(breach, text=f"cannot start: {self.obstruction}{why}"))
         elif self.mode is SafetyMode.SAFEGUARD_STOP:
             self._hold(tick)
@@ -398,7 +361,7 @@ class SafetyControl:
         reason = breach.text if breach is not None else self._words(after)
         self._effects.append((after, breach))
         self._update_watching()
-        self._has_moved_on = self._has_moved_on or (before not in MOVING_MODES and after in MOVING_MODES)
+        self._force.is_to_tolerate |= before not in MOVING_MODES and after in MOVING_MODES
         if before not in SLOWED_MODES:
             self._speeds_hold_from = self._port.tick + GRACE_TICKS
         self._port.emit(SafetyModeChanged(self._port.tick, after, reason))
@@ -416,7 +379,7 @@ class SafetyControl:
             effect = EFFECTS[after]
             if effect.task == "is stopped":
                 self._is_holding_task = False
-                self._fail_task(after, breach or Breach("emergency_stop", self._words(after), hints=_RESTART_HINTS))
+                self._fail_task(after, breach or Breach("emergency_stop", self._words(after), hints=RESTART_HINTS))
                 self._arm_state.stop(tick)
             elif effect.task == "is paused":
                 self._hold(tick)
@@ -436,7 +399,7 @@ class SafetyControl:
     def _enter_motion(self, after: SafetyMode, tick: int) -> None:
         """Take on the limits of a state in which the arm may move, and let a task go on that a safeguard has held."""
         is_slowed = after in SLOWED_MODES
-        self._port.limit_yielding(self._monitor.limits.bounds(after).tcp_speed_max if is_slowed else None)
+        self._yield.limit_speed(self._monitor.limits.bounds(after).tcp_speed_max if is_slowed else None)
         if not is_slowed:
             self._speed.release(tick)
         self._is_disturbed = True
@@ -451,17 +414,8 @@ class SafetyControl:
             return
         line, thread = self._blamed if self._arm_state.is_moving else (self._port.program.line, "main")
         effect = EFFECTS[mode]
-        details: dict[str, Any] = {
-            "safety_mode": mode.name,
-            "reason": breach.kind,
-            "value": breach.value,
-            "limit": breach.limit,
-            "unit": breach.unit,
-        }
-        if breach.subject:
-            details["plane" if breach.kind == "plane" else "joint"] = breach.subject
-        details["hints"] = list(breach.hints if effect.is_power_kept else _RESTART_HINTS)
-        details = {name: value for name, value in details.items() if value not in (None, "", [])}
+        hints = breach.hints if effect.is_power_kept else RESTART_HINTS
+        details = replace(breach, hints=hints).details(mode)
         alarm = Alarm(self._port.tick, effect.code, effect.class_name, breach.text, line, 0, thread, "", details)
         self._port.program.fail(alarm)
 
@@ -492,8 +446,4 @@ class SafetyControl:
             self.disturb()
 
     def _pairs(self) -> tuple[bool, ...]:
-        read = self._signals.read
-        return tuple(
-            bool(read("configurable_digital_in", first)) and bool(read("configurable_digital_in", second))
-            for first, second in PAIRS
-        )
+        return switched_pairs(self._signals.read)

@@ -7,7 +7,7 @@ size). The force at the TCP is limited in every mode (*assumed* as well), where 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import inf, isfinite, pi
 from typing import Any, Final
@@ -31,6 +31,12 @@ PAIRS: Final = ((0, 1), (2, 3), (4, 5), (6, 7))
 """Configurable inputs that belong together (manual 2.14, `is_within_safety_limits`)."""
 
 Vector3 = tuple[float, float, float]
+
+
+def switched_pairs(read: Callable[[str, int], object]) -> tuple[bool, ...]:
+    """For each pair of configurable inputs, whether both are high; `read` gives the level of a signal."""
+    name = "configurable_digital_in"
+    return tuple([bool(read(name, first)) and bool(read(name, second)) for first, second in PAIRS])
 
 
 def _check_positive(what: str, value: float, unit: str) -> None:

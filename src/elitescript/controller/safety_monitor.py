@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import acos, degrees, sqrt
-from typing import Final
+from typing import Any, Final
 
 from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, SafetyPlane
 from elitescript.kinematics.arm import Arm
@@ -47,6 +47,20 @@ class Breach:
     limit: str = ""
     unit: str = ""
     hints: tuple[str, ...] = ()
+
+    def details(self, mode: SafetyMode) -> dict[str, Any]:
+        """What an alarm says about it besides the text, in the safety mode that it leads to."""
+        details: dict[str, Any] = {
+            "safety_mode": mode.name,
+            "reason": self.kind,
+            "value": self.value,
+            "limit": self.limit,
+            "unit": self.unit,
+        }
+        if self.subject:
+            details["plane" if self.kind == "plane" else "joint"] = self.subject
+        details["hints"] = list(self.hints)
+        return {name: value for name, value in details.items() if value not in (None, "", [])}
 
 
 class SafetyMonitor:
