@@ -98,7 +98,9 @@ class ReducedSpeed:
         for _ in range(_ROUNDS):
             ahead = move.segment.setpoint(path_time_s + 0.5 * (rate + wanted) * PERIOD_S)
             share_ahead = self._share(*ahead)
-            wanted = min(self.scale, MARGIN / share_ahead) if share_ahead > MARGIN else self.scale
+            before, wanted = wanted, min(self.scale, MARGIN / share_ahead) if share_ahead > MARGIN else self.scale
+            if wanted == before:
+                break
         if not self._is_move_slowed and wanted >= min(self.scale, move.scale.rate(now_s + PERIOD_S)):
             return False
         self._is_move_slowed = wanted < self.scale or rate < self.scale
