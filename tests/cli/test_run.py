@@ -259,6 +259,14 @@ def test_an_emergency_stop_says_what_leads_back(program, capsys):
     assert main(["run", program(DOWN), "--set", "emergency_stop=true"]) == 1
     err = capsys.readouterr().err
     assert "ALARM R141: EmergencyStop: cannot start: the emergency stop is pressed; release it" in err
+    assert "power on and release the brakes, which starting a program does by itself" in err
+
+
+def test_an_open_safeguard_says_that_the_program_is_held(program, capsys):
+    assert main(["run", program(DOWN), "--set", "safeguard_stop=true"]) == 5
+    err = capsys.readouterr().err
+    assert "is held; the safeguard is open; close it" in err
+    assert "waits for ;" not in err
 
 
 def test_a_mistake_in_the_cell_file_is_one_of_usage(program, capsys, tmp_path):

@@ -130,10 +130,8 @@ class Controller:
         self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._node: tuple[int, str] = (0, "")
         self.loads = JointLoads(model, plant, self._arm_state, self._setup)
-        watched = safety or SafetyLimits()
-        self.safety = SafetyControl(
-            self, watched, limits, self._motion, self._arm_state, self._setup, self._signals, self.task, speed_scale
-        )
+        parts = (self._motion, self._arm_state, self._setup, self._signals, self._yield, self.task)
+        self.safety = SafetyControl(self, safety or SafetyLimits(), limits, *parts, speed_scale)
         self._tracking.on_obstacle = self.safety.meet_obstacle
 
     def attach(self, program: ProgramPort) -> None:
@@ -335,11 +333,12 @@ class Controller:
         self.safety.require("move")
         T_flange_tcp = self._setup.T_flange_tcp
         if isinstance(request, YieldRequest) or self._yield.is_ended_by(request):
+            if isinstance(request, YieldRequest):
+                self.safety.note_yielding(request, line, thread)
             is_moving = self._motion.is_moving or self._tracking.is_active
             return self._yield.request(request, self._tick, is_moving, Caller(line, thread))
         if isinstance(request, TrackRequest):
             return self._tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
-        request = self.safety.prepared(request, line, thread)
         return self._motion.request(request, self._tick, T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:

@@ -25,6 +25,8 @@ WHY_NOT_READY: Final[dict[RobotMode, str]] = {
     RobotMode.IDLE: "the brakes are engaged",
 }
 
+SWITCH_ON_HINT: Final = "power on and release the brakes; starting a program does both"
+
 
 class Power:
     """Mode of one robot."""
@@ -44,7 +46,7 @@ class Power:
         """
         why = WHY_NOT_READY.get(RobotMode.POWER_OFF if self.is_going_off else self.mode)
         if why is not None:
-            raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint="power on and release the brakes")
+            raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint=SWITCH_ON_HINT)
 
     def go_up(self) -> None:
         """Power on and release the brakes, as far as that is not done."""
