@@ -13,7 +13,7 @@ from elitescript.controller.controller import Controller
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
 from elitescript.messages.motion import Six
-from elitescript.messages.timing import seconds, ticks_for
+from elitescript.messages.timing import PERIOD_S, seconds, ticks_for
 
 
 class TraceRow(NamedTuple):
@@ -29,7 +29,7 @@ class TraceRow(NamedTuple):
     state: str
     """`playing`, `paused` or `stopped`."""
     q_actual: Six | None = None
-    """Measured joint positions, where the plant is not ideal."""
+    """Measured joint positions where there is a plant; None where actual equals target."""
 
 
 TRACE_COLUMNS: Final = (
@@ -45,12 +45,18 @@ ACTUAL_COLUMNS: Final = tuple(f"qa{joint}" for joint in range(1, 7))
 """What follows after `TRACE_COLUMNS` where actual may differ from target."""
 
 
+_SAME_STEP: Final = 1e-9
+
+
 class Trace:
     """Records rows and hands each to `sink`.
 
     Args:
         sink: receives the rows in order.
-        step_s: time from one row to the next; one tick if None.
+        step_s: time from one row to the next, a whole number of ticks; one tick if None.
+
+    Raises:
+        UsageError: another time.
     """
 
     __slots__ = ("_next_tick", "_resting", "_sink", "_step_ticks")
@@ -60,6 +66,14 @@ class Trace:
             raise UsageError(f"the trace step must be > 0 s, got {step_s:g}")
         self._sink = sink
         self._step_ticks = 1 if step_s is None else max(1, ticks_for(step_s))
+        if step_s is not None and abs(step_s - self._step_ticks * PERIOD_S) > _SAME_STEP * step_s:
+            lower = max(1, self._step_ticks - 1) * PERIOD_S
+            upper = self._step_ticks * PERIOD_S
+            near = f"{upper:g} s" if lower == upper else f"{lower:g} or {upper:g} s"
+            raise UsageError(
+                f"the trace step must be a whole number of control periods of {PERIOD_S:g} s, got {step_s:g} s: "
+                f"choose {near}"
+            )
         self._next_tick = 0
         self._resting: TraceRow | None = None
 
