@@ -10,7 +10,7 @@ The law, *assumed* in all its parts (the manual says: mean filter and splines wi
    and 1 / w.
 4. No joint exceeds its speed limit or its acceleration limit. Where the stream takes over from another motion, the
    first period uses half of the acceleration, so that it holds across the change too.
-5. After a pause the acceleration that may make a joint faster grows from zero to its limit within 0.2 s.
+5. A pause brings the speed of rule 3 to zero; afterwards it comes back in even steps within 0.2 s.
 
 When targets stop coming, the arm comes to rest at the last one. The speed percentage does not count.
 """
@@ -32,8 +32,8 @@ GAIN_PER_S: Final = 10.0
 APPROACH_SHARE: Final = 0.7
 """Share of the acceleration limits with which a far target is approached; the rest is for the stream's own bends."""
 
-EASE_TICKS: Final = 50
-"""Time, 0.2 s, in which the acceleration comes back after a pause."""
+EASE_TICKS: Final = 50.0
+"""Time, 0.2 s, in which the arm takes up the stream again after a pause."""
 
 ARRIVED_RAD: Final = 1e-7
 """A joint this near to the end of the stream is there."""
@@ -52,8 +52,8 @@ class ServoState(NamedTuple):
     """Ticks until the stream is at its target."""
     is_limited: bool
     """Whether a joint could not follow in this period."""
-    ease: int = 0
-    """Ticks until all of the acceleration may be used again to go faster."""
+    ease: float = 0.0
+    """Ticks until the arm follows as eagerly as before a pause."""
     is_taken_over: bool = False
     """Whether another motion went on until this period."""
 
@@ -97,7 +97,8 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
     is_limited = False
     # Between two periods the acceleration of what went on before counts half.
     share = 0.5 if state.is_taken_over else 1.0
-    share_faster = share * (1.0 - state.ease / EASE_TICKS)
+    ease = max(0.0, state.ease - 1.0)
+    eagerness = 1.0 - ease / EASE_TICKS
     for column, q, w, top, a_top in zip(
         zip(*stream, strict=True), state.q, state.qd, limits.qd_max, limits.qdd_max, strict=True
     ):
@@ -107,11 +108,10 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
         if abs(wanted) > top:
             wanted = top if wanted > 0.0 else -top
             is_limited = True
-        change = a_top * PERIOD_S
-        up, down = (share_faster, share) if w > 0.0 else (share, share_faster) if w < 0.0 else (share_faster,) * 2
-        speeds.append(min(max(wanted, w - down * change), w + up * change))
+        wanted *= eagerness
+        change = share * a_top * PERIOD_S
+        speeds.append(min(max(wanted, w - change), w + change))
     w1, w2, w3, w4, w5, w6 = speeds
-    ease = max(0, state.ease - 1)
     return _next(state, stream, max(0, state.left - 1), (w1, w2, w3, w4, w5, w6), is_limited, ease, limits)
 
 
@@ -120,15 +120,15 @@ def held(state: ServoState, deceleration: float, limits: MotionLimits) -> ServoS
     change = deceleration * PERIOD_S
     largest = max(map(abs, state.qd))
     if largest <= change:
-        return _next(state, state.stream, state.left, STANDSTILL, False, EASE_TICKS - 1, limits)
+        return _next(state, state.stream, state.left, STANDSTILL, False, EASE_TICKS, limits)
     keep = 1.0 - change / largest
     w1, w2, w3, w4, w5, w6 = state.qd
     qd = (w1 * keep, w2 * keep, w3 * keep, w4 * keep, w5 * keep, w6 * keep)
-    return _next(state, state.stream, state.left, qd, False, EASE_TICKS - 1, limits)
+    return _next(state, state.stream, state.left, qd, False, EASE_TICKS - (EASE_TICKS - state.ease) * keep, limits)
 
 
 def _next(
-    state: ServoState, stream: tuple[Six, ...], left: int, qd: Six, is_limited: bool, ease: int, limits: MotionLimits
+    state: ServoState, stream: tuple[Six, ...], left: int, qd: Six, is_limited: bool, ease: float, limits: MotionLimits
 ) -> ServoState | Obstacle:
     q1, q2, q3, q4, q5, q6 = [q + w * PERIOD_S for q, w in zip(state.q, qd, strict=True)]
     q = (q1, q2, q3, q4, q5, q6)
