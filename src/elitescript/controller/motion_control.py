@@ -18,7 +18,7 @@ from dataclasses import replace
 from elitescript.controller.drives import Drive, JointDrive
 from elitescript.controller.sources import NEVER, Braking, Move
 from elitescript.controller.stepped_drives import ServoDrive, ToolDrive
-from elitescript.controller.succession import SLOW_BLEND, SLOW_BLENDS_MAX, Call, Caution, Order, Succession, lay_behind
+from elitescript.controller.succession import Call, Order, Succession, bounded, lay_behind
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform
@@ -193,8 +193,8 @@ class MotionControl:
             self._started = started
         else:
             self._on_event(started)
-        for caution in cautions:
-            self._caution(caution, tick, thread)
+        for caution in bounded(cautions, self._noted):
+            self._warn_once(caution.key_line, caution.kind, Warned(tick, caution.text, thread, caution.line))
         return call.number
 
     def is_done(self, number: int) -> bool:
@@ -288,17 +288,6 @@ class MotionControl:
         if (line, kind) not in self._noted:
             self._noted.add((line, kind))
             self._on_event(warning)
-
-    def _caution(self, caution: Caution, tick: int, thread: str) -> None:
-        """Say what a move is not quite; of what long chains repeat in every line, only so much."""
-        text = caution.text
-        if caution.kind == SLOW_BLEND and (caution.key_line, caution.kind) not in self._noted:
-            said = sum(kind == SLOW_BLEND for _, kind in self._noted)
-            if said >= SLOW_BLENDS_MAX:
-                return
-            if said == SLOW_BLENDS_MAX - 1:
-                text += f" (the {SLOW_BLENDS_MAX}th line of this kind; further ones are not reported)"
-        self._warn_once(caution.key_line, caution.kind, Warned(tick, text, thread, caution.line))
 
     def _drop_next(self) -> None:
         """Forget the move that was to begin at standstill."""

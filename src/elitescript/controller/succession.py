@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from enum import Enum
 from functools import partial
@@ -206,6 +206,26 @@ class Succession:
             q, qd = segment.setpoint(segment.approach_s + segment.corner.length * look / LOOKS)
             speeds.append(hypot(*tcp_twist(self._arm, q, qd, T_flange_tcp)[:3]))
         return min(speeds)
+
+
+def bounded(cautions: Collection[Caution], noted: Collection[tuple[int, str]]) -> list[Caution]:
+    """Return what is to be said; of what long chains repeat in every line, only so much.
+
+    Args:
+        cautions: of a move.
+        noted: line and kind of what has been said before.
+    """
+    said = sum(kind == SLOW_BLEND for _, kind in noted) if cautions else 0
+    kept = []
+    for caution in cautions:
+        if caution.kind == SLOW_BLEND and (caution.key_line, caution.kind) not in noted:
+            if said >= SLOW_BLENDS_MAX:
+                continue
+            if said == SLOW_BLENDS_MAX - 1:
+                more = f" (the {SLOW_BLENDS_MAX}th line of this kind; further ones are not reported)"
+                caution = caution._replace(text=caution.text + more)
+        kept.append(caution)
+    return kept
 
 
 def lay_behind(source: Move, waiting: Move) -> None:
