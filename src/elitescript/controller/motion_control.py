@@ -18,7 +18,7 @@ from dataclasses import replace
 from elitescript.controller.drives import Drive, JointDrive
 from elitescript.controller.sources import NEVER, Braking, Move
 from elitescript.controller.stepped_drives import ServoDrive, ToolDrive
-from elitescript.controller.succession import Call, Order, Succession, lay_behind
+from elitescript.controller.succession import Call, Order, Succession, bounded, lay_behind
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform
@@ -193,7 +193,7 @@ class MotionControl:
             self._started = started
         else:
             self._on_event(started)
-        for caution in cautions:
+        for caution in bounded(cautions, self._noted):
             self._warn_once(caution.key_line, caution.kind, Warned(tick, caution.text, thread, caution.line))
         return call.number
 

@@ -158,7 +158,7 @@ class Move:
 
     def can_blend(self, tick: int) -> bool:
         """Whether a move that is asked for in this tick may take over before this one has come to rest."""
-        return self.is_returned and self.returned_tick == tick and not self.is_stopping
+        return self.is_returned and self.returned_tick == tick and not (self.is_stopping or self.is_paused)
 
     def note_return(self, tick: int) -> None:
         """The call is over; the move goes on."""
@@ -258,7 +258,8 @@ class Chain(Move):
 
     def can_grow(self, T_flange_tcp: Transform) -> bool:
         """Whether the call of its last line is over and another line may follow."""
-        return self.is_returned and not self.is_stopping and T_flange_tcp == self.T_flange_tcp
+        is_going_on = not (self.is_stopping or self.is_paused)
+        return self.is_returned and is_going_on and T_flange_tcp == self.T_flange_tcp
 
     def extend(
         self, number: int, plan: Plan, r: float, tick: int, thread: str, line: int, waypoint: Six, limits: MotionLimits
