@@ -16,6 +16,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from elitescript.controller.drives import Drive, JointDrive
+from elitescript.controller.notices import Notices
 from elitescript.controller.sources import NEVER, Braking, Move
 from elitescript.controller.stepped_drives import ServoDrive, ToolDrive
 from elitescript.controller.succession import Call, Order, Succession, bounded, lay_behind
@@ -62,7 +63,7 @@ class MotionControl:
         "_arm",
         "_count",
         "_next",
-        "_noted",
+        "_notices",
         "_on_end",
         "_on_event",
         "_q_rest",
@@ -106,13 +107,13 @@ class MotionControl:
         self.is_paused = False
         self._sampled_tick = -1
         self._sampled = Setpoint(home, ZERO_SIX)
-        self._noted: set[tuple[int, str]] = set()
+        self._notices = Notices(on_event)
         self.waypoint: Six | None = None
         self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
 
     def begin_program(self) -> None:
         """Say again, once for each line, what has been said to the program before."""
-        self._noted.clear()
+        self._notices.said.clear()
 
     @property
     def is_moving(self) -> bool:
@@ -193,8 +194,8 @@ class MotionControl:
             self._started = started
         else:
             self._on_event(started)
-        for caution in bounded(cautions, self._noted):
-            self._warn_once(caution.key_line, caution.kind, Warned(tick, caution.text, thread, caution.line))
+        for caution in bounded(cautions, self._notices.said):
+            self._notices.once(caution.key_line, caution.kind, Warned(tick, caution.text, thread, caution.line))
         return call.number
 
     def is_done(self, number: int) -> bool:
@@ -294,11 +295,6 @@ class MotionControl:
             source.note_return(tick)
             self._on_end(source.number, True)
 
-    def _warn_once(self, line: int, kind: str, warning: Warned) -> None:
-        if (line, kind) not in self._noted:
-            self._noted.add((line, kind))
-            self._on_event(warning)
-
     def _drop_next(self) -> None:
         """Forget the move that was to begin at standstill."""
         move, self._next = self._next, None
@@ -349,7 +345,7 @@ class MotionControl:
         if drive.is_lowered:
             name = type(request).__name__.lower()
             text = f"{name} asks for more than the arm can do; it goes as fast as it can, in the same direction"
-            self._warn_once(line, "speed", Warned(tick, text, thread, line))
+            self._notices.once(line, "speed", Warned(tick, text, thread, line))
         self._changed(tick)
         return number
 
@@ -400,7 +396,7 @@ class MotionControl:
         if obstacle is None:
             if isinstance(source, ServoDrive) and source.is_lowered:
                 text = "servoj: the targets come faster than the joints can turn; the arm falls behind"
-                self._warn_once(0, "servoj", Warned(tick, text, source.thread, source.line))
+                self._notices.once(0, "servoj", Warned(tick, text, source.thread, source.line))
             return
         profile = halted(source.setpoint(tick), obstacle, self._stop_joint_deceleration, self.limits)
         self.take_over(profile, tick, source.thread)
@@ -411,7 +407,7 @@ class MotionControl:
             self.on_obstacle(tick, obstacle, source.thread, source.line)
 
     def _warn_of_obstacle(self, tick: int, obstacle: Obstacle, thread: str, line: int) -> None:
-        self._warn_once(line, "obstacle", Warned(tick, f"{obstacle.text}; the arm brakes", thread, line))
+        self._notices.once(line, "obstacle", Warned(tick, f"{obstacle.text}; the arm brakes", thread, line))
 
     def _brake(self, request: StopJ | StopL, tick: int, T_flange_tcp: Transform) -> int:
         source = self._source

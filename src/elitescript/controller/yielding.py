@@ -12,6 +12,7 @@ from collections.abc import Callable
 from math import hypot
 from typing import Final, NamedTuple
 
+from elitescript.controller.notices import Notices
 from elitescript.controller.setup import Setup
 from elitescript.controller.wrench_sensor import WrenchSensor
 from elitescript.kinematics.arm import Arm
@@ -101,9 +102,8 @@ class YieldingCorrection(ABC):
         "_caller",
         "_is_paused",
         "_nominal",
-        "_noted",
+        "_notices",
         "_on_end",
-        "_on_event",
         "_selection",
         "_speed_limit",
         "_tcp",
@@ -115,7 +115,6 @@ class YieldingCorrection(ABC):
 
     def __init__(self, body: Body, on_event: Callable[[Event], None], on_end: Callable[[], None]) -> None:
         self._body = body
-        self._on_event = on_event
         self._on_end = on_end
         self._caller = Caller(0, "")
         self._selection: tuple[bool, ...] = NONE_FREE
@@ -125,7 +124,7 @@ class YieldingCorrection(ABC):
         self._nominal: Setpoint | None = None
         self._is_paused = False
         self._answer: tuple[_Question, _Step] | None = None
-        self._noted: set[tuple[int, str]] = set()
+        self._notices = Notices(on_event)
         self._speed_limit: float | None = None
         self.is_on = False
 
@@ -158,7 +157,7 @@ class YieldingCorrection(ABC):
 
     def forget_warnings(self) -> None:
         """Say again, once for each line, what has been said to the program before."""
-        self._noted.clear()
+        self._notices.said.clear()
 
     def peek(self, tick: int, nominal: Setpoint, now: JointState) -> Setpoint:
         """See `arm_state.Correction.peek`."""
@@ -280,9 +279,7 @@ class YieldingCorrection(ABC):
 
     def _warn(self, tick: int, kind: str, text: str) -> None:
         line, thread = self._caller
-        if (line, kind) not in self._noted:
-            self._noted.add((line, kind))
-            self._on_event(Warned(tick, text, thread, line))
+        self._notices.once(line, kind, Warned(tick, text, thread, line))
 
 
 def _difference(one: Six, other: Six) -> Six:
