@@ -153,7 +153,8 @@ def safety_page() -> str:
         NOTICE,
         "Names and numbers of the states are documented by the vendor; what they do is assumed where the vendor does",
         "not say it. A stop ends the program with an alarm that names line, reason, value, limit and unit and three",
-        "things to try; `safeguard_stop` pauses it, and it goes on when the safeguard is closed.",
+        "things to try; `safeguard_stop` pauses it, and it goes on when the safeguard is closed. After a stop that",
+        "took the power, once it is released, the next `run` or `start` powers on and releases the brakes by itself.",
         "",
         "Inputs are signals: `emergency_stop`, `system_emergency_stop`, `safeguard_stop`, `reduced_mode` (`--set`,",
         "`robot.signals`, `robot.at`). From Python: `robot.protective_stop(reason)`, `robot.unlock_protective_stop()`,",
@@ -200,19 +201,31 @@ def safety_page() -> str:
 _CELL_FILE: Final = """\
 ## Limits: the cell file
 
-Without limits, normal mode watches nothing but the joint ranges of the model, and reduced mode slows the TCP down to
-0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or `VirtualRobot(safety=SafetyLimits(...))`.
+Without limits, normal mode watches nothing but the joint ranges of the model and the force at the TCP, and reduced mode
+slows the TCP down to 0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or
+`VirtualRobot(safety=SafetyLimits(...))`.
 A limit that is exceeded while the arm moves is a protective stop. Every key may be left out.
+
+The force counts where anything can touch the TCP: with contact planes, or while `external_wrench` is not zero. Its
+limits of 250 N and 150 N in reduced mode are assumed. It is the force that `get_tcp_force` reads, whatever
+`zero_ftsensor` took as zero. After a force stop is unlocked the arm may move while the force does not grow by more than
+2 %, so that a program can back out. `force_mode` with a target above the limit is accepted with a warning.
+
+In reduced mode planned moves, `speedj`, `speedl`, force mode and hand guiding are slowed down. `servoj` and conveyor
+tracking are not: their speed is what they mean, so the arm stops protectively where they are too fast, from 0.5 s after
+the change on.
 
 ```toml
 [safety]
 tcp_speed = 1.0                 # m/s
+tcp_force = 250                 # N
 joint_speed_deg = 120           # deg/s, one number or six; joint_speed in rad/s
 joint_range_deg = [[-180, 180], [-200, 20], [-160, 160], [-270, 90], [-180, 180], [-360, 360]]
                                 # joint_range in rad
 
 [safety.reduced]                # in reduced mode; what is left out is as in normal mode
 tcp_speed = 0.25
+tcp_force = 150
 
 [[safety.planes]]               # the TCP stays on the side to which the normal points
 name = "table"

@@ -385,7 +385,10 @@ class VirtualRobot:
 
     def _report_stuck(self) -> None:
         threads = self.threads()
-        waits = "; ".join(f"{thread.name} (line {thread.line}) waits for {thread.waits_for}" for thread in threads)
+        waits = "; ".join(
+            f"{thread.name} (line {thread.line}) {f'waits for {thread.waits_for}' if thread.waits_for else 'is held'}"
+            for thread in threads
+        )
         obstruction = self.controller.safety.obstruction
         waits += f"; {obstruction}" if obstruction else ""
         waits += "; the speed percentage is 0" if self.controller.speed_scale == 0.0 else ""

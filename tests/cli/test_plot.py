@@ -2,10 +2,13 @@
 
 import json
 import re
+from functools import partial
 
 import pytest
 
+from elitescript.cli import plot
 from elitescript.cli.main import main
+from elitescript.plotting.sampling import Sampling
 
 PROGRAM = "def job():\n  global n\n  sleep(0.1)\n  textmsg(n)\n  movej([0.2, -1.5, -1.5, -1.6, 1.5, 0])\nend\n"
 
@@ -87,3 +90,11 @@ def test_a_call_that_makes_no_sense(folder, capsys, arguments, words):
     assert main(["plot", *arguments]) == 2
     assert words in capsys.readouterr().err
     assert (folder / "job.script").read_text() == PROGRAM
+
+
+def test_a_run_too_long_for_a_row_each_period_says_how_often_it_is_sampled(folder, capsys, monkeypatch):
+    monkeypatch.setattr(plot, "Sampling", partial(Sampling, 300))
+    (folder / "job.script").write_text("while True:\n  sleep(1)\n")
+    assert main(["plot", "job.script", "--until", "2"]) == 4
+    assert ", a row every 8 ms (" in capsys.readouterr().out
+    assert data_of(folder / "job.plot.html")["end"] == 2.0

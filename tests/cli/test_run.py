@@ -143,6 +143,8 @@ def test_a_trace_as_csv_and_as_json_lines_is_the_same(program, tmp_path, capsys,
         (["--set", "standard_digital_in[99]=1"], "indices 0 to 15"),
         (["--trace", "out.txt"], ".csv or .jsonl"),
         (["--step", "1"], "--trace"),
+        (["--trace", "out.csv", "--step", "0.003"], "choose 0.004 s"),
+        (["--trace", "out.csv", "--step", "0.01"], "choose 0.008 or 0.012 s"),
         (["--until", "nan"], "--until"),
         (["--set", "standard_analog_in[0]=50"], "[0, 10]"),
         (["--set", "input_int_register[0]=99999999999"], "input_int_register[0]"),
@@ -260,6 +262,14 @@ def test_an_emergency_stop_says_what_leads_back(program, capsys):
     assert main(["run", program(DOWN), "--set", "emergency_stop=true"]) == 1
     err = capsys.readouterr().err
     assert "ALARM R141: EmergencyStop: cannot start: the emergency stop is pressed; release it" in err
+    assert "power on and release the brakes, which starting a program does by itself" in err
+
+
+def test_an_open_safeguard_says_that_the_program_is_held(program, capsys):
+    assert main(["run", program(DOWN), "--set", "safeguard_stop=true"]) == 5
+    err = capsys.readouterr().err
+    assert "is held; the safeguard is open; close it" in err
+    assert "waits for ;" not in err
 
 
 def test_a_mistake_in_the_cell_file_is_one_of_usage(program, capsys, tmp_path):

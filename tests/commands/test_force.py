@@ -22,12 +22,12 @@ def test_force_mode_passes_its_arguments_on(call: Any, robot: Any) -> None:
     assert robot.asked == [ForceMode(tuple(FRAME), Z, tuple(WRENCH), 2, tuple(LIMITS)), EndForceMode()]
 
 
-def test_numbers_as_the_vendors_client_sends_them_select_their_axes_with_one_warning(call: Any, robot: Any) -> None:
+def test_of_numbers_as_the_vendors_client_sends_them_only_1_selects_with_one_warning(call: Any, robot: Any) -> None:
     call("force_mode", FRAME, [0.0, 2.0, 1.0, 0.0, 0.0, 6.0], WRENCH, 0, LIMITS)
     (kind, _, text), request = robot.asked
     assert kind == "warn_once"
     assert "selection_vector" in text
-    assert request.selection == (False, True, True, False, False, True)
+    assert request.selection == Z
 
 
 def test_booleans_and_floats_of_zero_and_one_select_without_a_warning(call: Any, robot: Any) -> None:

@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 
+from elitescript.commands import conveyor, speed
 from elitescript.errors import ScriptError
 from elitescript.messages.motion import SpeedJ, SpeedL
 
@@ -31,3 +32,10 @@ def test_accelerations_and_times_must_be_positive(call: Any, robot: Any, argumen
         with pytest.raises(ScriptError, match=f"^{name}: "):
             call(name, *arguments)
     assert robot.asked == []
+
+
+@pytest.mark.parametrize("name", ["speedj", "speedl", "track_conveyor_linear"])
+def test_what_ends_with_a_protective_stop_says_so(name: str) -> None:
+    text = " ".join((getattr(conveyor, name, None) or getattr(speed, name)).__doc__.split())
+    assert "R140" in text
+    assert "with a warning" not in text

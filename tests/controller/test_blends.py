@@ -11,7 +11,7 @@ from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.transforms import pose_from_transform, position_of
 from elitescript.messages.events import MotionEnded, MotionStarted, Warned
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, SetTcp
-from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveP, SpeedJ, StopJ, StopL
+from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveP, ServoJ, SpeedJ, StopJ, StopL
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 
@@ -281,16 +281,89 @@ def test_a_changed_tcp_stops_the_arm_at_the_waypoint_and_says_so(machine):
     assert "the TCP has changed" in machine.events_of(Warned)[0].text
 
 
-def test_a_radius_below_the_braking_distance_is_warned_of_once(machine):
+def test_a_radius_below_the_braking_distance_is_warned_of_once_for_each_line(machine):
     machine.controller.task_started("test")
     pose = START
-    for line in range(3, 6):
-        pose = shifted(pose, 0.0, 0.05)
-        number = machine.line(pose, v=0.3, r=0.005, line=line)
-        machine.until_returned(number)
+    for _ in range(3):
+        for line in range(3, 6):
+            pose = shifted(pose, 0.0, 0.02)
+            number = machine.line(pose, v=0.3, r=0.005, line=line)
+            machine.until_returned(number)
+    first, *_ = warnings = machine.events_of(Warned)
+    assert [warning.line for warning in warnings] == [3, 4, 5]
+    assert "r = 0.005 m is less than its braking distance of 0.0469 m" in first.text
+    assert "enters the blend at 0.0978 instead of 0.3 m/s and passes the waypoint at 0.0978 m/s" in first.text
+    assert "movep" in first.text
+
+
+def test_the_speed_in_the_corner_is_the_one_that_the_tool_has(machine):
+    machine.until_returned(machine.line(CORNER, v=0.5, r=0.03))
+    machine.line(END, v=0.5)
     (warning,) = machine.events_of(Warned)
-    assert warning.line == 3
-    assert "r = 0.005 m" in warning.text and "0.3 m/s" in warning.text
+    speeds = []
+    for _ in range(60):
+        before = machine.tcp
+        machine.run(1)
+        speeds.append(dist(before, machine.tcp) / PERIOD_S)
+    told = float(warning.text.split("passes the waypoint at ")[1].split(" m/s")[0])
+    assert told == pytest.approx(min(speeds), rel=0.02)
+
+
+def test_a_long_move_is_told_the_radius_that_it_needs(machine):
+    machine.until_returned(machine.line(CORNER, v=0.25, r=0.02))
+    machine.line(END, v=0.25)
+    (warning,) = machine.events_of(Warned)
+    assert "choose r = 0.0326 m" in warning.text
+    machine.run(500)
+    machine.until_returned(machine.line(CORNER, v=0.25, r=0.0327))
+    machine.line(END, v=0.25)
+    assert machine.events_of(Warned) == [warning]
+
+
+def test_a_chain_of_slow_blends_is_not_told_of_without_end(machine):
+    machine.controller.task_started("test")
+    pose = START
+    for line in range(1, 25):
+        pose = shifted(pose, 0.0, 0.004)
+        machine.until_returned(machine.line(pose, v=0.3, r=0.001, line=line))
+    warnings = machine.events_of(Warned)
+    assert [warning.line for warning in warnings] == list(range(1, 11))
+    assert ["further ones" in warning.text for warning in warnings] == [*[False] * 9, True]
+
+
+def test_a_radius_of_half_of_the_move_in_rounded_numbers_is_not_shortened(machine):
+    machine.line(shifted(START, 0.0, 0.0999995), r=0.05)
+    assert machine.events_of(Warned) == []
+
+
+@pytest.mark.parametrize("delay", range(0, 40, 7))
+def test_a_stop_on_the_way_to_a_waypoint_keeps_to_its_deceleration(machine, delay):
+    machine.until_returned(machine.line(CORNER, v=0.25, r=0.03))
+    machine.run(delay)
+    machine.ask(StopL(1.0))
+    places = [machine.tcp]
+    while machine.controller.is_moving:
+        machine.run(1)
+        places.append(machine.tcp)
+    speeds = [dist(a, b) / PERIOD_S for a, b in pairwise(places)]
+    assert max(a - b for a, b in pairwise(speeds)) / PERIOD_S <= 1.0 * 1.02
+    # The plan alone needs 0.26 s from the entry on.
+    assert len(speeds) <= 0.3 / PERIOD_S
+
+
+def test_a_stream_after_a_blended_move_keeps_the_acceleration_limits(machine):
+    machine.until_returned(machine.line(CORNER, v=0.25, r=0.03))
+    rows = [machine.q]
+    for _ in range(3):
+        machine.run(1)
+        rows.append(machine.q)
+    machine.ask(ServoJ(machine.q, 0.004, 0.1, 300.0))
+    for _ in range(60):
+        machine.run(1)
+        rows.append(machine.q)
+    for a, b, c in zip(rows, rows[1:], rows[2:], strict=False):
+        for joint in range(6):
+            assert abs(c[joint] - 2.0 * b[joint] + a[joint]) / PERIOD_S**2 <= 40.0 * (1 + 1e-6)
 
 
 def test_a_radius_longer_than_half_of_the_move_is_warned_of_on_its_line(machine):

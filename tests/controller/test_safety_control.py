@@ -5,6 +5,7 @@ import itertools
 import pytest
 
 from elitescript import VirtualRobot
+from elitescript.controller.contact import ContactConfig, Plane
 from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, SafetyPlane
 from elitescript.errors import ScriptStateError, UsageError
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
@@ -192,6 +193,14 @@ class TestEmergencyStop:
         assert (robot.state.safety_mode, robot.state.robot_mode) == (SafetyMode.NORMAL, RobotMode.POWER_OFF)
         assert robot.run(SWING).state == "finished"
 
+    def test_starting_a_program_powers_on_and_releases_the_brakes(self):
+        robot = robot_with(emergency_stop=[(0.5, True), (1.5, False)])
+        run = robot.run(SWING)
+        assert run.alarms[0].details["hints"][-1].startswith("start the program again: that powers on")
+        robot.advance(2.0)
+        assert robot.state.robot_mode is RobotMode.POWER_OFF
+        assert robot.run(SWING).state == "finished"
+
     def test_both_buttons_have_to_be_released(self):
         robot = VirtualRobot("CS66")
         robot.signals["system_emergency_stop"] = True
@@ -282,6 +291,44 @@ class TestReducedMode:
         speeds = [row.qd[0] for row in run.trace]
         assert max(abs(b - a) for a, b in itertools.pairwise(speeds)) <= 12.0 * 0.004
 
+    KINDS = (
+        ("movej", "  movej([1.5, -1.5708, -1.5708, -1.5708, 1.5708, 0], a=3, v=1)\n"),
+        ("movel", "  p[1] += 0.3\n  movel(p, a=1.2, v=0.4)\n"),
+        ("movec", "  w = p.copy()\n  w[0] -= 0.1\n  w[1] += 0.1\n  p[1] += 0.2\n  movec(w, p, a=1.2, v=0.4)\n"),
+        ("movep", "  for i in range(60):\n    p[1] += 0.005\n    movep(p, a=1.2, v=0.4, r=0.002)\n  end\n"),
+        (
+            "blends",
+            "  for i in range(4):\n    p[1] += 0.08\n    p[2] += 0.02\n    movel(p, a=1.2, v=0.4, r=0.03)\n  end\n",
+        ),
+        ("speedl", "  speedl([0, 0.4, 0, 0, 0, 0], 1.2, 2)\n"),
+        ("speedj", "  speedj([0.8, 0, 0, 0, 0, 0], 3, 2)\n"),
+    )
+
+    @pytest.mark.parametrize(("name", "body"), KINDS, ids=[kind[0] for kind in KINDS])
+    @pytest.mark.parametrize("time_s", [0.0, 0.1, 0.3, 0.5])
+    def test_every_motion_settles_at_the_limit_whenever_it_begins(self, name, body, time_s):
+        program = f"def p():\n  p = get_target_tcp_pose()\n{body}end\n"
+        limits = SafetyLimits(reduced=SafetyBounds(tcp_speed_max=0.1))
+        run = robot_with(limits, reduced_mode=[(time_s, True)]).run(program, trace=True)
+        assert run.state == "finished"
+        settled = [row for row in run.trace if time_s + 0.55 < row.t < time_s + 1.3]
+        speeds = [self.fastest(pair) for pair in itertools.pairwise(settled)]
+        assert (min(speeds), max(speeds)) == pytest.approx((0.099, 0.099), rel=0.03)
+
+    @pytest.mark.parametrize(("name", "body"), KINDS[:5], ids=[kind[0] for kind in KINDS[:5]])
+    @pytest.mark.parametrize("time_s", [0.0, 0.3])
+    def test_a_motion_takes_up_its_own_speed_when_the_mode_ends(self, name, body, time_s):
+        program = f"def p():\n  p = get_target_tcp_pose()\n{body}end\n"
+        limits = SafetyLimits(reduced=SafetyBounds(tcp_speed_max=0.1))
+        signal = [(time_s, True), (time_s + 0.6, False)]
+        run = robot_with(limits, reduced_mode=signal).run(program, trace=True)
+        assert run.state == "finished"
+        own = self.fastest(VirtualRobot("CS66").run(program, trace=True).trace)
+        assert self.fastest([row for row in run.trace if row.t > time_s + 0.6]) > 0.95 * own
+        speeds = [row.qd for row in run.trace]
+        jumps = [abs(y - x) for one, two in itertools.pairwise(speeds) for x, y in zip(one, two, strict=True)]
+        assert max(jumps) <= 24.0 * 0.004
+
     def test_a_change_of_the_speed_percentage_does_not_lift_the_limit(self):
         robot = robot_with(self.LIMITS)
         robot.signals["reduced_mode"] = True
@@ -328,6 +375,18 @@ class TestReducedMode:
         pairs = itertools.pairwise(rows)
         return max(sum((b.tcp_pose[k] - a.tcp_pose[k]) ** 2 for k in range(3)) ** 0.5 / 0.004 for a, b in pairs)
 
+    @pytest.mark.parametrize("time_s", [0.0, 0.6])
+    def test_a_hand_moves_the_arm_no_faster_than_the_limit(self, time_s):
+        limits = SafetyLimits(reduced=SafetyBounds(tcp_speed_max=0.1))
+        hand = {"external_wrench[1]": [(0.2, 30.0), (2.2, 0.0)]}
+        robot = robot_with(limits, reduced_mode=[(time_s, True)], **hand)
+        run = robot.run("def p():\n  freedrive_mode()\n  sleep(3)\n  end_freedrive_mode()\nend\n", trace=True)
+        assert run.state == "finished"
+        assert self.fastest([row for row in run.trace if row.t > time_s + 0.3]) == pytest.approx(0.099, rel=0.01)
+        speeds = [row.qd for row in run.trace]
+        jumps = [abs(y - x) for one, two in itertools.pairwise(speeds) for x, y in zip(one, two, strict=True)]
+        assert max(jumps) <= 24.0 * 0.004
+
 
 class TestRecovery:
     def test_an_arm_that_begins_outside_may_move_back_slowly(self):
@@ -366,3 +425,66 @@ class TestViolationAndFault:
     def test_other_actions_cannot_be_asked_for(self):
         with pytest.raises(UsageError, match="no safety action is called 'come_inside'"):
             VirtualRobot("CS66").controller.request(AskSafety("come_inside"))
+
+
+class TestForce:
+    CRASH = "def p():\n  p = get_target_tcp_pose()\n  p[2] -= 0.1\n  movel(p, a=1, v=0.25)\nend\n"
+
+    @staticmethod
+    def table(stiffness=1e6):
+        x, y, z, *_ = VirtualRobot("CS66").state.tcp_pose_target
+        return ContactConfig((Plane((x, y, z - 0.05), UP, stiffness),))
+
+    def test_a_move_into_a_surface_stops_with_everything_a_person_needs(self):
+        robot = VirtualRobot("CS66", contact=self.table())
+        run = robot.run(self.CRASH)
+        (alarm,) = run.alarms
+        assert (alarm.code, alarm.class_name, alarm.line) == ("R140", "ProtectiveStop", 4)
+        assert (alarm.details["reason"], alarm.details["limit"], alarm.details["unit"]) == ("tcp_force", "<= 250", "N")
+        assert 250.0 < alarm.details["value"] < 250.0 + 1e6 * 0.25 * 0.004 + 1.0
+        assert len(alarm.details["hints"]) == 3
+        assert robot.state.safety_mode is SafetyMode.PROTECTIVE_STOP
+
+    def test_the_limit_is_configured_and_lower_in_reduced_mode(self):
+        for limits, is_reduced, limit in (
+            (SafetyLimits(SafetyBounds(tcp_force_max=80.0)), False, "<= 80"),
+            (SafetyLimits(SafetyBounds(tcp_force_max=80.0)), True, "<= 80"),
+            (SafetyLimits(), True, "<= 150"),
+            (SafetyLimits(reduced=SafetyBounds(tcp_force_max=60.0)), True, "<= 60"),
+        ):
+            robot = VirtualRobot("CS66", contact=self.table(1e4), safety=limits)
+            robot.signals["reduced_mode"] = is_reduced
+            assert robot.run(self.CRASH).alarms[0].details["limit"] == limit
+        wide = SafetyLimits(SafetyBounds(tcp_force_max=1e6))
+        assert VirtualRobot("CS66", contact=self.table(), safety=wide).run(self.CRASH).state == "finished"
+
+    def test_a_push_from_outside_stops_an_arm_that_stands(self):
+        run = robot_with(**{"external_wrench[1]": [(0.5, -251.0)]}).run("def p():\n  sleep(2)\nend\n")
+        assert (run.alarms[0].details["reason"], run.alarms[0].tick) == ("tcp_force", 125)
+
+    def test_the_arm_may_back_out_of_a_surface_but_not_press_harder(self):
+        robot = VirtualRobot("CS66", contact=self.table(1e5))
+        assert robot.run(self.CRASH).state == "alarm"
+        for way, state in (("-= 0.02", "alarm"), ("+= 0.1", "finished")):
+            robot.advance(5.1)
+            robot.unlock_protective_stop()
+            program = f"def b():\n  p = get_target_tcp_pose()\n  p[2] {way}\n  movel(p, a=1, v=0.25)\nend\n"
+            assert robot.run(program).state == state
+        assert robot.run(self.CRASH).alarms[0].details["reason"] == "tcp_force"
+
+    def test_force_mode_with_a_target_above_the_limit_is_warned_of_and_stopped(self):
+        program = (
+            "def p():\n  force_mode([0,0,0,0,0,0], [0,0,1,0,0,0], [0,0,{force},0,0,0], 0, [0.1,0.1,0.1,1,1,1])\n"
+            "  sleep(3)\n  end_force_mode()\nend\n"
+        )
+        run = VirtualRobot("CS66", contact=self.table(1e4)).run(program.format(force=-400))
+        assert "force_mode asks for 400 N; at more than 250 N the arm stops protectively" in str(run.warnings)
+        assert (run.alarms[0].line, run.alarms[0].details["reason"]) == (2, "tcp_force")
+        run = VirtualRobot("CS66", contact=self.table(1e4)).run(program.format(force=-100))
+        assert (run.state, run.warnings) == ("finished", [])
+
+    def test_time_leaps_where_nothing_can_touch(self):
+        robot = VirtualRobot("CS66")
+        robot.start(SWING)
+        robot.advance(0.1)
+        assert robot.controller.safety.next_tick(robot.tick) is None

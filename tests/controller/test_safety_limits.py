@@ -8,7 +8,6 @@ from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, Saf
 from elitescript.errors import UsageError
 from elitescript.kinematics.transforms import IDENTITY
 from elitescript.messages.enums import SafetyMode
-from tests.motion.moves import limits_of
 
 FULL = {
     "tcp_speed": 1.2,
@@ -61,9 +60,24 @@ def test_speeds_of_reduced_mode_are_never_above_the_normal_ones():
     assert limits.bounds(SafetyMode.NORMAL).qd_max == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
 
 
+def test_the_force_is_limited_in_every_mode_and_never_higher_in_reduced_mode():
+    for table, normal, reduced in (
+        ({}, 250.0, 150.0),
+        ({"tcp_force": 400}, 400.0, 150.0),
+        ({"tcp_force": 100}, 100.0, 100.0),
+        ({"tcp_force": 400, "reduced": {"tcp_force": 390}}, 400.0, 390.0),
+        ({"reduced": {"tcp_force": 300}}, 250.0, 250.0),
+    ):
+        limits = SafetyLimits.from_table(table)
+        assert limits.tcp_force_max(SafetyMode.NORMAL) == normal
+        assert limits.tcp_force_max(SafetyMode.REDUCED) == limits.tcp_force_max(SafetyMode.RECOVERY) == reduced
+        assert limits.is_default
+
+
 @pytest.mark.parametrize(
     ("table", "text"),
     [
+        ({"tcp_force": 0}, r"^\[safety\] tcp_force must be a number > 0 in N, got 0"),
         ({"tcp_sped": 1}, r"^\[safety\] tcp_sped is not known; there are .*tcp_speed"),
         ({"tcp_speed": "fast"}, r"^\[safety\] tcp_speed must be a number > 0 in m/s, got 'fast'"),
         ({"tcp_speed": True}, r"tcp_speed must be a number > 0 in m/s, got True"),
@@ -115,14 +129,3 @@ def test_a_plane_measures_along_its_normal_from_its_offset():
     plane = SafetyPlane("p", (0.0, 0.0, 1.0), (0.0, 0.0, 5.0), 0.25)
     assert plane.distance((*IDENTITY[:9], 7.0, 8.0, 3.0)) == pytest.approx(1.75)
     assert plane.distance((*IDENTITY[:9], 7.0, 8.0, 1.0)) == pytest.approx(-0.25)
-
-
-def test_planning_is_lowered_only_where_the_mode_asks_for_it():
-    limits = limits_of("CS66")
-    safety = SafetyLimits(reduced=SafetyBounds(qd_max=(0.5,) * 6, tcp_speed_max=0.2))
-    assert safety.lowered(limits, SafetyMode.NORMAL) is limits
-    lowered = safety.lowered(limits, SafetyMode.REDUCED)
-    assert (lowered.qd_max, lowered.tool_speed_max) == ((0.5,) * 6, 0.2)
-    assert lowered.qdd_max == limits.qdd_max
-    wide = SafetyLimits(reduced=SafetyBounds(qd_max=(99.0,) * 6, tcp_speed_max=99.0))
-    assert wide.lowered(limits, SafetyMode.REDUCED) == limits

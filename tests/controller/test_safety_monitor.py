@@ -28,6 +28,14 @@ def test_nothing_is_watched_without_limits():
     assert monitor().speed_breach(HOME, (9.0,) * 6, IDENTITY, NORMAL) is None
 
 
+def test_a_force_above_the_limit_of_the_mode_says_what_to_try():
+    assert monitor().force_breach(250.0, NORMAL) is None
+    breach = monitor().force_breach(151.0, REDUCED)
+    assert (breach.kind, breach.value, breach.limit, breach.unit) == ("tcp_force", 151.0, "<= 150", "N")
+    assert "151.0 N; 150 N are allowed in reduced mode" in breach.text
+    assert len(breach.hints) == 3
+
+
 def test_a_joint_outside_its_range_is_named_with_value_and_limit():
     watch = monitor(
         normal=SafetyBounds(q_min=(-1.0, -2.0, -2.0, -2.0, 0.0, -1.0), q_max=(1.0, 0.0, -1.6, 0.0, 2.0, 1.0))

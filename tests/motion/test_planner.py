@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import dist, inf, nan, pi, sqrt
+from math import degrees, dist, inf, nan, pi, sqrt
 
 import pytest
 
 from elitescript.errors import MotionError
 from elitescript.kinematics.jacobian import singularity
-from elitescript.kinematics.transforms import interpolate, position_of, transform_from_pose
+from elitescript.kinematics.rotations import multiply, rotation_from_rotvec
+from elitescript.kinematics.transforms import (
+    interpolate,
+    pose_from_transform,
+    position_of,
+    rotation_of,
+    transform_from_pose,
+)
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, Six
 from elitescript.motion.planner import NoteKind, Plan, plan_movec, plan_movej, plan_movel
 from tests.motion.moves import (
@@ -337,3 +344,23 @@ class TestNumbers:
 
     def test_duration_makes_speed_and_acceleration_meaningless(self) -> None:
         assert movej(replace(joints_by(0.5, t_s=2.0), a=0.0, v=-1.0)).segment.duration_s == 2.0
+
+
+@pytest.mark.parametrize(("turn", "is_told"), [(0.0, False), (0.015, False), (0.02, True), (1.5, True)])
+def test_an_arc_that_keeps_its_orientation_says_how_far_it_ends_from_the_one_that_was_given(
+    turn: float, is_told: bool
+) -> None:
+    T = ARM.forward_tcp(Q_WORK, T_FLANGE_TCP)
+    start = pose_from_transform(T)
+    via = (start[0] + 0.05, start[1] + 0.05, *start[2:])
+    to = (start[0] + 0.1, *start[1:])
+    kept = plan_movec(ARM, LIMITS, Q_WORK, T_FLANGE_TCP, MoveC(via, to, 1.2, 0.1)).segment.T_base_tcp_end
+    rotation = multiply(rotation_of(kept), rotation_from_rotvec((0.0, 0.0, turn)))
+    asked = pose_from_transform((*rotation, *kept[9:]))
+    notes = plan_movec(ARM, LIMITS, Q_WORK, T_FLANGE_TCP, MoveC(via, asked, 1.2, 0.1)).notes
+    assert [note.kind for note in notes] == [NoteKind.ORIENTATION_NOT_USED] * is_told
+    if is_told:
+        assert f"{degrees(turn):.3g} deg" in notes[0].text
+        assert "mode=1" in notes[0].text
+    turned = plan_movec(ARM, LIMITS, Q_WORK, T_FLANGE_TCP, MoveC(via, asked, 1.2, 0.1, 0.0, False))
+    assert turned.notes == ()

@@ -1,5 +1,6 @@
 """The arm behind a stream of joint targets, period by period."""
 
+from itertools import pairwise
 from random import Random
 
 import pytest
@@ -59,3 +60,31 @@ def test_limits_hold_for_any_targets_from_any_state(seed):
         state = after
         if tick == 449:
             assert state.qd == ZEROS
+
+
+def test_after_a_pause_the_arm_gathers_speed_gently():
+    state = begun(Setpoint(HOME, ZEROS))
+    way = 0.0
+    for _ in range(100):
+        way += 0.5 * PERIOD_S
+        state = followed(state._replace(left=1), shifted(way), 25, 2000.0, LIMITS)
+    while any(state.qd):
+        state = held(state, 8.0, LIMITS)
+    speeds = [0.0]
+    for _ in range(200):
+        way += 0.5 * PERIOD_S
+        state = followed(state._replace(left=1), shifted(way), 25, 2000.0, LIMITS)
+        speeds.append(state.qd[0])
+    accelerations = [(b - a) / PERIOD_S for a, b in pairwise(speeds)]
+    assert accelerations[0] <= 1.0
+    assert max(accelerations) <= 15.0
+    assert max(abs(b - a) for a, b in pairwise(accelerations)) <= 5.0
+    assert speeds[-1] == pytest.approx(0.5, rel=1e-3)
+
+
+def test_half_of_the_acceleration_is_used_in_the_period_in_which_a_stream_takes_over():
+    state = begun(Setpoint(HOME, (1.0, *ZEROS[1:])))
+    first = followed(state, HOME, 25, 300.0, LIMITS)
+    second = followed(first, HOME, 25, 300.0, LIMITS)
+    assert (1.0 - first.qd[0]) / PERIOD_S == pytest.approx(20.0)
+    assert (first.qd[0] - second.qd[0]) / PERIOD_S == pytest.approx(40.0)

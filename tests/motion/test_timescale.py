@@ -251,3 +251,21 @@ def test_another_rate_leaves_the_joints_within_their_limits(rate: float, rate_ta
 
 def test_another_rate_takes_its_time_where_there_is_room() -> None:
     assert change_ramp(MOVEL, 0.5 * MOVEL.duration_s, 1.0, 0.5, 0.2, LIMITS.qdd_max) == 0.2
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9, 0.95, 0.99])
+def test_a_move_that_brakes_nearly_as_hard_as_asked_is_left_to_its_braking(share: float) -> None:
+    """Where the plan leaves room for nothing more, a stop of 1.3 m/s^2 lets it come to rest at its target."""
+    path_time_s = share * MOVEL.duration_s
+    ramp_s = stop_ramp_tool(MOVEL, path_time_s, 1.0, 1.3)
+    scale = TimeScale.start(0.0, 1.0, path_time_s).with_target(0.0, 0.0, ramp_s)
+    dt = 1e-3
+
+    def speed(t_s: float) -> float:
+        at_s = scale.path_time(t_s)
+        return MOVEL.tool_speed(at_s)[0] * scale.rate(t_s) if at_s < MOVEL.duration_s else 0.0
+
+    speeds = [speed(dt * k) for k in range(500)]
+    assert max(a - b for a, b in pairwise(speeds)) <= 1.3 * 1.02 * dt
+    assert speeds[-1] == 0.0
+    assert next(k for k, v in enumerate(speeds) if v == 0.0) * dt <= 2.0 * speeds[0] / 1.3 + dt

@@ -64,3 +64,10 @@ def test_a_step_keeps_both_of_its_sides():
 @pytest.mark.parametrize("count", [0, 1, 2])
 def test_a_curve_of_nothing_stays_as_it_is(count):
     assert within_tolerance(range(count), [1.0] * count, 0.1) == list(range(count))
+
+
+def test_a_tolerance_that_keeps_too_much_is_found_out_early():
+    times, values = walk(1, 50_000, 1.0)
+    kept = within_tolerance(times, values, 1e-6, 100)
+    assert 100 < len(kept) <= 110
+    assert within_tolerance(times[:50], values[:50], 1e-6, 100) == within_tolerance(times[:50], values[:50], 1e-6)

@@ -184,7 +184,12 @@ def _parser() -> argparse.ArgumentParser:
         "--cell", metavar="FILE.toml", help="what is around the robot: safety limits, planes, inputs at the start"
     )
     run.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
-    run.add_argument("--step", type=float, metavar="SECONDS", help="time between two rows of the trace")
+    run.add_argument(
+        "--step",
+        type=float,
+        metavar="SECONDS",
+        help="time between two rows of the trace, in whole control periods of 0.004 s (default 0.004)",
+    )
     run.add_argument("--epoch", metavar="TIME", help="controller clock at the start: seconds since 1970 or ISO 8601")
 
     check = subparsers.add_parser(
@@ -199,7 +204,8 @@ def _parser() -> argparse.ArgumentParser:
         "plot",
         help="write a page that shows a program's run, or a trace",
         description="Run a program, or read the trace of a run, and write one HTML page with path, joints, time line "
-        "and cycle time by line. Exit code of a program: as for run.",
+        "and cycle time by line. Runs of more than 800 s are sampled less often than every control period. Exit code "
+        "of a program: as for run.",
     )
     plot.add_argument("file", metavar="FILE", help="a program, or a trace: OUT.csv or OUT.jsonl of run --trace")
     plot.add_argument("-o", "--output", metavar="OUT.html", help="the page (default: NAME.plot.html, in this folder)")

@@ -10,13 +10,14 @@ from typing import Final
 from elitescript.cli.report import TextReport
 from elitescript.cli.run import DOES_NOT_COMPILE, EXIT_CODES
 from elitescript.cli.settings import parse_joints, parse_settings
-from elitescript.controller.trace import Trace, TraceRow
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import render
 from elitescript.language.source import SourceFile
 from elitescript.messages.profile import DEFAULT_FIRMWARE
+from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.plotting.page import Recording, page
+from elitescript.plotting.sampling import Sampling
 from elitescript.plotting.trace_reader import SUFFIXES, read_trace
 from elitescript.robot import VirtualRobot
 from elitescript.worlds.program_file import source_of
@@ -50,7 +51,8 @@ def plot(options: argparse.Namespace) -> int:
     ending = {"time_limit": f", cut off at {duration_s:g} s (--until)", "": ""}.get(
         recording.state, f", {recording.state}"
     )
-    print(f"{target}: {duration_s:.3f} s of {recording.model.name}{ending} ({len(text.encode()) / 1000:.0f} kB)")
+    step = "" if recording.step_s <= PERIOD_S else f", a row every {1000.0 * recording.step_s:g} ms"
+    print(f"{target}: {duration_s:.3f} s of {recording.model.name}{ending}{step} ({len(text.encode()) / 1000:.0f} kB)")
     return code
 
 
@@ -80,9 +82,11 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     for name, value in signals.items():
         robot.signals[name] = value
     source = source_of(path)
-    rows: list[TraceRow] = []
-    run = robot.run(robot.compile(source), until_s=until_s, presets=presets, trace=Trace(rows.append))
-    return Recording(path.name, robot.model, rows, source, run.events, run.state), EXIT_CODES[run.state]
+    sampling = Sampling()
+    run = robot.run(robot.compile(source), until_s=until_s, presets=presets, trace=sampling)
+    return Recording(path.name, robot.model, sampling.rows, source, run.events, run.state, sampling.step_s), EXIT_CODES[
+        run.state
+    ]
 
 
 def _print_problems(path: Path, error: ProgramError) -> None:

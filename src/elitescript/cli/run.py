@@ -15,7 +15,7 @@ from typing import Any, Final
 from elitescript.cli.report import JsonReport, Report, TextReport
 from elitescript.cli.settings import parse_epoch, parse_joints, parse_settings
 from elitescript.cli.trace_file import TraceFile
-from elitescript.controller.trace import Trace
+from elitescript.controller.trace import Trace, step_ticks
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.language.source import SourceFile
@@ -67,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
     with ExitStack() as stack:
         trace: bool | Trace = False
         if options.trace is not None:
+            step_ticks(options.step)  # before the file of that name is emptied
             has_actual = not robot.controller.is_plant_ideal
             trace_file = stack.enter_context(TraceFile(Path(options.trace), has_actual=has_actual))
             trace = Trace(trace_file.write, options.step)

@@ -133,7 +133,7 @@ def track_conveyor_linear(
     catches up what it loses while it gets up to the conveyor's speed (0.2 s for 0.25 m/s), and goes exactly with the
     part from then on; a move that ends sooner ends behind the part. The speed percentage has no part in that. A pause
     brings the arm to rest, after it the tool catches up again. Where the arm cannot go along any further it brakes
-    with a warning and the tracking is over. (All *assumed*.)
+    and the program ends with a protective stop (R140). (All *assumed*.)
 
     Args:
         direction: direction of travel in the base frame: the first three numbers, whatever their length.

@@ -42,7 +42,7 @@ def force_mode(
     Args:
         reference_frame: force frame in the base frame, roll-pitch-yaw.
         selection_vector: 1 for an axis under force control, 0 for one under position control. Any other number counts
-            as 1, with a warning (*assumed*): the vendor's client sends such numbers.
+            as 0, with a warning (*assumed*): an example of the vendor sends 1 to 6 and then has the wrist followed.
         target_wrench: wrench that the arm exerts; elements of axes that are not selected do not count.
         mode: how the force frame follows: 0 stays at `reference_frame`; 1 its y axis points from the TCP to the
             origin of `reference_frame`; 2 its x axis is the direction of travel, projected on the xy plane of
@@ -54,10 +54,10 @@ def force_mode(
         ScriptStateError: the arm is not ready.
     """
     if any(value not in (0.0, 1.0) for value in selection_vector):
-        robot.warn_once("force_mode selection", "force_mode: selection_vector counts every number but 0 as 1")
+        robot.warn_once("force_mode selection", "force_mode: selection_vector counts every number but 1 as 0")
     if any(value < 0.0 for value in speed_limits):
         robot.warn_once("force_mode limits", "force_mode: speed_limits are taken without their sign")
-    selection = tuple([value != 0.0 for value in selection_vector])
+    selection = tuple([value == 1.0 for value in selection_vector])
     a, b, c, d, e, f = map(abs, speed_limits)
     robot.move(ForceMode(reference_frame, selection, target_wrench, mode, (a, b, c, d, e, f)))
 

@@ -56,8 +56,9 @@ def movej(
         v: speed of the leading joint; 0 takes the machine's default (*assumed*). What exceeds the model's limit
             is lowered to it.
         t: duration of the whole move; `a` and `v` do not count then. 0 plans from `a` and `v`.
-        r: blend radius; 0 stops at the target. Down to -0.001 it counts as 0 (*observed*: generators write that for
-            no rounding).
+        r: blend radius; 0 stops at the target. How fast the arm passes a waypoint follows from `r`, `a` and the length
+            of the move: see "Which radius for which speed" in docs/explanation/motion.md. Down to -0.001 it counts as
+            0 (*observed*: generators write that for no rounding).
 
     Raises:
         MotionError: the target is outside the joint limits.
@@ -87,8 +88,10 @@ def movel(
         a: tool acceleration; 0 takes the machine's default (*assumed*).
         v: tool speed; 0 takes the machine's default (*assumed*).
         t: duration of the whole move; `a` and `v` do not count then. 0 plans from `a` and `v`.
-        r: blend radius; 0 stops at the target. Down to -0.001 it counts as 0 (*observed*: generators write that for
-            no rounding).
+        r: blend radius; 0 stops at the target. The speed `v` is kept up to the blend where `r` is at least
+            v^2 / (1.6 a), and at most half of the move: see "Which radius for which speed" in
+            docs/explanation/motion.md. Down to -0.001 it counts as 0 (*observed*: generators write that for no
+            rounding).
 
     Raises:
         MotionError: a point of the line is out of reach, outside the joint limits or too near a singularity.
@@ -117,9 +120,11 @@ def movec(
         pose_to: pose at the end of the arc, in the base frame.
         a: tool acceleration; 0 takes the machine's default (*assumed*).
         v: tool speed; 0 takes the machine's default (*assumed*).
-        r: blend radius; 0 stops at the end of the arc. Down to -0.001 it counts as 0 (*observed*).
-        mode: 0 keeps the orientation as it is relative to the tangent of the arc, any other number turns it evenly
-            from start to end (*assumed*: the manual says fixed and unconstrained).
+        r: blend radius; 0 stops at the end of the arc. Which one is needed for which speed is as in `movel`. Down to
+            -0.001 it counts as 0 (*observed*).
+        mode: 0 keeps the orientation as it is relative to the tangent of the arc, and that of `pose_to` does not
+            count, with a warning where the two differ by more than a degree; any other number turns it evenly from
+            start to end (*assumed*: the manual says fixed and unconstrained).
 
     Raises:
         MotionError: start, via and end lie on one line or coincide, or a point of the arc is out of reach.

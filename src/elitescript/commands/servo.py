@@ -29,8 +29,9 @@ def servoj(
 
     The stream is averaged over the look-ahead time, and the arm follows the mean; how, is *assumed*. When targets
     stop coming, the arm comes to rest at the last one. A stream may begin while the arm moves; a stop command ends
-    it. The speed percentage does not count (*assumed*). Values outside the ranges below are brought into them, with
-    one warning for each program; real clients send 0.3 s and a gain of 2000.
+    it. In front of the end of a joint's range the arm brakes with a warning, and the stream may go on (*assumed*). The
+    speed percentage does not count (*assumed*). Values outside the ranges below are brought into them, with one
+    warning for each program; real clients send 0.3 s and a gain of 2000.
 
     Args:
         q: joint target of this period.

@@ -26,8 +26,8 @@ def speedj(
     It may begin while the arm moves or brakes; no speed jumps. All joints reach their speeds together. The next
     `speedj`, `speedl`, `servoj` or stop command takes over, and the end of the program brakes; a move to a target
     needs a stop first. The speed percentage lowers the speeds that are reached, which then counts as reaching `qd`
-    (*assumed*). At the end of a joint's range the arm brakes with a warning, and a call that would go further is
-    refused (*assumed*).
+    (*assumed*). In front of the end of a joint's range the arm brakes, and the program ends with a protective stop
+    (R140); a call that would go further is refused (*assumed*).
 
     Args:
         qd: target speeds of the joints.
@@ -53,8 +53,9 @@ def speedl(
     """Accelerate the TCP to the velocity `xd` and go on moving after the call returned.
 
     It may begin while the arm moves or brakes; no speed jumps. What ends it and what the speed percentage does is as
-    in `speedj`. Where a joint would have to turn faster than it can, the TCP goes slower; at the end of a joint's
-    range and too near to a singularity the arm brakes with a warning (*assumed*).
+    in `speedj`. Where a joint would have to turn faster than it can, the TCP goes slower; in front of the
+    end of a joint's range or a singularity the arm brakes, and the program ends with a protective stop (R140;
+    *assumed*).
 
     Args:
         xd: linear velocity, then angular velocity vector, both in the base frame.

@@ -132,10 +132,8 @@ class Controller:
         self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._node: tuple[int, str] = (0, "")
         self.loads = JointLoads(model, plant, self.arm_state, self.setup)
-        watched = safety or SafetyLimits()
-        self.safety = SafetyControl(
-            self, watched, limits, self.motion, self.arm_state, self.setup, self.signals, self.task, speed_scale
-        )
+        parts = (self.motion, self.arm_state, self.setup, self.signals, self.yielding, self.task)
+        self.safety = SafetyControl(self, safety or SafetyLimits(), limits, *parts, speed_scale)
         self.tracking.on_obstacle = self.safety.meet_obstacle
 
     def attach(self, program: ProgramPort) -> None:
@@ -344,11 +342,12 @@ class Controller:
             self.safety.require("move")
         T_flange_tcp = self.setup.T_flange_tcp
         if isinstance(request, YieldRequest) or self.yielding.is_ended_by(request):
+            if isinstance(request, YieldRequest):
+                self.safety.note_yielding(request, line, thread)
             is_moving = self.motion.is_moving or self.tracking.is_active
             return self.yielding.request(request, self._tick, is_moving, Caller(line, thread))
         if isinstance(request, TrackRequest):
             return self.tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
-        request = self.safety.prepared(request, line, thread)
         return self.motion.request(request, self._tick, T_flange_tcp, line, thread)
 
     def is_move_done(self, move: int) -> bool:

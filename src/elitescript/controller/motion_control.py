@@ -16,9 +16,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from elitescript.controller.drives import Drive, JointDrive
+from elitescript.controller.notices import Notices
 from elitescript.controller.sources import NEVER, Braking, Move
 from elitescript.controller.stepped_drives import ServoDrive, ToolDrive
-from elitescript.controller.succession import Call, Order, Succession, lay_behind
+from elitescript.controller.succession import Call, Order, Succession, bounded, lay_behind
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform
@@ -64,21 +65,21 @@ class MotionControl:
     __slots__ = (
         "_arm",
         "_count",
-        "_is_paused",
-        "_limits",
         "_next",
-        "_noted",
+        "_notices",
         "_on_end",
         "_on_event",
         "_q_rest",
         "_sampled",
         "_sampled_tick",
         "_source",
-        "_speed_ramp_s",
         "_started",
         "_stop_joint_deceleration",
         "_succession",
+        "is_paused",
+        "limits",
         "on_obstacle",
+        "speed_ramp_s",
         "speed_scale",
         "waypoint",
     )
@@ -94,11 +95,11 @@ class MotionControl:
         on_end: Callable[[int, bool], None],
     ) -> None:
         self._arm = arm
-        self._limits = limits
+        self.limits = limits
         self._succession = Succession(arm, limits)
         self._q_rest = home
         self._stop_joint_deceleration = stop_joint_deceleration
-        self._speed_ramp_s = speed_ramp_s
+        self.speed_ramp_s = speed_ramp_s
         self._on_event = on_event
         self._on_end = on_end
         self._source: AnySource | None = None
@@ -106,21 +107,16 @@ class MotionControl:
         self._started: MotionStarted | None = None
         self._count = 0
         self.speed_scale = 1.0
-        self._is_paused = False
+        self.is_paused = False
         self._sampled_tick = -1
         self._sampled = Setpoint(home, ZERO_SIX)
-        self._noted: set[tuple[int, str]] = set()
+        self._notices = Notices(on_event)
         self.waypoint: Six | None = None
         self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
 
-    def set_limits(self, limits: MotionLimits) -> None:
-        """Take other limits for motions that are asked for from now on."""
-        self._limits = limits
-        self._succession = Succession(self._arm, limits)
-
     def begin_program(self) -> None:
         """Say again, once for each line, what has been said to the program before."""
-        self._noted.clear()
+        self._notices.said.clear()
 
     @property
     def is_moving(self) -> bool:
@@ -133,9 +129,9 @@ class MotionControl:
         return source.scale.rate(tick * PERIOD_S) if isinstance(source, Move) else self.speed_scale
 
     @property
-    def under_way(self) -> tuple[AnySource, ...]:
-        """What moves the arm, and what follows at standstill."""
-        return tuple([source for source in (self._source, self._next) if source is not None])
+    def source(self) -> AnySource | None:
+        """What moves the arm; None at standstill."""
+        return self._source
 
     @property
     def next_tick(self) -> int | None:
@@ -184,7 +180,7 @@ class MotionControl:
             return self._brake(request, tick, T_flange_tcp)
         if isinstance(request, SpeedJ | SpeedL | ServoJ):
             return self._drive(request, tick, T_flange_tcp, line, thread)
-        rate = 0.0 if self._is_paused else self.speed_scale
+        rate = 0.0 if self.is_paused else self.speed_scale
         call = Call(self._count + 1, tick, line, thread, T_flange_tcp)
         move, order, cautions = self._succession.accept(request, call, self._source, self._next, self._q_rest, rate)
         self._count += 1
@@ -201,8 +197,8 @@ class MotionControl:
             self._started = started
         else:
             self._on_event(started)
-        for caution in cautions:
-            self._warn_once(caution.key_line, caution.kind, Warned(tick, caution.text, thread, caution.line))
+        for caution in bounded(cautions, self._notices.said):
+            self._notices.once(caution.key_line, caution.kind, Warned(tick, caution.text, thread, caution.line))
         return call.number
 
     def is_done(self, number: int) -> bool:
@@ -248,12 +244,21 @@ class MotionControl:
     def set_speed_scale(self, fraction: float, tick: int) -> None:
         """New speed percentage, taken on in a ramp."""
         self.speed_scale = fraction
-        if not self._is_paused:
+        if not self.is_paused:
             self._set_rates(fraction, tick)
+
+    def lead_rate(self, rate: float, tick: int) -> None:
+        """Let the move under way reach a rate, which the joints have to be able to do, at the next tick and keep it."""
+        source = self._source
+        if isinstance(source, Move):
+            source.set_rate(tick, rate, PERIOD_S)
+            if self._next is not None:
+                lay_behind(source, self._next)
+            self._changed(tick)
 
     def pause(self, tick: int) -> None:
         """Brake, to go on later."""
-        self._is_paused = True
+        self.is_paused = True
         self._advance(tick)
         source = self._source
         if isinstance(source, Move) and not source.is_stopping:
@@ -267,7 +272,7 @@ class MotionControl:
 
     def resume(self, tick: int) -> None:
         """Go on after a pause, with the speed percentage of now."""
-        self._is_paused = False
+        self.is_paused = False
         self._advance(tick)
         source = self._source
         if isinstance(source, Drive) and not source.is_stopping:
@@ -293,11 +298,6 @@ class MotionControl:
             source.note_return(tick)
             self._on_end(source.number, True)
 
-    def _warn_once(self, line: int, kind: str, warning: Warned) -> None:
-        if (line, kind) not in self._noted:
-            self._noted.add((line, kind))
-            self._on_event(warning)
-
     def _drop_next(self) -> None:
         """Forget the move that was to begin at standstill."""
         move, self._next = self._next, None
@@ -311,12 +311,12 @@ class MotionControl:
         if isinstance(source, Drive):
             source.set_fraction(tick, rate)
         elif isinstance(source, Move) and not source.is_stopping:
-            source.change_rate(tick, rate, self._speed_ramp_s, self._limits.qdd_max)
+            source.change_rate(tick, rate, self.speed_ramp_s, self.limits.qdd_max)
             if waiting is not None:
                 lay_behind(source, waiting)
                 waiting = None
         if waiting is not None:
-            waiting.change_rate(tick, rate, self._speed_ramp_s, self._limits.qdd_max)
+            waiting.change_rate(tick, rate, self.speed_ramp_s, self.limits.qdd_max)
         self._changed(tick)
 
     # ---------------------------------------------------------------- drives and brakes
@@ -325,9 +325,9 @@ class MotionControl:
         source = self._source
         number = self._count + 1
         if isinstance(request, ServoJ):
-            joint = joint_outside(self._limits, request.q_target)
+            joint = joint_outside(self.limits, request.q_target)
             if joint is not None:
-                raise joint_range_error(self._limits, joint, request.q_target[joint], "at the target of servoj")
+                raise joint_range_error(self.limits, joint, request.q_target[joint], "at the target of servoj")
             if isinstance(source, ServoDrive):
                 self._count = number
                 if not source.is_returned:
@@ -341,14 +341,14 @@ class MotionControl:
             raise obstacle.error()
         self._count = number
         self._drop_next()
-        if self._is_paused:
+        if self.is_paused:
             drive.pause(tick)
         self._source = drive
         self._report_take_over(source, request, tick, line, thread)
         if drive.is_lowered:
             name = type(request).__name__.lower()
             text = f"{name} asks for more than the arm can do; it goes as fast as it can, in the same direction"
-            self._warn_once(line, "speed", Warned(tick, text, thread, line))
+            self._notices.once(line, "speed", Warned(tick, text, thread, line))
         self._changed(tick)
         return number
 
@@ -357,11 +357,11 @@ class MotionControl:
     ) -> AnyDrive:
         start, deceleration = self.setpoint(tick), self._stop_joint_deceleration
         if isinstance(request, SpeedJ):
-            return JointDrive(number, thread, line, request, tick, start, self.speed_scale, self._limits, deceleration)
+            return JointDrive(number, thread, line, request, tick, start, self.speed_scale, self.limits, deceleration)
         if isinstance(request, SpeedL):
-            motion = ToolMotion(self._arm, self._limits, T_flange_tcp, deceleration)
+            motion = ToolMotion(self._arm, self.limits, T_flange_tcp, deceleration)
             return ToolDrive(number, thread, line, request, tick, start, self.speed_scale, motion)
-        return ServoDrive(number, thread, line, request, tick, start, self._limits, deceleration)
+        return ServoDrive(number, thread, line, request, tick, start, self.limits, deceleration)
 
     def _report_take_over(
         self,
@@ -399,9 +399,9 @@ class MotionControl:
         if obstacle is None:
             if isinstance(source, ServoDrive) and source.is_lowered:
                 text = "servoj: the targets come faster than the joints can turn; the arm falls behind"
-                self._warn_once(0, "servoj", Warned(tick, text, source.thread, source.line))
+                self._notices.once(0, "servoj", Warned(tick, text, source.thread, source.line))
             return
-        profile = halted(source.setpoint(tick), obstacle, self._stop_joint_deceleration, self._limits)
+        profile = halted(source.setpoint(tick), obstacle, self._stop_joint_deceleration, self.limits)
         self.take_over(profile, tick, source.thread)
         if isinstance(source, ServoDrive):
             # The target is inside the range: the stream can go on from where the arm has braked.
@@ -410,7 +410,7 @@ class MotionControl:
             self.on_obstacle(tick, obstacle, source.thread, source.line)
 
     def _warn_of_obstacle(self, tick: int, obstacle: Obstacle, thread: str, line: int) -> None:
-        self._warn_once(line, "obstacle", Warned(tick, f"{obstacle.text}; the arm brakes", thread, line))
+        self._notices.once(line, "obstacle", Warned(tick, f"{obstacle.text}; the arm brakes", thread, line))
 
     def _brake(self, request: StopJ | StopL, tick: int, T_flange_tcp: Transform) -> int:
         source = self._source
@@ -443,7 +443,7 @@ class MotionControl:
         """Bring the joints to rest; a braking under way is taken over if that is sooner."""
         source = self._source
         assert source is not None
-        braking = Braking(number, source.thread, braked(self.setpoint(tick), ramp_s, self._limits), tick)
+        braking = Braking(number, source.thread, braked(self.setpoint(tick), ramp_s, self.limits), tick)
         if not isinstance(source, Braking) or braking.end_tick < source.end_tick:
             self._source = braking
             self._sampled_tick = -1

@@ -118,6 +118,13 @@ _ROWS: Final[dict[str, dict[SafetyMode, SafetyMode | None]]] = {
 
 ACTIONS: Final = tuple(_ROWS)
 
+INPUT_ACTIONS: Final = {
+    "emergency_stop": ("press_emergency_stop", "release_emergency_stop"),
+    "system_emergency_stop": ("press_system_stop", "release_system_stop"),
+    "safeguard_stop": ("open_safeguard", "close_safeguard"),
+}
+"""What a signal does when it becomes true, and false."""
+
 ASKED_FROM_OUTSIDE: Final = ("stop_protectively", "unlock_protective_stop", "violate", "fail", "restart_safety")
 """Actions that a request may name; the others follow from signals, from the arm and from the task."""
 
@@ -125,19 +132,27 @@ TRANSITIONS: Final[dict[tuple[SafetyMode, str], SafetyMode | None]] = {
     (mode, action): after for action, row in _ROWS.items() for mode, after in row.items()
 }
 
+SWITCH_ON: Final = "power on and release the brakes, which starting a program does by itself"
+"""The way back to an arm that may move, after its power has gone off."""
+
 WHAT_TO_DO: Final[dict[SafetyMode, str]] = {
     SAFEGUARD: "the safeguard is open; close it (signal safeguard_stop to False)",
     PROTECTIVE: "the arm is in protective stop; remove its cause, then unlock it (unlock_protective_stop), "
     f"from {UNLOCK_AFTER_S:g} s after the stop on",
     SYSTEM_STOP: "the emergency stop of the cell is pressed; release it (signal system_emergency_stop to False), then "
-    "power on and release the brakes",
-    ROBOT_STOP: "the emergency stop is pressed; release it (signal emergency_stop to False), then power on and release "
-    "the brakes",
-    VIOLATION: "a safety limit was violated; restart the safety system (restart_safety), then power on and release the "
-    "brakes",
-    FAULT: "the safety system has a fault; restart it (restart_safety), then power on and release the brakes",
+    f"{SWITCH_ON}",
+    ROBOT_STOP: f"the emergency stop is pressed; release it (signal emergency_stop to False), then {SWITCH_ON}",
+    VIOLATION: f"a safety limit was violated; restart the safety system (restart_safety), then {SWITCH_ON}",
+    FAULT: f"the safety system has a fault; restart it (restart_safety), then {SWITCH_ON}",
 }
 """Why the arm may not move, and what leads back."""
+
+RESTART_HINTS: Final = (
+    "look for the cause before the arm is switched on again",
+    "release the stop, or restart the safety system after a violation or a fault",
+    "start the program again: that powers on and releases the brakes; it begins at its first line",
+)
+"""What to try after a stop that has taken the power."""
 
 _NOT_LOCKED: Final = "there is no protective stop to unlock"
 

@@ -8,45 +8,40 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 from elitescript.controller.arm_state import ArmState
+from elitescript.controller.force_watch import ForceWatch
 from elitescript.controller.io import SignalImage
 from elitescript.controller.motion_control import MotionControl
-from elitescript.controller.reduced_speed import SLOWED_MODES, ReducedSpeed
-from elitescript.controller.safety import ASKED_FROM_OUTSIDE, EFFECTS, WHAT_TO_DO, Safety
-from elitescript.controller.safety_limits import PAIRS, SafetyLimits
+from elitescript.controller.reduced_speed import GRACE_TICKS, SLOWED_MODES, ReducedSpeed
+from elitescript.controller.safety import (
+    ASKED_FROM_OUTSIDE,
+    EFFECTS,
+    INPUT_ACTIONS,
+    MOVING_MODES,
+    RESTART_HINTS,
+    WHAT_TO_DO,
+    Safety,
+)
+from elitescript.controller.safety_limits import SafetyLimits, switched_pairs
 from elitescript.controller.safety_monitor import Breach, SafetyMonitor, obstacle_breach, requested_breach
 from elitescript.controller.setup import Setup
 from elitescript.controller.tasks import ProgramPort, Task
+from elitescript.controller.yield_control import YieldControl
 from elitescript.errors import ArgumentRangeError, UsageError
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.enums import SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Event, MotionStarted, SafetyModeChanged, Warned
 from elitescript.messages.machine import AskSafety
-from elitescript.messages.motion import MotionRequest, Six
+from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
-from elitescript.messages.timing import ticks_for
+from elitescript.messages.yielding import ForceMode, Freedrive, YieldRequest
 from elitescript.motion.limits import MotionLimits, joint_outside
 from elitescript.motion.speed import Obstacle
 
-GRACE_TICKS: Final = ticks_for(0.5)
-"""From the change to reduced mode until its limits of speed hold: the time to brake to them (*assumed*)."""
-
-INPUT_ACTIONS: Final = {
-    "emergency_stop": ("press_emergency_stop", "release_emergency_stop"),
-    "system_emergency_stop": ("press_system_stop", "release_system_stop"),
-    "safeguard_stop": ("open_safeguard", "close_safeguard"),
-}
-
 _EXPLAINED: Final = (SafetyMode.PROTECTIVE_STOP, SafetyMode.VIOLATION, SafetyMode.FAULT)
 """States that are entered for a reason of their own."""
-
-_RESTART_HINTS: Final = (
-    "look for the cause before the arm is switched on again",
-    "power on and release the brakes",
-    "start the program again: it does not go on where it was",
-)
 
 
 class SafetyPort(Protocol):
@@ -82,6 +77,7 @@ class SafetyControl:
         arm_state: target and actual joints.
         setup: the active TCP.
         signals: inputs of the safety system.
+        yielding: what yields to forces, and their sensor.
         task: is paused and ended by stops.
         speed_scale: speed percentage at the start, as a fraction.
     """
@@ -91,6 +87,7 @@ class SafetyControl:
         "_blamed",
         "_breach",
         "_effects",
+        "_force",
         "_is_disturbed",
         "_is_first",
         "_is_holding_task",
@@ -107,6 +104,7 @@ class SafetyControl:
         "_speed",
         "_speeds_hold_from",
         "_task",
+        "_yield",
     )
 
     def __init__(
@@ -118,6 +116,7 @@ class SafetyControl:
         arm_state: ArmState,
         setup: Setup,
         signals: SignalImage,
+        yielding: YieldControl,
         task: Task,
         speed_scale: float,
     ) -> None:
@@ -129,8 +128,10 @@ class SafetyControl:
         self._arm_state = arm_state
         self._setup = setup
         self._signals = signals
+        self._yield = yielding
+        self._force = ForceWatch(self._monitor, yielding.sensor)
         self._task = task
-        self._speed = ReducedSpeed(self._monitor, motion, arm_state, setup, speed_scale)
+        self._speed = ReducedSpeed(self._monitor, motion, setup, speed_scale)
         self._breach: Breach | None = None
         self._blamed: tuple[int, str] = (0, "main")
         self._effects: list[tuple[SafetyMode, Breach | None]] = []
@@ -138,7 +139,8 @@ class SafetyControl:
         self._is_disturbed = True
         self._is_holding_task = False
         self._is_task_new = False
-        self._is_watching = self._monitor.is_watching(self.mode)
+        self._is_watching = False
+        self._update_watching()
         self._speeds_hold_from = 0
         self._slowed_lines: set[int] = set()
         motion.on_obstacle = self.meet_obstacle
@@ -218,6 +220,17 @@ class SafetyControl:
             self._set_reduced(self._wants_reduced())
         elif name == "configurable_digital_in":
             self.disturb()
+        elif name == "external_wrench":
+            self._update_watching()
+            self.disturb()
+
+    def note_yielding(self, request: YieldRequest, line: int, thread: str) -> None:
+        """Force mode or hand guiding is asked for: the one to blame, and a target force that the arm may not reach."""
+        if isinstance(request, ForceMode | Freedrive):
+            self._blamed = (line, thread)
+        caution = self._force.caution(request, self.mode) if isinstance(request, ForceMode) else ""
+        if caution:
+            self._port.emit(Warned(self._port.tick, caution, thread, line))
 
     def task_started(self) -> None:
         """A program begins; whether it may is decided in the safety phase."""
@@ -266,18 +279,6 @@ class SafetyControl:
             # The power goes off whatever the state was and is.
             self._effects.append((SafetyMode.FAULT, requested_breach("the safety system was restarted")))
 
-    def prepared(self, request: MotionRequest, line: int, thread: str) -> MotionRequest:
-        """A request as it is planned; see `ReducedSpeed.prepared`."""
-        if self.mode not in SLOWED_MODES:
-            return request
-        slower = self._speed.prepared(request, self._port.tick)
-        if slower != request and line not in self._slowed_lines:
-            self._slowed_lines.add(line)
-            limit = self._monitor.limits.bounds(self.mode).tcp_speed_max
-            text = f"the motion is slowed down: the TCP keeps {limit} m/s in {self.mode.name.lower()} mode"
-            self._port.emit(Warned(self._port.tick, text, thread, line))
-        return slower
-
     # ---------------------------------------------------------------- the safety phase of a tick
 
     def check(self, tick: int) -> None:
@@ -294,6 +295,7 @@ class SafetyControl:
         if self._is_watching and (is_disturbed or is_moving):
             self._look(tick, is_first=is_first, is_disturbed=is_disturbed)
             self._act(tick)
+        self._force.is_to_tolerate = False
         if not is_moving:
             self._speed.release(tick)
 
@@ -318,12 +320,26 @@ class SafetyControl:
             else:
                 self._stop(breach)
                 return
-        if self.mode is SafetyMode.NORMAL or tick >= self._speeds_hold_from:
-            too_fast = self._monitor.speed_breach(q, qd, T_flange_tcp, self.mode)
-            if too_fast is not None:
-                self._stop(too_fast)
-        if is_disturbed and self.mode in SLOWED_MODES:
-            self._speed.slow_down(tick)
+        breach, tolerated = self._force.look(q, qd, self.mode)
+        if tolerated:
+            self._port.emit(Warned(tick, tolerated))
+        if breach is None and (self.mode is SafetyMode.NORMAL or tick >= self._speeds_hold_from):
+            breach = self._monitor.speed_breach(q, qd, T_flange_tcp, self.mode)
+        if breach is not None:
+            self._stop(breach)
+        if self.mode in SLOWED_MODES and self._speed.slow_down(tick):
+            self._say_slowed(tick)
+
+    def _update_watching(self) -> None:
+        self._is_watching = self._safety.may_move and (self._monitor.is_watching(self.mode) or self._force.is_watching)
+
+    def _say_slowed(self, tick: int) -> None:
+        line, thread = self._blamed
+        if line in self._slowed_lines:
+            return
+        self._slowed_lines.add(line)
+        mode = self.mode.name.lower()
+        self._port.emit(Warned(tick, f"the motion is slowed down to the limits of {mode} mode", thread, line))
 
     def _stop(self, breach: Breach) -> None:
         self._breach = breach
@@ -333,7 +349,7 @@ class SafetyControl:
         if self._safety.refusal("start_task"):
             breach = self._breach if self.mode in _EXPLAINED else None
             why = "" if breach is None else f"; the reason of the stop was: {breach.text}"
-            breach = breach or Breach("emergency_stop", "", hints=_RESTART_HINTS)
+            breach = breach or Breach("emergency_stop", "", hints=RESTART_HINTS)
             self._fail_task(self.mode, replace(breach, text=f"cannot start: {self.obstruction}{why}"))
         elif self.mode is SafetyMode.SAFEGUARD_STOP:
             self._hold(tick)
@@ -344,7 +360,8 @@ class SafetyControl:
         breach = self._breach if after in _EXPLAINED else None
         reason = breach.text if breach is not None else self._words(after)
         self._effects.append((after, breach))
-        self._is_watching = self._safety.may_move and self._monitor.is_watching(after)
+        self._update_watching()
+        self._force.is_to_tolerate |= before not in MOVING_MODES and after in MOVING_MODES
         if before not in SLOWED_MODES:
             self._speeds_hold_from = self._port.tick + GRACE_TICKS
         self._port.emit(SafetyModeChanged(self._port.tick, after, reason))
@@ -362,7 +379,7 @@ class SafetyControl:
             effect = EFFECTS[after]
             if effect.task == "is stopped":
                 self._is_holding_task = False
-                self._fail_task(after, breach or Breach("emergency_stop", self._words(after), hints=_RESTART_HINTS))
+                self._fail_task(after, breach or Breach("emergency_stop", self._words(after), hints=RESTART_HINTS))
                 self._arm_state.stop(tick)
             elif effect.task == "is paused":
                 self._hold(tick)
@@ -381,8 +398,9 @@ class SafetyControl:
 
     def _enter_motion(self, after: SafetyMode, tick: int) -> None:
         """Take on the limits of a state in which the arm may move, and let a task go on that a safeguard has held."""
-        self._motion.set_limits(self._monitor.limits.lowered(self._motion_limits, after))
-        if after is SafetyMode.NORMAL:
+        is_slowed = after in SLOWED_MODES
+        self._yield.limit_speed(self._monitor.limits.bounds(after).tcp_speed_max if is_slowed else None)
+        if not is_slowed:
             self._speed.release(tick)
         self._is_disturbed = True
         if self._is_holding_task:
@@ -390,25 +408,14 @@ class SafetyControl:
             if self._task.state is TaskState.PAUSED:
                 self._task.apply("resume")
                 self._port.program.resume()
-        if after is not SafetyMode.NORMAL:
-            self._speed.slow_down(tick)
 
     def _fail_task(self, mode: SafetyMode, breach: Breach) -> None:
         if not self._task.is_running:
             return
         line, thread = self._blamed if self._arm_state.is_moving else (self._port.program.line, "main")
         effect = EFFECTS[mode]
-        details: dict[str, Any] = {
-            "safety_mode": mode.name,
-            "reason": breach.kind,
-            "value": breach.value,
-            "limit": breach.limit,
-            "unit": breach.unit,
-        }
-        if breach.subject:
-            details["plane" if breach.kind == "plane" else "joint"] = breach.subject
-        details["hints"] = list(breach.hints if effect.is_power_kept else _RESTART_HINTS)
-        details = {name: value for name, value in details.items() if value not in (None, "", [])}
+        hints = breach.hints if effect.is_power_kept else RESTART_HINTS
+        details = replace(breach, hints=hints).details(mode)
         alarm = Alarm(self._port.tick, effect.code, effect.class_name, breach.text, line, 0, thread, "", details)
         self._port.program.fail(alarm)
 
@@ -439,8 +446,4 @@ class SafetyControl:
             self.disturb()
 
     def _pairs(self) -> tuple[bool, ...]:
-        read = self._signals.read
-        return tuple(
-            bool(read("configurable_digital_in", first)) and bool(read("configurable_digital_in", second))
-            for first, second in PAIRS
-        )
+        return switched_pairs(self._signals.read)

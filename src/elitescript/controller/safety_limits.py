@@ -1,12 +1,13 @@
 """What the safety system watches: joint ranges and speeds, the speed of the TCP, planes, the direction of the tool.
 
-Nothing is watched in normal mode unless it is configured, because the limits of an installation are not known. Reduced
-mode limits the TCP to `REDUCED_TCP_SPEED` (*assumed*: the usual value of collaborative arms of this size).
+No speed or place is watched in normal mode unless it is configured, because the limits of an installation are not
+known. Reduced mode limits the TCP to `REDUCED_TCP_SPEED` (*assumed*: the usual value of collaborative arms of this
+size). The force at the TCP is limited in every mode (*assumed* as well), where anything can touch the TCP.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import inf, isfinite, pi
 from typing import Any, Final
@@ -15,10 +16,14 @@ from elitescript.errors import UsageError
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.motion import Six
-from elitescript.motion.limits import JOINT_NAMES, MotionLimits
+from elitescript.motion.limits import JOINT_NAMES
 
 REDUCED_TCP_SPEED: Final = 0.75
 """m/s"""
+
+NORMAL_TCP_FORCE: Final = 250.0
+REDUCED_TCP_FORCE: Final = 150.0
+"""N; the order of magnitude that collaborative arms are delivered with (*assumed*)."""
 
 PLANE_USES: Final = ("always", "normal", "reduced", "trigger_reduced")
 
@@ -26,6 +31,12 @@ PAIRS: Final = ((0, 1), (2, 3), (4, 5), (6, 7))
 """Configurable inputs that belong together (manual 2.14, `is_within_safety_limits`)."""
 
 Vector3 = tuple[float, float, float]
+
+
+def switched_pairs(read: Callable[[str, int], object]) -> tuple[bool, ...]:
+    """For each pair of configurable inputs, whether both are high; `read` gives the level of a signal."""
+    name = "configurable_digital_in"
+    return tuple([bool(read(name, first)) and bool(read(name, second)) for first, second in PAIRS])
 
 
 def _check_positive(what: str, value: float, unit: str) -> None:
@@ -42,15 +53,18 @@ class SafetyBounds:
         q_max: upper ends, rad.
         qd_max: joint speeds, rad/s.
         tcp_speed_max: speed of the TCP, m/s.
+        tcp_force_max: force between the TCP and what it touches, N; None takes `NORMAL_TCP_FORCE` or
+            `REDUCED_TCP_FORCE` (`SafetyLimits.tcp_force_max`).
 
     Raises:
-        UsageError: an empty range, or a speed that is not a positive number.
+        UsageError: an empty range, or a speed or force that is not a positive number.
     """
 
     q_min: Six | None = None
     q_max: Six | None = None
     qd_max: Six | None = None
     tcp_speed_max: float | None = None
+    tcp_force_max: float | None = None
 
     def __post_init__(self) -> None:
         low, high = self.q_min or (-inf,) * 6, self.q_max or (inf,) * 6
@@ -61,14 +75,16 @@ class SafetyBounds:
             _check_positive(f"the safety limit of the speed of joint {name}", speed, "rad/s")
         if self.tcp_speed_max is not None:
             _check_positive("the safety limit of the TCP speed", self.tcp_speed_max, "m/s")
+        if self.tcp_force_max is not None:
+            _check_positive("the safety limit of the TCP force", self.tcp_force_max, "N")
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing is limited."""
-        return self == _NO_BOUNDS
+        """Whether no range and no speed is limited."""
+        return replace(self, tcp_force_max=None) == _NO_BOUNDS
 
     def within(self, other: SafetyBounds) -> SafetyBounds:
-        """These limits, with the ranges of `other` where there are none, and with no speed above its speeds."""
+        """These ranges and speeds, with the ranges of `other` where there are none, and no speed above its speeds."""
         qd_max = self.qd_max or other.qd_max
         if self.qd_max is not None and other.qd_max is not None:
             a, b, c, d, e, f = map(min, self.qd_max, other.qd_max)
@@ -151,8 +167,8 @@ class SafetyLimits:
 
     Args:
         normal: limits of normal mode.
-        reduced: limits of reduced mode and of recovery; where it has none, or where speeds of normal mode are lower,
-            those of normal mode hold.
+        reduced: limits of reduced mode and of recovery; where it has none, or where speeds or the force of normal mode
+            are lower, those of normal mode hold.
         planes: planes that the TCP may not pass.
         tool_direction: a cone that the tool stays in.
     """
@@ -171,22 +187,20 @@ class SafetyLimits:
         """Limits of speed and range in a mode."""
         return self.normal if mode is SafetyMode.NORMAL else self.reduced.within(self.normal)
 
-    def lowered(self, limits: MotionLimits, mode: SafetyMode) -> MotionLimits:
-        """The limits with which motions are planned: in reduced mode and recovery they keep the speeds (*assumed*)."""
-        if mode not in (SafetyMode.REDUCED, SafetyMode.RECOVERY):
-            return limits
-        bounds = self.bounds(mode)
-        a, b, c, d, e, f = map(min, limits.qd_max, bounds.qd_max or limits.qd_max)
-        speed = limits.tool_speed_max if bounds.tcp_speed_max is None else bounds.tcp_speed_max
-        return replace(limits, qd_max=(a, b, c, d, e, f), tool_speed_max=min(limits.tool_speed_max, speed))
+    def tcp_force_max(self, mode: SafetyMode) -> float:
+        """Limit of the force at the TCP in a mode, N."""
+        normal = self.normal.tcp_force_max or NORMAL_TCP_FORCE
+        if mode is SafetyMode.NORMAL:
+            return normal
+        return min(normal, self.reduced.tcp_force_max or REDUCED_TCP_FORCE)
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> SafetyLimits:
         """Read the section `[safety]` of a cell file.
 
-        Keys: `joint_range` and `joint_speed` (rad, rad/s; with `_deg` in degrees), `tcp_speed` (m/s), the same in
-        `[safety.reduced]`; `[[safety.planes]]` with `name`, `point`, `normal`, `offset` (m), `use` and `inputs`;
-        `[safety.tool_direction]` with `axis` and `angle` or `angle_deg`.
+        Keys: `joint_range` and `joint_speed` (rad, rad/s; with `_deg` in degrees), `tcp_speed` (m/s), `tcp_force` (N),
+        the same in `[safety.reduced]`; `[[safety.planes]]` with `name`, `point`, `normal`, `offset` (m), `use` and
+        `inputs`; `[safety.tool_direction]` with `axis` and `angle` or `angle_deg`.
 
         Raises:
             UsageError: a key that is not known, or a value that makes no sense.

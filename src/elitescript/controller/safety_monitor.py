@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import acos, degrees, sqrt
-from typing import Final
+from typing import Any, Final
 
 from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, SafetyPlane
 from elitescript.kinematics.arm import Arm
@@ -30,8 +30,8 @@ class Breach:
     """A safety limit that the arm exceeds.
 
     Attributes:
-        kind: `joint_range`, `joint_speed`, `tcp_speed`, `plane`, `tool_direction`, `obstacle`, `request` or
-            `emergency_stop`.
+        kind: `joint_range`, `joint_speed`, `tcp_speed`, `tcp_force`, `plane`, `tool_direction`, `obstacle`,
+            `request` or `emergency_stop`.
         text: what, where, value, limit and unit in one sentence.
         subject: which joint or plane; empty where there is only one.
         value: what was measured.
@@ -47,6 +47,20 @@ class Breach:
     limit: str = ""
     unit: str = ""
     hints: tuple[str, ...] = ()
+
+    def details(self, mode: SafetyMode) -> dict[str, Any]:
+        """What an alarm says about it besides the text, in the safety mode that it leads to."""
+        details: dict[str, Any] = {
+            "safety_mode": mode.name,
+            "reason": self.kind,
+            "value": self.value,
+            "limit": self.limit,
+            "unit": self.unit,
+        }
+        if self.subject:
+            details["plane" if self.kind == "plane" else "joint"] = self.subject
+        details["hints"] = list(self.hints)
+        return {name: value for name, value in details.items() if value not in (None, "", [])}
 
 
 class SafetyMonitor:
@@ -128,6 +142,11 @@ class SafetyMonitor:
         """Speed of the TCP, m/s."""
         x, y, z, *_ = tcp_twist(self._arm, q, qd, T_flange_tcp)
         return sqrt(x * x + y * y + z * z)
+
+    def force_breach(self, force: float, mode: SafetyMode) -> Breach | None:
+        """The limit of the force at the TCP, if a force (N) exceeds it."""
+        limit = self.limits.tcp_force_max(mode)
+        return None if force <= limit else _tcp_force_breach(force, limit, mode)
 
     def asks_for_reduced(self, q: Six, T_flange_tcp: Transform, pairs: Sequence[bool]) -> bool:
         """Whether the TCP is behind a plane that triggers reduced mode."""
@@ -225,6 +244,23 @@ def _tcp_speed_breach(speed: float, limit: float, mode: SafetyMode) -> Breach:
             "give the motion a lower v, or a longer t",
             "use movel where the speed of the TCP counts: v of movej is that of a joint",
             "lower the speed percentage, or raise tcp_speed of the safety limits",
+        ),
+    )
+
+
+def _tcp_force_breach(force: float, limit: float, mode: SafetyMode) -> Breach:
+    return Breach(
+        "tcp_force",
+        f"what the TCP touches pushes it with {force:.1f} N; {limit:.6g} N are allowed in {_words(mode)}",
+        "",
+        force,
+        f"<= {limit:.6g}",
+        "N",
+        (
+            "end the move above what it touches and press with force_mode, or search with a slow speedl until force() "
+            "rises",
+            "check target and TCP offset (set_tcp): a longer tool touches sooner; after unlocking, move back out",
+            "raise tcp_force of the safety limits if the process needs more",
         ),
     )
 

@@ -40,7 +40,11 @@ def _bounds(reader: ConfigTable) -> SafetyBounds:
     q_min, q_max = _joint_range(reader)
     speeds = _in_degrees_or_not(reader, "joint_speed", "/s")
     return SafetyBounds(
-        q_min, q_max, None if speeds is None else _six(speeds), reader.number("tcp_speed", "m/s", is_positive=True)
+        q_min,
+        q_max,
+        None if speeds is None else _six(speeds),
+        reader.number("tcp_speed", "m/s", is_positive=True),
+        reader.number("tcp_force", "N", is_positive=True),
     )
 
 

@@ -7,7 +7,6 @@ that goes from period to period (`stepped_drives`) is due at every tick while it
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, isinf
 from typing import Final, Protocol
@@ -53,14 +52,6 @@ class Source(Protocol):
 
     def setpoint(self, tick: float) -> Setpoint:
         """Target joints at a tick up to `due_tick`: rad, rad/s."""
-
-    def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
-        """States ahead of a tick, with the speeds that they have at a percentage of 100; none where it does not count.
-
-        Args:
-            tick: present one.
-            points: number of equal steps between them.
-        """
 
     def is_awaited(self, number: int) -> bool:
         """Whether the call of that number is not over."""
@@ -161,19 +152,13 @@ class Move:
             qd = (a * rate, b * rate, c * rate, d * rate, e * rate, f * rate)
         return Setpoint(q, qd)
 
-    def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
-        """States on the rest of the path, with the speeds that were planned."""
-        begin_s = self.path_time_s(max(tick, self.start_tick))
-        step_s = (self.segment.duration_s - begin_s) / points
-        return (self.segment.setpoint(begin_s + k * step_s) for k in range(points + 1))
-
     def is_awaited(self, number: int) -> bool:
         """Whether the call of that number is not over."""
         return number == self.number and not self.is_returned
 
     def can_blend(self, tick: int) -> bool:
         """Whether a move that is asked for in this tick may take over before this one has come to rest."""
-        return self.is_returned and self.returned_tick == tick and not self.is_stopping
+        return self.is_returned and self.returned_tick == tick and not (self.is_stopping or self.is_paused)
 
     def note_return(self, tick: int) -> None:
         """The call is over; the move goes on."""
@@ -273,7 +258,8 @@ class Chain(Move):
 
     def can_grow(self, T_flange_tcp: Transform) -> bool:
         """Whether the call of its last line is over and another line may follow."""
-        return self.is_returned and not self.is_stopping and T_flange_tcp == self.T_flange_tcp
+        is_going_on = not (self.is_stopping or self.is_paused)
+        return self.is_returned and is_going_on and T_flange_tcp == self.T_flange_tcp
 
     def extend(
         self, number: int, plan: Plan, r: float, tick: int, thread: str, line: int, waypoint: Six, limits: MotionLimits
@@ -343,10 +329,6 @@ class Braking:
         if tick >= self.end_tick:
             return Setpoint(self.q_rest, ZERO_SIX)
         return self.profile.at((tick - self.start_tick) * PERIOD_S)
-
-    def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
-        """None: it comes to rest whatever the percentage is."""
-        return iter(())
 
     def is_awaited(self, number: int) -> bool:
         """Whether the call of that number is not over."""

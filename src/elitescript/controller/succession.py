@@ -2,23 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from enum import Enum
+from functools import partial
+from math import hypot
 from typing import Final, NamedTuple
 
 from elitescript.controller.drives import busy_error
 from elitescript.controller.sources import NEVER, Chain, Move, Source
 from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, pose_from_transform
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveML, MoveP, MoveRequest, Six
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.blending import blended
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
+from elitescript.motion.segment import BlendedSegment
 from elitescript.motion.timescale import TimeScale
+from elitescript.motion.track import JointTrack
+from elitescript.motion.zones import HALF
 
 NOTEWORTHY: Final = 1e-3
 """A waypoint that is passed more slowly than asked for by a smaller share needs no warning."""
+
+LOOKS: Final = 8
+"""Parts of a blend after which the speed of the tool is looked at, for a warning."""
+
+SLOW_BLEND: Final = "slow blend"
+
+SLOW_BLENDS_MAX: Final = 10
+"""Lines of a program that are warned of for a slow blend: a chain of short moves has hundreds."""
 
 PROGRAM: Final = 0
 """Instead of a line: a warning that is given once in a program."""
@@ -181,8 +196,36 @@ class Succession:
             return None
         scale = source.scale.rebased(call.tick * PERIOD_S)
         accepted = self._placed(request, call, replace(plan, segment=segment), call.tick, scale, Order.BLENDED)
-        slow = _slow(source, speed)
+        slow = _slow(source, speed, partial(self._least_speed, segment, call.T_flange_tcp), request)
         return accepted if slow is None else accepted._replace(cautions=(*accepted.cautions, slow))
+
+    def _least_speed(self, segment: BlendedSegment, T_flange_tcp: Transform) -> float:
+        """Return the lowest speed of the TCP in a blend, m/s."""
+        speeds = []
+        for look in range(LOOKS + 1):
+            q, qd = segment.setpoint(segment.approach_s + segment.corner.length * look / LOOKS)
+            speeds.append(hypot(*tcp_twist(self._arm, q, qd, T_flange_tcp)[:3]))
+        return min(speeds)
+
+
+def bounded(cautions: Collection[Caution], noted: Collection[tuple[int, str]]) -> list[Caution]:
+    """Return what is to be said; of what long chains repeat in every line, only so much.
+
+    Args:
+        cautions: of a move.
+        noted: line and kind of what has been said before.
+    """
+    said = sum(kind == SLOW_BLEND for _, kind in noted) if cautions else 0
+    kept = []
+    for caution in cautions:
+        if caution.kind == SLOW_BLEND and (caution.key_line, caution.kind) not in noted:
+            if said >= SLOW_BLENDS_MAX:
+                continue
+            if said == SLOW_BLENDS_MAX - 1:
+                more = f" (the {SLOW_BLENDS_MAX}th line of this kind; further ones are not reported)"
+                caution = caution._replace(text=caution.text + more)
+        kept.append(caution)
+    return kept
 
 
 def lay_behind(source: Move, waiting: Move) -> None:
@@ -204,18 +247,31 @@ def _noted(plan: Plan, call: Call) -> tuple[Caution, ...]:
     return tuple(Caution(call.line, note.kind, note.text, call.line) for note in plan.notes)
 
 
-def _slow(source: Move, speed: float) -> Caution | None:
+def _slow(source: Move, speed: float, least_speed: Callable[[], float], request: MoveRequest) -> Caution | None:
     """Return the warning for a waypoint that is passed more slowly than its move was to go."""
     law, zone, path = source.plan.law, source.plan.zone, source.plan.segment.path
     if zone is None or speed >= law.v * (1.0 - NOTEWORTHY):
         return None
-    if law.v * law.v <= 2.0 * law.brake * (path.length - zone.begin):
+    braking, unit = 0.5 * law.v * law.v / law.brake, path.unit
+    if braking <= path.length - zone.begin:
         return None
-    text = (
-        f"the arm enters the blend at {speed:.4g} instead of {law.v:.4g} {path.unit}/s, the fastest from which it can "
-        f"stop at the waypoint: r = {zone.radius:.4g} m is less than its braking distance"
+    text = f"the arm enters the blend at {speed:.3g} instead of {law.v:.4g} {unit}/s"
+    if isinstance(path, JointTrack) and unit == "m":
+        text += f" and passes the waypoint at {min(speed, least_speed()):.3g} m/s"
+    text += (
+        f": it must be able to stop there, and r = {zone.radius:.4g} m is less than its braking distance of "
+        f"{braking:.3g} {unit} at a = {law.a:.4g} {unit}/s^2; choose "
     )
-    return Caution(PROGRAM, "slow blend", text, source.line)
+    is_too_short = braking > HALF * path.length
+    if unit != "m":
+        text += "a larger a" if is_too_short else "a larger r or a"
+    elif not is_too_short:
+        text += f"r = {braking:.3g} m or a larger a"
+    elif isinstance(request, MoveL):
+        text += "a larger a, or movep, which looks ahead over moves as short as this one"
+    else:
+        text += "a larger a, or a longer move before it"
+    return Caution(source.line, SLOW_BLEND, text, source.line)
 
 
 def _stopping(source: Move, request: MoveRequest, call: Call) -> Caution:

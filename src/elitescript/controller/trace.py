@@ -7,13 +7,14 @@ at which something is due, so that recording does not change how time goes.
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 from typing import Final, NamedTuple
 
 from elitescript.controller.controller import Controller
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
 from elitescript.messages.motion import Six
-from elitescript.messages.timing import seconds, ticks_for
+from elitescript.messages.timing import PERIOD_S, seconds, ticks_for
 
 
 class TraceRow(NamedTuple):
@@ -29,7 +30,7 @@ class TraceRow(NamedTuple):
     state: str
     """`playing`, `paused` or `stopped`."""
     q_actual: Six | None = None
-    """Measured joint positions, where the plant is not ideal."""
+    """Measured joint positions where there is a plant; None where actual equals target."""
 
 
 TRACE_COLUMNS: Final = (
@@ -45,21 +46,48 @@ ACTUAL_COLUMNS: Final = tuple(f"qa{joint}" for joint in range(1, 7))
 """What follows after `TRACE_COLUMNS` where actual may differ from target."""
 
 
+def step_ticks(step_s: float | None) -> int:
+    """Ticks from one row to the next.
+
+    Args:
+        step_s: the time that is asked for; one tick if None.
+
+    Raises:
+        UsageError: not a whole number of ticks, or none.
+    """
+    if step_s is None:
+        return 1
+    if not 0.0 < step_s < inf:
+        raise UsageError(f"the trace step must be > 0 s, got {step_s:g}")
+    ticks = max(1, ticks_for(step_s))
+    if abs(step_s - ticks * PERIOD_S) > _SAME_STEP * step_s:
+        near = f"{ticks * PERIOD_S:g} s" if ticks == 1 else f"{(ticks - 1) * PERIOD_S:g} or {ticks * PERIOD_S:g} s"
+        raise UsageError(
+            f"the trace step must be a whole number of control periods of {PERIOD_S:g} s, got {step_s:g} s: "
+            f"choose {near}"
+        )
+    return ticks
+
+
+_SAME_STEP: Final = 1e-9
+
+
 class Trace:
     """Records rows and hands each to `sink`.
 
     Args:
         sink: receives the rows in order.
-        step_s: time from one row to the next; one tick if None.
+        step_s: time from one row to the next, a whole number of ticks; one tick if None.
+
+    Raises:
+        UsageError: another time.
     """
 
     __slots__ = ("_next_tick", "_resting", "_sink", "_step_ticks")
 
     def __init__(self, sink: Callable[[TraceRow], None], step_s: float | None = None) -> None:
-        if step_s is not None and not step_s > 0.0:
-            raise UsageError(f"the trace step must be > 0 s, got {step_s:g}")
         self._sink = sink
-        self._step_ticks = 1 if step_s is None else max(1, ticks_for(step_s))
+        self._step_ticks = step_ticks(step_s)
         self._next_tick = 0
         self._resting: TraceRow | None = None
 

@@ -14,6 +14,7 @@ is exactly what touches the TCP.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import hypot
 
 from elitescript.controller.contact import ContactConfig
 from elitescript.controller.io import SignalImage
@@ -56,6 +57,15 @@ class WrenchSensor:
         """What pushes the TCP besides the contacts: N, N m, base frame."""
         a, b, c, d, e, f = [float(self._signals.read("external_wrench", index)) for index in range(6)]
         return (a, b, c, d, e, f)
+
+    @property
+    def is_in_use(self) -> bool:
+        """Whether anything can push the TCP."""
+        return bool(self.contact.planes) or self.external_wrench != ZERO_SIX
+
+    def force(self, q: Six, qd: Six) -> float:
+        """Return the force of everything that touches the TCP, N, for actual joints (rad, rad/s)."""
+        return hypot(*self.external(q, qd)[:3])
 
     def external(self, q: Six, qd: Six) -> Six:
         """Return everything that touches the TCP for actual joints (rad, rad/s), in the base frame."""

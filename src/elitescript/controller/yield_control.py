@@ -67,6 +67,11 @@ class YieldControl:
         """What `ArmState` applies; never more than one at a time."""
         return self._force, self._guiding
 
+    def limit_speed(self, speed: float | None) -> None:
+        """Let the TCP yield no faster than that, m/s; None lifts the limit."""
+        for correction in self.corrections:
+            correction.limit_speed(speed)
+
     def begin_program(self) -> None:
         """Say again what has been said to the program before."""
         self._force.forget_warnings()

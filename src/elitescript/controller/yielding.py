@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from math import hypot
 from typing import Final, NamedTuple
 
+from elitescript.controller.notices import Notices
 from elitescript.controller.setup import Setup
 from elitescript.controller.wrench_sensor import WrenchSensor
 from elitescript.kinematics.arm import Arm
@@ -20,6 +22,7 @@ from elitescript.kinematics.transforms import Transform
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX, JointState
+from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.admittance import selected
 from elitescript.motion.compliance import Compliance, Yielded, way_between
 from elitescript.motion.limits import MotionLimits
@@ -28,6 +31,12 @@ from elitescript.motion.speed import Obstacle
 from elitescript.motion.twist import ToolMotion
 
 NONE_FREE: Final = (False,) * 6
+
+SLOWING_M_S2: Final = 4.0
+"""How hard the free part brakes to a speed limit that is new (*assumed*)."""
+
+_BELOW_LIMIT: Final = 0.99
+"""Share of a speed limit that is used: it holds for the joints, at the end of each period."""
 
 _ROUNDING: Final = 1e-12
 """So slow, m/s and rad/s, is what rounding leaves."""
@@ -93,10 +102,10 @@ class YieldingCorrection(ABC):
         "_caller",
         "_is_paused",
         "_nominal",
-        "_noted",
+        "_notices",
         "_on_end",
-        "_on_event",
         "_selection",
+        "_speed_limit",
         "_tcp",
         "_velocity",
         "is_on",
@@ -106,7 +115,6 @@ class YieldingCorrection(ABC):
 
     def __init__(self, body: Body, on_event: Callable[[Event], None], on_end: Callable[[], None]) -> None:
         self._body = body
-        self._on_event = on_event
         self._on_end = on_end
         self._caller = Caller(0, "")
         self._selection: tuple[bool, ...] = NONE_FREE
@@ -116,7 +124,8 @@ class YieldingCorrection(ABC):
         self._nominal: Setpoint | None = None
         self._is_paused = False
         self._answer: tuple[_Question, _Step] | None = None
-        self._noted: set[tuple[int, str]] = set()
+        self._notices = Notices(on_event)
+        self._speed_limit: float | None = None
         self.is_on = False
 
     @property
@@ -141,9 +150,14 @@ class YieldingCorrection(ABC):
     def _settled(self, step: Yielded, nominal: Setpoint, is_resting: bool) -> None:
         """A period has gone by."""
 
+    def limit_speed(self, speed: float | None) -> None:
+        """Let the TCP yield no faster than that, m/s; None lifts the limit."""
+        self._speed_limit = speed
+        self._answer = None
+
     def forget_warnings(self) -> None:
         """Say again, once for each line, what has been said to the program before."""
-        self._noted.clear()
+        self._notices.said.clear()
 
     def peek(self, tick: int, nominal: Setpoint, now: JointState) -> Setpoint:
         """See `arm_state.Correction.peek`."""
@@ -221,7 +235,7 @@ class YieldingCorrection(ABC):
         is_over = self._is_paused or not self.is_on
         wanted = level
         if not is_over:
-            wanted = self._wanted(axes, free, T_base_tcp, now)
+            wanted = self._slowed(self._wanted(axes, free, T_base_tcp, now), free)
             if left != ZERO_SIX:
                 wanted = _sum(wanted, compliance.nearer(target.q, left, ZERO_SIX, body.deceleration))
         free = _sum(free, left)
@@ -241,6 +255,18 @@ class YieldingCorrection(ABC):
         is_level = is_over and (found.free == level or found.setpoint.qd == ZERO_SIX)
         return _Step(found, _sum(bound, found.free), axes, is_level, obstacle)
 
+    def _slowed(self, wanted: Six, free: Six) -> Six:
+        if self._speed_limit is None:
+            return wanted
+        x, y, z, *turn = wanted
+        speed = hypot(x, y, z)
+        top = max(_BELOW_LIMIT * self._speed_limit, hypot(*free[:3]) - SLOWING_M_S2 * PERIOD_S)
+        if speed <= top:
+            return wanted
+        k = top / speed
+        a, b, c = turn
+        return (k * x, k * y, k * z, a, b, c)
+
     def _left_over(self, axes: Rotation, deviation: Six) -> Six:
         """What the arm still moves beside the nominal motion along axes that are not free any more."""
         left = _difference(deviation, selected(axes, self._selection, deviation))
@@ -253,9 +279,7 @@ class YieldingCorrection(ABC):
 
     def _warn(self, tick: int, kind: str, text: str) -> None:
         line, thread = self._caller
-        if (line, kind) not in self._noted:
-            self._noted.add((line, kind))
-            self._on_event(Warned(tick, text, thread, line))
+        self._notices.once(line, kind, Warned(tick, text, thread, line))
 
 
 def _difference(one: Six, other: Six) -> Six:

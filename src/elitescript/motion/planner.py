@@ -26,13 +26,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from math import hypot, inf, isfinite, sqrt
+from math import degrees, hypot, inf, isfinite, pi, sqrt
 from typing import Final
 
 from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import singularity
-from elitescript.kinematics.transforms import IDENTITY, Transform, compose, transform_from_pose
+from elitescript.kinematics.rotations import multiply, rotvec_from_rotation, transpose
+from elitescript.kinematics.transforms import IDENTITY, Transform, compose, rotation_of, transform_from_pose
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, Six
 from elitescript.motion.jointline import JointLine
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error
@@ -57,6 +58,9 @@ NOTEWORTHY: Final = 1e-3
 """A move that lasts longer than wanted by a smaller share than this needs no note."""
 
 
+NOTEWORTHY_TURN: Final = pi / 180.0
+"""An end orientation that differs by a smaller angle, rad, from the one that was given needs no note."""
+
 APPROACH_SHARE: Final = 0.8
 """Share of the acceleration with which a move with a blend radius brakes. What is left turns the arm: an arm that
 brakes with all of its acceleration could turn into no direction but its own, and would have to stop at a sharp
@@ -77,6 +81,7 @@ class NoteKind(StrEnum):
     SPEED_LOWERED_NEAR_SINGULARITY = "speed_lowered_near_singularity"
     SPEED_LOWERED_FOR_JOINT_LIMITS = "speed_lowered_for_joint_limits"
     RADIUS_SHORTENED = "radius_shortened"
+    ORIENTATION_NOT_USED = "orientation_not_used"
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,7 +223,10 @@ def plan_movec(
         is_entered,
     )
     centripetal = plan.law.v * plan.law.v / path.radius
-    plan = replace(plan, tool_acceleration=hypot(plan.law.a, centripetal))
+    notes = plan.notes
+    if request.is_orientation_fixed:
+        notes += _orientation_not_used(path.T_base_tcp_end, transform_from_pose(request.p_target))
+    plan = replace(plan, tool_acceleration=hypot(plan.law.a, centripetal), notes=notes)
     return _with_zone(plan, arm, T_flange_tcp, request.r)
 
 
@@ -281,7 +289,8 @@ def _with_zone(plan: Plan, arm: Arm, T_flange_tcp: Transform, r: float) -> Plan:
     if r == 0.0 or path.length == 0.0:
         return plan
     zone = zone_before(path, r, arm, T_flange_tcp)
-    if not zone.is_shortened:
+    # Half of a move that was worked out from rounded numbers is a little less than half of it.
+    if not zone.is_shortened or zone.radius >= r * (1.0 - NOTEWORTHY):
         return replace(plan, zone=zone)
     note = Note(
         NoteKind.RADIUS_SHORTENED,
@@ -342,6 +351,19 @@ def _lowered(length: float, v: float, v_max: float, a: float, a_max: float, unit
         if value > limit
     ]
     return (Note(NoteKind.LOWERED_TO_LIMITS, f"{' and '.join(lowered)}, its limit"),)
+
+
+def _orientation_not_used(T_base_tcp_end: Transform, T_base_tcp_asked: Transform) -> tuple[Note, ...]:
+    """Return the note for an arc that ends in another orientation than its end pose says."""
+    turn = multiply(transpose(rotation_of(T_base_tcp_end)), rotation_of(T_base_tcp_asked))
+    angle = hypot(*rotvec_from_rotation(turn))
+    if angle <= NOTEWORTHY_TURN:
+        return ()
+    text = (
+        f"mode 0 keeps the orientation of the tool relative to the arc: it ends {degrees(angle):.3g} deg away from the "
+        f"orientation of pose_to, which does not count; mode=1 turns the tool to it"
+    )
+    return (Note(NoteKind.ORIENTATION_NOT_USED, text),)
 
 
 def _speed_lowered(

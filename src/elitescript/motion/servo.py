@@ -8,7 +8,9 @@ The law, *assumed* in all its parts (the manual says: mean filter and splines wi
 3. A joint that is e behind it goes there at the speed w e, where w is a tenth of the gain, 1/s; far away at the
    speed from which it can still stop there. Behind a steady stream the arm is late by half the look-ahead time
    and 1 / w.
-4. No joint exceeds its speed limit or its acceleration limit.
+4. No joint exceeds its speed limit or its acceleration limit. Where the stream takes over from another motion, the
+   first period uses half of the acceleration, so that it holds across the change too.
+5. A pause brings the speed of rule 3 to zero; afterwards it comes back in even steps within 0.2 s.
 
 When targets stop coming, the arm comes to rest at the last one. The speed percentage does not count.
 """
@@ -30,6 +32,9 @@ GAIN_PER_S: Final = 10.0
 APPROACH_SHARE: Final = 0.7
 """Share of the acceleration limits with which a far target is approached; the rest is for the stream's own bends."""
 
+EASE_TICKS: Final = 50.0
+"""Time, 0.2 s, in which the arm takes up the stream again after a pause."""
+
 ARRIVED_RAD: Final = 1e-7
 """A joint this near to the end of the stream is there."""
 
@@ -47,6 +52,10 @@ class ServoState(NamedTuple):
     """Ticks until the stream is at its target."""
     is_limited: bool
     """Whether a joint could not follow in this period."""
+    ease: float = 0.0
+    """Ticks until the arm follows as eagerly as before a pause."""
+    is_taken_over: bool = False
+    """Whether another motion went on until this period."""
 
     def is_at(self, q_target: Six) -> bool:
         """Whether stream and arm have arrived."""
@@ -62,7 +71,7 @@ class ServoState(NamedTuple):
 
 def begun(start: Setpoint) -> ServoState:
     """Return the state from which following begins: the stream stands where the arm is."""
-    return ServoState(start.q, start.qd, (start.q,), 0, False)
+    return ServoState(start.q, start.qd, (start.q,), 0, False, is_taken_over=start.qd != STANDSTILL)
 
 
 def followed(state: ServoState, q_target: Six, window: int, gain: float, limits: MotionLimits) -> ServoState | Obstacle:
@@ -86,6 +95,10 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
     rate = (1.0 - exp(-gain / GAIN_PER_S * PERIOD_S)) / PERIOD_S
     speeds = []
     is_limited = False
+    # Between two periods the acceleration of what went on before counts half.
+    share = 0.5 if state.is_taken_over else 1.0
+    ease = max(0.0, state.ease - 1.0)
+    eagerness = 1.0 - ease / EASE_TICKS
     for column, q, w, top, a_top in zip(
         zip(*stream, strict=True), state.q, state.qd, limits.qd_max, limits.qdd_max, strict=True
     ):
@@ -95,10 +108,11 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
         if abs(wanted) > top:
             wanted = top if wanted > 0.0 else -top
             is_limited = True
-        change = a_top * PERIOD_S
+        wanted *= eagerness
+        change = share * a_top * PERIOD_S
         speeds.append(min(max(wanted, w - change), w + change))
     w1, w2, w3, w4, w5, w6 = speeds
-    return _next(state, stream, max(0, state.left - 1), (w1, w2, w3, w4, w5, w6), is_limited, limits)
+    return _next(state, stream, max(0, state.left - 1), (w1, w2, w3, w4, w5, w6), is_limited, ease, limits)
 
 
 def held(state: ServoState, deceleration: float, limits: MotionLimits) -> ServoState | Obstacle:
@@ -106,22 +120,22 @@ def held(state: ServoState, deceleration: float, limits: MotionLimits) -> ServoS
     change = deceleration * PERIOD_S
     largest = max(map(abs, state.qd))
     if largest <= change:
-        return _next(state, state.stream, state.left, STANDSTILL, False, limits)
+        return _next(state, state.stream, state.left, STANDSTILL, False, EASE_TICKS, limits)
     keep = 1.0 - change / largest
     w1, w2, w3, w4, w5, w6 = state.qd
     qd = (w1 * keep, w2 * keep, w3 * keep, w4 * keep, w5 * keep, w6 * keep)
-    return _next(state, state.stream, state.left, qd, False, limits)
+    return _next(state, state.stream, state.left, qd, False, EASE_TICKS - (EASE_TICKS - state.ease) * keep, limits)
 
 
 def _next(
-    state: ServoState, stream: tuple[Six, ...], left: int, qd: Six, is_limited: bool, limits: MotionLimits
+    state: ServoState, stream: tuple[Six, ...], left: int, qd: Six, is_limited: bool, ease: float, limits: MotionLimits
 ) -> ServoState | Obstacle:
     q1, q2, q3, q4, q5, q6 = [q + w * PERIOD_S for q, w in zip(state.q, qd, strict=True)]
     q = (q1, q2, q3, q4, q5, q6)
     joint = obstacle_at(q, qd, min(limits.qdd_max), limits)
     if joint is not None:
         return range_obstacle(limits, joint, state.q, "servoj")
-    return ServoState(q, qd, stream, left, is_limited)
+    return ServoState(q, qd, stream, left, is_limited, ease)
 
 
 def _approach(way: float, rate: float, deceleration: float) -> float:

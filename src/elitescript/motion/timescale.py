@@ -132,8 +132,9 @@ def stop_ramp(segment: Segment, path_time_s: float, rate: float, deceleration: f
 
     For `stopj`, pause and stop. No joint brakes harder than asked while the rate goes from
     `rate` to 0. The braking that is planned in the segment counts: only what it leaves of the
-    deceleration is used, at least half (so that a stop during a braking harder than that still
-    takes effect; the sum is then up to half the deceleration above the planned).
+    deceleration is used. Where it leaves so little that the arm would take more than twice as long to rest
+    as with the deceleration alone, more is used, up to half of the deceleration on top of what is planned.
+    A segment that ends sooner than the ramp brings the arm to rest at its end.
 
     Args:
         segment: the move under way.
@@ -213,6 +214,12 @@ _RAMP_TOLERANCE: Final = 1e-3
 _GENTLEST: Final = 1e-9
 """Deceleration below which a braking outlasts every move, rad/s^2 or m/s^2."""
 
+_LEAST_BRAKING: Final = (0.02, 0.1, 0.25, 0.5)
+"""Shares of the deceleration that a stop may use on top of the planned braking, whatever that is; tried in turn."""
+
+_PATIENCE: Final = 2.0
+"""How much longer than with the deceleration alone a stop may take for the sake of keeping to it."""
+
 _DIFFERENCE_S: Final = 1e-4
 """Step of the difference that gives the planned deceleration, s of path time."""
 
@@ -227,6 +234,28 @@ def _braking_ramp(
     if not (isfinite(deceleration) and deceleration > 0.0):
         raise UsageError(f"a deceleration of {deceleration} makes no sense; it has to be more than 0")
     _check_rate(rate)
+    patience_s = _PATIENCE * rate * max(map(abs, speeds_at(path_time_s))) / deceleration
+    ramp_s = 0.0
+    for least in _LEAST_BRAKING:
+        ramp_s = _ramp_leaving(speeds_at, duration_s, path_time_s, rate, deceleration, least)
+        left_s = max(0.0, duration_s - path_time_s)
+        # The path that the ramp takes until the end of the segment: rate t (1 - t / (2 ramp)) = left.
+        share = 2.0 * left_s / (rate * ramp_s) if ramp_s else 0.0
+        rests_after_s = ramp_s * (1.0 - sqrt(1.0 - share)) if share < 1.0 else ramp_s
+        if rests_after_s <= patience_s:
+            break
+    return ramp_s
+
+
+def _ramp_leaving(
+    speeds_at: Callable[[float], tuple[float, ...]],
+    duration_s: float,
+    path_time_s: float,
+    rate: float,
+    deceleration: float,
+    least: float,
+) -> float:
+    """Return the ramp that uses what the planned braking leaves, but at least a share of the deceleration."""
     ramp_s = 0.0
     for _ in range(_BRAKING_ROUNDS):
         full_window_s = 0.5 * rate * ramp_s
@@ -240,7 +269,7 @@ def _braking_ramp(
             rate_squared = rate * rate * (1.0 - ahead_s / full_window_s) if full_window_s else rate * rate
             for speed, speed_later in zip(map(abs, speeds), map(abs, later), strict=True):
                 planned = max(0.0, rate_squared * (speed - speed_later) / _DIFFERENCE_S)
-                needed_s = max(needed_s, rate * speed / max(deceleration - planned, 0.5 * deceleration, _GENTLEST))
+                needed_s = max(needed_s, rate * speed / max(deceleration - planned, least * deceleration, _GENTLEST))
         if needed_s <= ramp_s * (1.0 + _RAMP_TOLERANCE):
             break
         ramp_s = needed_s

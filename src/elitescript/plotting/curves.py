@@ -94,13 +94,15 @@ def tcp_path(rows: Sequence[TraceRow], speeds: Sequence[float]) -> dict[str, Any
         if row.q == later.q and row.tcp_pose[:3] != later.tcp_pose[:3]
     ]
     near_jumps = {index for jump in jumps[: PATH_POINTS_MAX // 8] for index in (jump - 1, jump)}
+    bounds = [(speeds, 0.01 * max(speeds)), *((column, _PATH_TOLERANCE_M) for column in columns)]
     tolerance = 1.0
     while True:
-        kept = set(within_tolerance(times, speeds, tolerance * 0.01 * max(speeds)))
-        for column in columns:
-            kept.update(within_tolerance(times, column, tolerance * _PATH_TOLERANCE_M))
-        kept |= near_jumps
-        if len(kept) <= PATH_POINTS_MAX:
+        kept = near_jumps.copy()
+        for values, allowed in bounds:
+            kept.update(within_tolerance(times, values, tolerance * allowed, PATH_POINTS_MAX))
+            if len(kept) > PATH_POINTS_MAX:
+                break
+        else:
             break
         tolerance *= 2.0
     indices = sorted(kept)

@@ -24,14 +24,20 @@ def decimated(times: Sequence[float], values: Sequence[float], *, tolerance: flo
         points_max: upper bound of the number of indices, at least 8.
     """
     for factor in (1.0, 2.0, 4.0):
-        indices = within_tolerance(times, values, factor * tolerance)
+        indices = within_tolerance(times, values, factor * tolerance, points_max)
         if len(indices) <= points_max:
             return indices
     return extremes(times, values, points_max)
 
 
-def within_tolerance(times: Sequence[float], values: Sequence[float], tolerance: float) -> list[int]:
-    """Indices of samples between which straight lines pass every other sample within a tolerance."""
+def within_tolerance(
+    times: Sequence[float], values: Sequence[float], tolerance: float, enough: int | None = None
+) -> list[int]:
+    """Indices of samples between which straight lines pass every other sample within a tolerance.
+
+    With `enough` the rest of the curve is not looked at any more once there are more indices than that, so that a
+    tolerance that is too small for a long curve is found out early.
+    """
     count = len(values)
     if count <= 2:
         return list(range(count))
@@ -39,8 +45,10 @@ def within_tolerance(times: Sequence[float], values: Sequence[float], tolerance:
     stops = sorted({0, values.index(low), values.index(high), count - 1})
     kept = [0]
     for start, stop in pairwise(stops):
-        _walk(times, values, tolerance, start, stop, kept)
+        _walk(times, values, tolerance, start, stop, kept, count if enough is None else enough)
         kept.append(stop)
+        if enough is not None and len(kept) > enough:
+            break
     return kept
 
 
@@ -68,9 +76,15 @@ def extremes(times: Sequence[float], values: Sequence[float], points_max: int) -
 
 
 def _walk(
-    times: Sequence[float], values: Sequence[float], tolerance: float, start: int, stop: int, kept: list[int]
+    times: Sequence[float],
+    values: Sequence[float],
+    tolerance: float,
+    start: int,
+    stop: int,
+    kept: list[int],
+    enough: int,
 ) -> None:
-    """Append what is needed strictly between two samples.
+    """Append what is needed strictly between two samples, as long as there are no more than `enough`.
 
     From an anchor, the slopes of all lines that pass the samples so far within the tolerance form an interval. The
     first sample that is seen outside of it ends the line at the sample before.
@@ -83,6 +97,8 @@ def _walk(
         slope = dv / dt
         if not slope_min <= slope <= slope_max:
             kept.append(index - 1)
+            if len(kept) > enough:
+                return
             t0, v0 = times[index - 1], values[index - 1]
             dt = times[index] - t0
             dv = values[index] - v0

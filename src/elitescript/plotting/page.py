@@ -35,6 +35,7 @@ class Recording:
         source: text of the program; None if only the trace is known.
         events: what happened besides motion; times count like those of the rows.
         state: how the run ended; empty if only the trace is known.
+        step_s: time between two rows, s; 0 if only the trace is known.
     """
 
     title: str
@@ -43,6 +44,7 @@ class Recording:
     source: SourceFile | None = None
     events: Sequence[Event] = ()
     state: str = ""
+    step_s: float = 0.0
 
 
 def page(recording: Recording) -> str:
