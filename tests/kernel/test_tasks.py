@@ -106,7 +106,8 @@ class TestPlaying:
         session = Session(world=MemoryWorld(FILES))
         load(session, "beside.task")
         assert play(session) == (
-            "refused: the arm cannot move: the arm is switched off; power on and release the brakes"
+            "refused: the arm cannot move: the arm is switched off; power on and release the brakes; "
+            "`elitescript run` does both when it starts a program"
         )
 
     def test_a_stop_of_the_safety_system_is_named(self, session):

@@ -40,7 +40,9 @@ WHY_NOT_READY: Final[dict[RobotMode, str]] = {
     IDLE: "the brakes are engaged",
 }
 
-SWITCH_ON_HINT: Final = "power on and release the brakes; starting a program does both"
+SWITCH_ON_HINT: Final = (
+    "power on and release the brakes; `elitescript run` and VirtualRobot do both when a program starts"
+)
 
 
 @dataclass(frozen=True, slots=True)
