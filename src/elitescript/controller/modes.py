@@ -40,9 +40,7 @@ WHY_NOT_READY: Final[dict[RobotMode, str]] = {
     IDLE: "the brakes are engaged",
 }
 
-SWITCH_ON_HINT: Final = (
-    "power on and release the brakes; `elitescript run` and VirtualRobot do both when a program starts"
-)
+SWITCH_ON_HINT: Final = "power on and release the brakes; `elitescript run` does both when it starts a program"
 
 
 @dataclass(frozen=True, slots=True)
