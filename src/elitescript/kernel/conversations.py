@@ -36,8 +36,10 @@ REASONS: Final[dict[str, str]] = {
 """Why a statement is discarded, in the words of the port."""
 
 WORK_PER_TICK: Final = 8000
-LEAST_WORK: Final = 400
-"""What is compiled in one tick, about 2 ms of work: characters, of which each text counts for so many at least."""
+STATEMENT_WORK: Final = 400
+QUERY_WORK: Final = 4000
+"""What is begun in one tick, about 2 ms of work: characters, of which each text counts for so many at least. A query
+without a running program has all names made for it alone."""
 
 Reply = Callable[[str, str], None]
 """Takes the origin of what was asked, and the text for it."""
@@ -56,8 +58,8 @@ class Conversations:
     def __init__(self, host: ScriptHost, reply: Reply) -> None:
         self._host = host
         self._reply = reply
-        self._statements: _Turns[Interpret | InterpreterWord] = _Turns(self._say, QUEUE_LIMIT)
-        self._queries: _Turns[Query] = _Turns(self._ask, QUEUE_MAX)
+        self._statements: _Turns[Interpret | InterpreterWord] = _Turns(self._say, STATEMENT_WORK, QUEUE_LIMIT)
+        self._queries: _Turns[Query] = _Turns(self._ask, QUERY_WORK, QUEUE_MAX)
         host.interpreter.answers = self
 
     def interpret(self, item: Interpret) -> None:
@@ -134,20 +136,22 @@ class _Turns(Generic[Item]):
 
     Args:
         carry_out: does what an item asks for.
+        least_work: for which each item counts at least.
         limit: items that may wait.
     """
 
-    __slots__ = ("_carry_out", "_left", "_limit", "_waiting")
+    __slots__ = ("_carry_out", "_least_work", "_left", "_limit", "_waiting")
 
-    def __init__(self, carry_out: Callable[[Item], None], limit: int) -> None:
+    def __init__(self, carry_out: Callable[[Item], None], least_work: int, limit: int) -> None:
         self._carry_out = carry_out
+        self._least_work = least_work
         self._limit = limit
         self._left = WORK_PER_TICK
         self._waiting: deque[tuple[Item, int]] = deque()
 
     def put(self, item: Item, size: int) -> bool:
         """Take an item of so many characters; whether there is room for it."""
-        work = max(size, LEAST_WORK)
+        work = max(size, self._least_work)
         if not self._waiting and self._left > 0:
             self._do(item, work)
         elif len(self._waiting) < self._limit:

@@ -87,6 +87,12 @@ class DashboardConnection(Connection):
             if len(self._waiting) > WAITING_LIMIT:
                 raise ProtocolError(f"more than {WAITING_LIMIT} commands wait for an answer")
 
+    def read_on(self, output: Output) -> list[Input]:
+        """See `Connection.read_on`."""
+        self._lines.renew()
+        self._read(output)
+        return self.due()
+
     @property
     def is_busy(self) -> bool:
         """See `Connection.is_busy`."""

@@ -103,6 +103,10 @@ class PacedLines:
             self._left -= self._raw[end - 1] == 0x0A
         return self._cut(end)
 
+    def renew(self) -> None:
+        """As many lines again may be read in this tick."""
+        self._left = self._per_tick
+
     def rest(self) -> list[Line]:
         """Return all lines that wait."""
         return self._cut(len(self._raw))
