@@ -72,7 +72,7 @@ def primary_page() -> str:
         "`sec name():` to `end` runs beside it; any other line is a program of its own or one of the plain commands",
         "below. Nothing is answered but what goes wrong. An `end` or a line without a line feed counts after",
         f"{primary.SILENCE_TICKS} ticks without a byte, or when the client closes; a program that is still open then",
-        f"is refused. At most {primary.MAX_UNITS_PER_TICK} units of a client run in one tick. In local control",
+        f"is refused. At most {primary.UNITS_PER_TICK} units of a client begin in one tick. In local control",
         "everything is refused (*assumed*). A refusal is a script exception for the client and a line of the log.",
         "",
         "| plain command | what the vendor's client watches afterwards |",

@@ -34,6 +34,61 @@ class Talk(Session):
         return "".join(reply.text for reply in self.send(InterpreterWord("interpreter#1", word)).replies)
 
 
+class TestSkipping:
+    def test_a_clearing_statement_that_is_skipped_holds_nothing_back(self):
+        talk = Talk(*HOST)
+        talk.say("sleep(0.1)", "clear_interpreter()")
+        assert talk.say("textmsg('held')") == []
+        talk.word("skipbuffer")
+        talk.run(0.2)
+        assert talk.replies[-1] == "ack: 3: textmsg('held')"
+        assert talk.texts == ["held"]
+
+
+class TestMany:
+    def test_statements_are_taken_a_few_in_a_tick_and_in_their_order(self):
+        talk = Talk("interpreter_mode()")
+        talk.send(*(Interpret("interpreter#1", f"textmsg({number})") for number in range(500)))
+        assert 0 < len(talk.replies) < 100
+        talk.run(0.5)
+        assert talk.replies == [f"ack: {number + 1}: textmsg({number})" for number in range(500)]
+        assert talk.texts == [str(number) for number in range(500)]
+
+    def test_a_word_is_obeyed_after_the_statements_before_it(self):
+        talk = Talk("interpreter_mode()")
+        talk.send(
+            *(Interpret("interpreter#1", "sync()") for _ in range(200)),
+            InterpreterWord("interpreter#1", "statelastinterpreted"),
+        )
+        talk.run(0.5)
+        assert talk.replies[-1] == "state: 200: statelastinterpreted"
+
+    def test_aborting_does_not_wait(self):
+        talk = Talk("movej([0.2, -1.5, -1.5, -1.5, 1.5, 0], a=0.1, v=0.1)", "textmsg('aborted')")
+        talk.send(
+            *(Interpret("interpreter#1", "sync()") for _ in range(5000)), InterpreterWord("interpreter#1", "abort")
+        )
+        talk.run(0.2)
+        assert talk.texts == ["aborted"]
+
+    def test_those_that_are_too_many_are_discarded_at_once(self):
+        talk = Talk("interpreter_mode()")
+        talk.send(*(Interpret("interpreter#1", f"sleep({number})") for number in range(9000)))
+        assert "discard: Too many interpreted messages: sleep(8999)" in talk.replies
+
+    def test_queries_are_taken_a_few_in_a_tick_and_all_are_answered(self):
+        talk = Talk()
+        talk.send(*(Query("query#1", str(number), "1 + 1") for number in range(300)))
+        assert 0 < len(talk.replies) < 5
+        talk.run(1.0)
+        assert talk.replies == [f"{number} success : 2" for number in range(300)]
+
+    def test_queries_that_are_too_many_fail_at_once(self):
+        talk = Talk()
+        talk.send(*(Query("query#1", str(number), "1 + 1") for number in range(2000)))
+        assert "1999 failure : execute failed" in talk.replies
+
+
 class TestStatements:
     def test_they_read_and_change_globals_and_the_variables_of_the_caller(self):
         talk = Talk(*HOST)
@@ -83,11 +138,11 @@ class TestStatements:
         assert talk.last.snapshot.robot.q_actual[0] == pytest.approx(0.2)
 
     def test_many_take_several_ticks(self):
-        talk = Talk(*HOST)
+        talk = Talk("global g", "g = 1", "sleep(1)", "interpreter_mode(clearQueueOnEnter=False)")
         talk.send(*(Interpret("interpreter#1", "g = g + 1") for _ in range(120)))
-        assert talk.word("stateunexecuted") == "state: 70: stateunexecuted"
-        talk.tick()
-        assert talk.word("statelastexecuted") == "state: 120: statelastexecuted"
+        talk.run(0.9)
+        counts = [talk.word("stateunexecuted").split(": ")[1] for _ in range(50)]
+        assert list(dict.fromkeys(counts)) == ["120", "70", "20", "0"]
 
 
 class TestQueue:
@@ -126,6 +181,7 @@ class TestQueue:
     def test_it_is_bounded(self):
         talk = Talk("sleep(100)", config=KernelConfig(firmware="2.10"))
         talk.send(*(Interpret("interpreter#1", "0") for _ in range(2001)))
+        talk.run(1.0)
         assert talk.replies[-1] == "discard: Too many interpreted messages: 0"
         assert talk.replies[-2] == "ack: 2000: 0"
 

@@ -33,7 +33,14 @@ from elitescript.messages.machine import (
 )
 from elitescript.messages.outputs import Reply
 from elitescript.protocol.connection import ProtocolError
-from elitescript.protocol.dashboard import ANSWER_TICKS, LINE_LIMIT, WAITING_LIMIT, DashboardConnection, find_row
+from elitescript.protocol.dashboard import (
+    ANSWER_TICKS,
+    LINE_LIMIT,
+    LINES_PER_TICK,
+    WAITING_LIMIT,
+    DashboardConnection,
+    find_row,
+)
 from elitescript.protocol.dashboard_verbs import VERBS
 from elitescript.protocol.outcomes import done, refused
 from tests.protocol.line_peer import Peer
@@ -271,6 +278,16 @@ def test_a_robot_that_does_not_answer_is_given_up_and_its_late_answer_ignored() 
     assert peer.tick() == wire("Failed to start task: the controller has not answered for 4 s")
     assert peer.tick(Reply("peer#1/1", done())) == []
     assert peer.tick(Reply("peer#1/2", refused("no"))) == wire("Failed to start task: no")
+
+
+def test_commands_are_read_a_few_in_a_tick() -> None:
+    peer = Peer(DashboardConnection)
+    assert len(peer.send(b"echo\n" * (LINES_PER_TICK + 1))) == LINES_PER_TICK
+    assert peer.connection.is_busy
+    assert peer.connection.is_expecting
+    assert peer.tick() == [b"Hello ELITE ROBOTS.\r\n"]
+    assert not peer.connection.is_busy
+    assert not peer.connection.is_expecting
 
 
 def test_commands_that_wait_are_bounded() -> None:

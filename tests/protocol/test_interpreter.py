@@ -9,7 +9,7 @@ import pytest
 from elitescript.messages.inputs import Interpret, InterpreterWord
 from elitescript.messages.outputs import Reply
 from elitescript.protocol import interpreter
-from elitescript.protocol.interpreter import LINE_LIMIT, REASONS, WORDS, InterpreterConnection
+from elitescript.protocol.interpreter import LINE_LIMIT, LINES_PER_TICK, REASONS, WORDS, InterpreterConnection
 from tests.protocol.line_peer import Peer
 
 DOCUMENTED_WORDS = [
@@ -102,6 +102,17 @@ def test_a_line_may_be_as_long_as_the_limit_and_no_longer() -> None:
     [reply] = peer.send(b"a" * (LINE_LIMIT + 1) + b"\nb\n")
     assert reply == f"discard: Compile error:the line is longer than {LINE_LIMIT} bytes : {'a' * 60}...\n".encode()
     assert [len(item.text) for item in peer.inputs if isinstance(item, Interpret)] == [LINE_LIMIT, 1]
+
+
+def test_lines_are_read_a_few_in_a_tick_and_the_rest_when_the_client_goes() -> None:
+    peer = Peer(InterpreterConnection)
+    peer.send(b"a = 1\n" * (3 * LINES_PER_TICK) + b"unfinished")
+    assert len(peer.inputs) == LINES_PER_TICK
+    assert peer.connection.is_busy
+    peer.tick()
+    assert len(peer.inputs) == 2 * LINES_PER_TICK
+    assert peer.connection.closed() == [Interpret("peer#1", "a = 1")] * LINES_PER_TICK
+    assert not peer.connection.is_busy
 
 
 def test_any_bytes_are_borne() -> None:

@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from elitescript.protocol.lines import Line, LineSplitter, one_line, shown
+from elitescript.protocol.lines import Line, LineSplitter, PacedLines, one_line, shown
 
 
 def fed(chunks: list[bytes], limit: int = 10) -> list[Line]:
@@ -73,3 +73,33 @@ def test_text_of_a_peer_is_shown_short_and_printable() -> None:
     assert shown("a\x00b\x1b[31m") == "a?b?[31m"
     assert shown("x" * 61) == "x" * 60 + "..."
     assert one_line("a\r\nb\nc") == "a b c"
+
+
+def test_so_many_lines_are_read_in_a_tick_however_they_arrive() -> None:
+    data = b"".join(b"%d\n" % number for number in range(20)) + b"unfinished"
+    for seed in range(100):
+        chance = random.Random(seed)
+        lines, found, at, tick = PacedLines(10, 3), [], 0, 0
+        while at < len(data) or lines.is_waiting:
+            size = chance.randrange(12)
+            lines.feed(data[at : at + size])
+            at += size
+            taken = [line.text for line in lines.take(tick) + lines.take(tick)]
+            assert len(taken) <= 3
+            found += taken
+            tick += 1
+        assert found == [str(number) for number in range(20)], seed
+
+
+def test_a_long_line_without_an_end_does_not_wait() -> None:
+    lines = PacedLines(10, 3)
+    lines.feed(b"x" * 100_000)
+    assert [line.problem for line in lines.take(0)] == ["the line is longer than 10 bytes"]
+    assert not lines.is_waiting
+
+
+def test_what_waits_can_be_had_at_once() -> None:
+    lines = PacedLines(10, 1)
+    lines.feed(b"a\nb\nc\nd")
+    assert [line.text for line in lines.take(0)] == ["a"]
+    assert [line.text for line in lines.rest()] == ["b", "c"]

@@ -17,7 +17,7 @@ from elitescript.protocol.primary import (
     MAX_BYTES_PER_TICK,
     MAX_LINES_PER_TICK,
     MAX_SILENT_LINE_BYTES,
-    MAX_UNITS_PER_TICK,
+    MAX_UNITS_AT_ONCE,
     MAX_WAITING,
     MAX_WAITING_BYTES,
     PORTS,
@@ -27,6 +27,7 @@ from elitescript.protocol.primary import (
     SECONDARY,
     SILENCE_TICKS,
     SPACING_TICKS,
+    UNITS_PER_TICK,
     PrimaryConnection,
     PrimaryFeed,
     PrimaryPort,
@@ -282,17 +283,27 @@ class TestUploads:
     def test_a_flood_of_programs_is_run_in_portions(self):
         connection = connect()
         portions = [connection.receive(b"halt()\n" * 1000, output(1))]
-        for tick in range(2, 60):
+        for tick in range(2, 600):
             connection.publish(output(tick))
             portions.append(connection.due())
         assert [unit for portion in portions for unit in portion] == [RunUnit(ME, "line", "halt()")] * 1000
-        assert max(map(len, portions)) <= MAX_UNITS_PER_TICK
+        assert max(map(len, portions)) == UNITS_PER_TICK
+        assert not connection.is_busy
+
+    def test_a_client_with_units_ready_is_not_read(self):
+        connection = connect()
+        connection.receive(b"halt()\n" * (UNITS_PER_TICK + 1), output(1))
+        assert connection.is_busy
+        connection.publish(output(2))
+        assert len(connection.due()) == 1
+        assert not connection.is_busy
 
     def test_a_flood_of_programs_is_cut_off_when_its_sender_goes(self):
         connection = connect()
         sent = connection.receive(b"halt()\n" * 1000, output(1))
         *last, log = connection.closed()
-        assert sent + last == [RunUnit(ME, "line", "halt()")] * MAX_UNITS_PER_TICK
+        assert len(sent) == UNITS_PER_TICK
+        assert last == [RunUnit(ME, "line", "halt()")] * MAX_UNITS_AT_ONCE
         assert isinstance(log, AddLog)
         assert "the rest is lost" in log.text
 
@@ -487,7 +498,7 @@ def test_no_bytes_harm_the_connection(seed):
                 assert len(whole) == 1157 if kind == 16 else client.robot_message(whole)["kind"] in (6, 10)
             found += connection.due()
         assert all(isinstance(item, RunUnit | Do | AddLog) and item.origin == ME for item in found)
-        assert len(found) <= 31 * (MAX_UNITS_PER_TICK + 1)
+        assert len(found) <= 31 * (MAX_UNITS_AT_ONCE + 1)
     connection.closed()
     # Nothing that was sent can keep the next program from running.
     fresh = connect()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
+
 from tests.protocol import rtsi_client
 from tests.services.served import Peer, Scene, run, serving
 
@@ -132,5 +134,24 @@ def test_others_are_read_while_time_stands_still() -> None:
                 dashboard.send(b"robotMode\n" * 10)
                 for _ in range(10):
                     assert await dashboard.line() == "robotMode: RUNNING\r\n"
+
+    run(test())
+
+
+def test_a_robot_that_fails_ends_its_time_and_not_the_client() -> None:
+    async def test() -> None:
+        async with serving(is_lockstep=True) as scene:
+            partner = await Partner.join(scene)
+            begin = await partner.take()
+
+            def fail(tick: int) -> None:
+                raise RuntimeError("a mistake of ours")
+
+            scene.robot.on_tick = fail
+            partner.answer()
+            with pytest.raises(RuntimeError, match="a mistake of ours"):
+                await scene.station.task
+            assert scene.station.output.tick == begin
+            assert not scene.notes("gone")
 
     run(test())

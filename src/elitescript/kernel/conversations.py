@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
-from typing import Final
+from typing import Final, Generic, TypeVar
 
 from elitescript.errors import ProgramError, ScriptError
 from elitescript.messages.inputs import Interpret, InterpreterWord, Query
@@ -12,6 +13,7 @@ from elitescript.protocol.interpreter import (
     CLEARED_AT_END,
     CLEARED_BEFORE,
     INVALID_STATE,
+    QUEUE_LIMIT,
     TOO_MANY,
     acknowledged,
     discarded,
@@ -22,6 +24,7 @@ from elitescript.protocol.interpreter import (
 from elitescript.protocol.query import not_executed, not_parsed, succeeded
 from elitescript.runtime import interpreter
 from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.queries import QUEUE_MAX
 
 REASONS: Final[dict[str, str]] = {
     interpreter.INVALID_STATE: INVALID_STATE,
@@ -31,6 +34,12 @@ REASONS: Final[dict[str, str]] = {
     interpreter.CLEARED: CLEARED,
 }
 """Why a statement is discarded, in the words of the port."""
+
+WORK_PER_TICK: Final = 8000
+STATEMENT_WORK: Final = 400
+QUERY_WORK: Final = 4000
+"""What is begun in one tick, about 2 ms of work: characters, of which each text counts for so many at least. A query
+without a running program has all names made for it alone."""
 
 Reply = Callable[[str, str], None]
 """Takes the origin of what was asked, and the text for it."""
@@ -44,19 +53,44 @@ class Conversations:
         reply: sends an answer.
     """
 
-    __slots__ = ("_host", "_reply")
+    __slots__ = ("_host", "_queries", "_reply", "_statements")
 
     def __init__(self, host: ScriptHost, reply: Reply) -> None:
         self._host = host
         self._reply = reply
+        self._statements: _Turns[Interpret | InterpreterWord] = _Turns(self._say, STATEMENT_WORK, QUEUE_LIMIT)
+        self._queries: _Turns[Query] = _Turns(self._ask, QUERY_WORK, QUEUE_MAX)
         host.interpreter.answers = self
 
     def interpret(self, item: Interpret) -> None:
         """A statement of interpreter mode; the answer may come in a later tick."""
-        self._host.interpreter.submit(item.origin, item.text)
+        if not self._statements.put(item, len(item.text)):
+            self._reply(item.origin, discarded(TOO_MANY, item.text))
 
     def word(self, item: InterpreterWord) -> None:
-        """A word that does not wait its turn."""
+        """A word that does not wait until statements are executed; `abort` not even until they are compiled."""
+        if item.word == "abort":
+            self._host.abort_move()
+        elif not self._statements.put(item, 0):
+            self._reply(item.origin, discarded(TOO_MANY, item.word))
+
+    def query(self, item: Query) -> None:
+        """A query; the answer comes in this tick or a later one."""
+        if not self._queries.put(item, len(item.text)):
+            self._reply(item.origin, not_executed(item.ident))
+
+    def go_on(self) -> None:
+        """A tick begins: what waits comes before the inputs of the tick."""
+        self._statements.go_on()
+        self._queries.go_on()
+
+    def _say(self, item: Interpret | InterpreterWord) -> None:
+        if isinstance(item, Interpret):
+            self._host.interpreter.submit(item.origin, item.text)
+        else:
+            self._obey(item)
+
+    def _obey(self, item: InterpreterWord) -> None:
         statements = self._host.interpreter
         numbers = {
             "statelastexecuted": statements.last_executed,
@@ -66,8 +100,6 @@ class Conversations:
         }
         if item.word == "skipbuffer":
             statements.skip()
-        elif item.word == "abort":
-            self._host.abort_move()
         elif item.word == "state":
             self._reply(item.origin, session_state(statements.is_running))
         elif item.word in numbers:
@@ -84,9 +116,7 @@ class Conversations:
         else:
             self._reply(origin, discarded(REASONS[reason], text))
 
-    def query(self, item: Query) -> None:
-        """A query; the answer comes in this tick or a later one."""
-
+    def _ask(self, item: Query) -> None:
         def answer(value: str | None) -> None:
             self._reply(item.origin, not_executed(item.ident) if value is None else succeeded(item.ident, value))
 
@@ -96,3 +126,46 @@ class Conversations:
             self._reply(item.origin, not_parsed(item.ident))
         except ScriptError:
             answer(None)
+
+
+Item = TypeVar("Item")
+
+
+class _Turns(Generic[Item]):
+    """Items in their order, as many in a tick as its share of work allows; the others wait.
+
+    Args:
+        carry_out: does what an item asks for.
+        least_work: for which each item counts at least.
+        limit: items that may wait.
+    """
+
+    __slots__ = ("_carry_out", "_least_work", "_left", "_limit", "_waiting")
+
+    def __init__(self, carry_out: Callable[[Item], None], least_work: int, limit: int) -> None:
+        self._carry_out = carry_out
+        self._least_work = least_work
+        self._limit = limit
+        self._left = WORK_PER_TICK
+        self._waiting: deque[tuple[Item, int]] = deque()
+
+    def put(self, item: Item, size: int) -> bool:
+        """Take an item of so many characters; whether there is room for it."""
+        work = max(size, self._least_work)
+        if not self._waiting and self._left > 0:
+            self._do(item, work)
+        elif len(self._waiting) < self._limit:
+            self._waiting.append((item, work))
+        else:
+            return False
+        return True
+
+    def go_on(self) -> None:
+        """A new share of work."""
+        self._left = WORK_PER_TICK
+        while self._waiting and self._left > 0:
+            self._do(*self._waiting.popleft())
+
+    def _do(self, item: Item, work: int) -> None:
+        self._left -= work
+        self._carry_out(item)

@@ -154,6 +154,7 @@ class Kernel:
     # ---------------------------------------------------------------- inputs
 
     def _take(self, inputs: Sequence[Input]) -> None:
+        self._conversations.go_on()
         for item in inputs:
             HANDLERS[type(item)](self, item)
         if (late := self._tasks.due()) is not None:

@@ -7,6 +7,7 @@ brought it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
 from elitescript.errors import UsageError
@@ -46,6 +47,7 @@ def profile(name: str = DEFAULT_FIRMWARE) -> Profile:
     return PROFILES[name]
 
 
+@cache
 def release_of(text: str) -> Release:
     """`"2.14"` as a pair that can be compared."""
     major, _, minor = text.partition(".")

@@ -66,6 +66,17 @@ class Connection(ABC):
         """Return what time alone has made of bytes that came before; to be asked after every `publish`."""
         return []
 
+    def read_on(self, output: Output) -> list[Input]:
+        """While no tick comes, answer what needs none and was left for the next; return what it asks for.
+
+        Args:
+            output: of the last tick.
+
+        Raises:
+            ProtocolError: see `receive`.
+        """
+        return []
+
     def closed(self) -> list[Input]:
         """The client has gone; return what that means for the robot."""
         return []

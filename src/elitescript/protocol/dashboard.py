@@ -20,11 +20,13 @@ from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.dashboard_answers import Answer, Asked, version_text
 from elitescript.protocol.dashboard_verbs import VERBS, Row, unknown_text, usage_text
-from elitescript.protocol.lines import Line, LineSplitter, one_line, shown
+from elitescript.protocol.lines import Line, PacedLines, one_line, shown
 from elitescript.protocol.outcomes import read_outcome
 
 LINE_LIMIT: Final = 4096
 """Bytes of a command."""
+LINES_PER_TICK: Final = 100
+"""Commands of one client that are read in a tick; the rest waits for the next."""
 WAITING_LIMIT: Final = 64
 """Commands that may wait for the one before them."""
 ANSWER_TICKS: Final = 1000
@@ -38,11 +40,11 @@ class DashboardConnection(Connection):
     an answer that comes too late finds nobody, and is not taken for that of another command.
     """
 
-    __slots__ = ("_asked_tick", "_awaited", "_count", "_inputs", "_splitter", "_waiting")
+    __slots__ = ("_asked_tick", "_awaited", "_count", "_inputs", "_lines", "_waiting")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
-        self._splitter = LineSplitter(LINE_LIMIT)
+        self._lines = PacedLines(LINE_LIMIT, LINES_PER_TICK)
         self._waiting: deque[Line] = deque()
         self._awaited: Answer | None = None
         self._asked_tick = 0
@@ -56,20 +58,18 @@ class DashboardConnection(Connection):
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         """See `Connection.receive`."""
-        for line in self._splitter.feed(data):
-            if self.is_over:
-                break
-            self._waiting.append(line)
-            self._work(output)
-            if len(self._waiting) > WAITING_LIMIT:
-                raise ProtocolError(f"more than {WAITING_LIMIT} commands wait for an answer")
+        self._lines.feed(data)
+        self._read(output)
         return self.due()
 
     def publish(self, output: Output) -> None:
         """See `Connection.publish`."""
-        if self._awaited is None:
-            return
-        awaited, own = self._awaited, self._own_origin
+        if self._awaited is not None:
+            self._await(self._awaited, output)
+        self._read(output)
+
+    def _await(self, awaited: Answer, output: Output) -> None:
+        own = self._own_origin
         text = next((reply.text for reply in output.replies if reply.origin == own), None)
         if text is not None:
             outcome = read_outcome(one_line(text))
@@ -78,10 +78,30 @@ class DashboardConnection(Connection):
             self._finish(f"{awaited.failure}: the controller has not answered for {ANSWER_TICKS // TICKS_PER_S} s")
         self._work(output)
 
+    def _read(self, output: Output) -> None:
+        for line in self._lines.take(output.tick):
+            if self.is_over:
+                break
+            self._waiting.append(line)
+            self._work(output)
+            if len(self._waiting) > WAITING_LIMIT:
+                raise ProtocolError(f"more than {WAITING_LIMIT} commands wait for an answer")
+
+    def read_on(self, output: Output) -> list[Input]:
+        """See `Connection.read_on`."""
+        self._lines.renew()
+        self._read(output)
+        return self.due()
+
+    @property
+    def is_busy(self) -> bool:
+        """See `Connection.is_busy`."""
+        return self._lines.is_waiting
+
     @property
     def is_expecting(self) -> bool:
         """See `Connection.is_expecting`."""
-        return self._awaited is not None or bool(self._waiting)
+        return self._awaited is not None or bool(self._waiting) or self._lines.is_waiting
 
     def due(self) -> list[Input]:
         """See `Connection.due`."""

@@ -16,10 +16,12 @@ from elitescript.messages.inputs import Input, Interpret, InterpreterWord
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol.connection import Connection
-from elitescript.protocol.lines import LineSplitter, one_line, shown
+from elitescript.protocol.lines import Line, PacedLines, one_line, shown
 
 LINE_LIMIT: Final = 65536
 """Bytes of a line; a function is written on one."""
+LINES_PER_TICK: Final = 20
+"""Of one client; the rest waits for the next tick (*assumed*)."""
 QUEUE_LIMIT: Final = 8500
 """Statements that wait to be executed."""
 
@@ -119,16 +121,21 @@ def session_state(is_running: bool) -> str:
 class InterpreterConnection(Connection):
     """One client of interpreter mode."""
 
-    __slots__ = ("_splitter",)
+    __slots__ = ("_due", "_lines")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
-        self._splitter = LineSplitter(LINE_LIMIT)
+        self._lines = PacedLines(LINE_LIMIT, LINES_PER_TICK)
+        self._due: list[Input] = []
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         """See `Connection.receive`."""
+        self._lines.feed(data)
+        return self._inputs(self._lines.take(output.tick))
+
+    def _inputs(self, lines: list[Line]) -> list[Input]:
         inputs: list[Input] = []
-        for line in self._splitter.feed(data):
+        for line in lines:
             text = line.text.strip()
             if line.problem:
                 self._say(not_compiled(line.problem, shown(text)))
@@ -137,6 +144,11 @@ class InterpreterConnection(Connection):
             elif text:
                 inputs.append(Interpret(self.origin, text))
         return inputs
+
+    @property
+    def is_busy(self) -> bool:
+        """See `Connection.is_busy`."""
+        return self._lines.is_waiting
 
     @property
     def is_expecting(self) -> bool:
@@ -148,6 +160,16 @@ class InterpreterConnection(Connection):
         for reply in output.replies:
             if reply.origin == self.origin:
                 self._say(reply.text)
+        self._due += self._inputs(self._lines.take(output.tick))
+
+    def due(self) -> list[Input]:
+        """See `Connection.due`."""
+        due, self._due = self._due, []
+        return due
+
+    def closed(self) -> list[Input]:
+        """See `Connection.closed`: what the client has sent still counts."""
+        return self.due() + self._inputs(self._lines.rest())
 
     def _say(self, text: str) -> None:
         self.send(one_line(text).encode() + b"\n")

@@ -68,6 +68,55 @@ class LineSplitter:
             self._is_skipping = False
 
 
+class PacedLines:
+    """The lines of a client, so many in a tick: one that floods takes no more of it. The bytes behind them wait.
+
+    Args:
+        limit: of a line, in bytes, without its end.
+        per_tick: lines.
+    """
+
+    __slots__ = ("_left", "_per_tick", "_raw", "_splitter", "_tick")
+
+    def __init__(self, limit: int, per_tick: int) -> None:
+        self._splitter = LineSplitter(limit)
+        self._per_tick = self._left = per_tick
+        self._raw = bytearray()
+        self._tick = -1
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether bytes wait for the next tick; whoever reads them from the client should stop for so long."""
+        return bool(self._raw)
+
+    def feed(self, data: bytes) -> None:
+        """Take the next bytes."""
+        self._raw += data
+
+    def take(self, tick: int) -> list[Line]:
+        """Return the lines that may be read in a tick and were not yet."""
+        if tick != self._tick:
+            self._tick, self._left = tick, self._per_tick
+        end = 0
+        while self._left > 0 and end < len(self._raw):
+            end = self._raw.find(b"\n", end) + 1 or len(self._raw)
+            self._left -= self._raw[end - 1] == 0x0A
+        return self._cut(end)
+
+    def renew(self) -> None:
+        """As many lines again may be read in this tick."""
+        self._left = self._per_tick
+
+    def rest(self) -> list[Line]:
+        """Return all lines that wait."""
+        return self._cut(len(self._raw))
+
+    def _cut(self, end: int) -> list[Line]:
+        piece = bytes(self._raw[:end])
+        del self._raw[:end]
+        return self._splitter.feed(piece)
+
+
 def shown(text: str) -> str:
     """A peer's text as an answer may repeat it: short, and printable."""
     clean = "".join(char if char.isprintable() else "?" for char in text[:SHOWN])

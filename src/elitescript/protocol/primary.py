@@ -35,8 +35,10 @@ SPACING_TICKS: Final = 7
 """Between two robot messages: with ten states they stay below 50 messages a second."""
 MAX_WAITING: Final = 32
 """Robot messages that may wait for a client; they have left after 0.9 s. Vital ones displace others."""
-MAX_UNITS_PER_TICK: Final = 100
-"""Units of one client that run in one tick; more have to wait, or are refused if the client goes. *Assumed.*"""
+UNITS_PER_TICK: Final = 2
+"""Units of one client that begin in one tick, about 2 ms of work; more have to wait for the next. *Assumed.*"""
+MAX_UNITS_AT_ONCE: Final = 100
+"""Units that a client may leave behind when it goes; more are refused. *Assumed.*"""
 LINES_AT_ONCE: Final = 50
 BYTES_AT_ONCE: Final = 2048
 MAX_LINES_PER_TICK: Final = 500
@@ -145,6 +147,7 @@ class PrimaryConnection(Connection):
         "_next_note_at",
         "_next_state_at",
         "_raw",
+        "_ready",
         "_splitter",
         "_tick",
         "_units_in_tick",
@@ -160,6 +163,7 @@ class PrimaryConnection(Connection):
         self._lines_left = MAX_LINES_PER_TICK
         self._bytes_left = MAX_BYTES_PER_TICK
         self._splitter = UnitSplitter()
+        self._ready: deque[Unit | Refusal] = deque()
         self._tick = 0
         self._is_remote = False
         self._is_greeted = False
@@ -183,7 +187,7 @@ class PrimaryConnection(Connection):
 
     @property
     def is_busy(self) -> bool:
-        return len(self._raw) >= MAX_BYTES_PER_TICK
+        return bool(self._ready) or len(self._raw) >= MAX_BYTES_PER_TICK
 
     def publish(self, output: Output) -> None:
         self._note_tick(output)
@@ -200,33 +204,45 @@ class PrimaryConnection(Connection):
             self.send(self._feed.state(output))
             period = self._feed.port.period_ticks
             self._next_state_at = output.tick - output.tick % period + period
-        if self._raw:
+        if self._raw or self._ready:
             self._due += self._read()
         elif self._heard_at is not None and output.tick - self._heard_at >= SILENCE_TICKS:
             self._heard_at = None
             if self._splitter.pending and self._line_bytes <= MAX_SILENT_LINE_BYTES:
-                self._due += self._inputs(self._splitter.silence())
+                self._ready += self._splitter.silence()
+                self._due += self._read()
 
     def due(self) -> list[Input]:
         due, self._due = self._due, []
         return due
 
     def closed(self) -> list[Input]:
-        due = self.due() + self._inputs(self._splitter.receive(bytes(self._raw)))
+        left = [*self._ready, *self._splitter.receive(bytes(self._raw)), *self._splitter.close()]
+        self._ready.clear()
         self._raw.clear()
-        return due + self._inputs(self._splitter.close())
+        inputs = self.due() + [self._input(item) for item in left[:MAX_UNITS_AT_ONCE]]
+        if len(left) > MAX_UNITS_AT_ONCE:
+            text = f"Refused: more than {MAX_UNITS_AT_ONCE} programs and commands were waiting; the rest is lost"
+            inputs.append(self._refuse(0, 0, text))
+        return inputs
 
     # Units
 
     def _read(self) -> list[Input]:
         """Read as much of the text as this tick allows."""
         inputs: list[Input] = []
-        while self._units_in_tick <= MAX_UNITS_PER_TICK - LINES_AT_ONCE and (piece := self._piece()):
-            inputs += self._inputs(self._splitter.receive(piece))
+        while self._units_in_tick < UNITS_PER_TICK:
+            if self._ready:
+                self._units_in_tick += 1
+                inputs.append(self._input(self._ready.popleft()))
+            elif piece := self._piece():
+                self._ready += self._splitter.receive(piece)
+            else:
+                break
         return inputs
 
     def _piece(self) -> bytes:
-        """Take a piece of at most so many lines that their units cannot be too many."""
+        """Take a piece of so few lines that not many units can be ready at once."""
         lines_left = min(self._lines_left, LINES_AT_ONCE)
         piece = bytes(self._raw[: min(self._bytes_left, BYTES_AT_ONCE)])
         while (lines := piece.count(b"\n") + piece.count(b"\r")) > lines_left:
@@ -240,18 +256,10 @@ class PrimaryConnection(Connection):
             self._line_bytes = len(piece) - begin + (0 if begin else self._line_bytes)
         return piece
 
-    def _inputs(self, found: list[Unit | Refusal]) -> list[Input]:
-        inputs: list[Input] = []
-        for item in found:
-            self._units_in_tick += 1
-            if self._units_in_tick <= MAX_UNITS_PER_TICK:
-                inputs.append(self._refusal(item) if isinstance(item, Refusal) else self._input(item))
-            elif self._units_in_tick == MAX_UNITS_PER_TICK + 1:
-                text = f"Refused: more than {MAX_UNITS_PER_TICK} programs and commands in one tick; the rest is lost"
-                inputs.append(self._refuse(0, 0, text))
-        return inputs
+    def _input(self, found: Unit | Refusal) -> Input:
+        return self._refusal(found) if isinstance(found, Refusal) else self._run(found)
 
-    def _input(self, unit: Unit) -> Input:
+    def _run(self, unit: Unit) -> Input:
         if not self._is_remote:
             return self._refuse(0, 0, _LOCAL)
         if unit.kind == "line":

@@ -11,6 +11,7 @@ simulation does not have is a constant, and the row says so.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import copysign, inf, isnan
 from typing import Final
 
 from elitescript.messages.enums import SafetyMode, TaskState
@@ -46,6 +47,9 @@ ROBOT_STATE: Final = 16
 """Type of the message that all sub-messages travel in."""
 STATE_SIZE: Final = 1157
 """Bytes of a robot-state message; *observed*: a public client takes no other length."""
+
+FLOAT_MAX: Final = (2 - 2**-23) * 2.0**127
+"""Largest finite FLOAT."""
 
 PAIRS: Final = WireType("6 x (DOUBLE, DOUBLE)", "d", 12)
 MICROSECONDS_PER_TICK: Final = 1_000_000 // TICKS_PER_S
@@ -112,7 +116,21 @@ class SubMessage:
                 for index in range(self.repeats)
                 for column in columns
             ]
-        return self._fields.pack((self.size, self.number, *columns))
+        try:
+            return self._fields.pack((self.size, self.number, *columns))
+        except ValueError:
+            # A program may bring about torques that only a DOUBLE can hold; clients lose no state over that.
+            return self._fields.pack((self.size, self.number, *self._in_range(columns)))
+
+    def _in_range(self, columns: Sequence[Number | Sequence[Number]]) -> list[Number | Sequence[Number]]:
+        """The values with infinity in each FLOAT that is too large for it, as rounding makes it."""
+        kinds = [field.type for field in self._fields.fields[len(_HEAD) :]]
+        return [
+            copysign(inf, value)
+            if kind is FLOAT and isinstance(value, float) and not isnan(value) and abs(value) > FLOAT_MAX
+            else value
+            for kind, value in zip(kinds, columns, strict=True)
+        ]
 
 
 def pack_state(parts: Sequence[SubMessage], snapshot: Snapshot, description: RobotDescription) -> bytes:

@@ -235,7 +235,9 @@ class Interpreter:
     def _next(self) -> _Waiting | None:
         while self._skipped and self._queue:
             self._skipped -= 1
-            self._queue.popleft()
+            if "clear_interpreter" in self._queue.popleft().statement.calls:
+                # It is not going to be executed, and nobody is to wait for that.
+                self._release_held()
         return self._queue.popleft() if self._queue else None
 
     def _execute(self, program: Program, waiting: _Waiting, names: _Names) -> None:

@@ -62,6 +62,7 @@ class Station:
 
     __slots__ = (
         "_cycle",
+        "_failure",
         "_is_lockstep",
         "_is_standing",
         "_listen",
@@ -91,6 +92,7 @@ class Station:
         self._listen = listen
         self._is_lockstep = is_lockstep
         self._is_standing = False
+        self._failure: Exception | None = None
         self._pending: list[Input] = []
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
@@ -106,14 +108,20 @@ class Station:
 
     def wake(self) -> None:
         """Something has changed that time may have waited for."""
-        if not self._is_standing:
+        if not self._is_standing or self._failure is not None:
             return
         tick_now = getattr(self.link, "tick_now", None)
         if tick_now is None or not self._gate().is_open:
             self._news.set()
             return
         # The shortest way from a client's answer to its next package: no turn of the event loop in between.
-        self._pass_on(tick_now(self._taken()))
+        try:
+            self._pass_on(tick_now(self._taken()))
+        except Exception as error:
+            # It is not the client's: what passes time ends with it.
+            self._failure = error
+            self._news.set()
+            return
         found = self._gate()
         self.waits_for = found.waits_for
         if found.is_open:
@@ -253,6 +261,8 @@ class Station:
                     await self._news.wait()
                 finally:
                     self._is_standing = False
+                if self._failure is not None:
+                    raise self._failure
 
     def _relieve(self) -> None:
         """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
@@ -260,7 +270,7 @@ class Station:
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
                 if len(self._pending) < PENDING_MAX or client.origin == self.waits_for:
-                    client.read_on()
+                    client.relieve()
         self._relief = asyncio.get_running_loop().call_later(PERIOD_S, self._relieve)
 
     def _gate(self) -> Gate:
