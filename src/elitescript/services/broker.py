@@ -193,7 +193,7 @@ class _Channel(asyncio.BufferedProtocol):
         self._is_closed = True
         if self._transport is not None:
             self._transport.close()
-            asyncio.get_running_loop().call_later(LINGER_S, self._transport.abort)
+            asyncio.get_running_loop().call_later(LINGER_S, self.drop)
 
     def drop(self) -> None:
         """Close at once."""
@@ -231,6 +231,8 @@ class _Channel(asyncio.BufferedProtocol):
         return False
 
     def connection_lost(self, exc: Exception | None) -> None:
+        # It has no loop any more, and must not be asked for anything.
+        self._transport = None
         if not self._is_closed:
             self._is_closed = True
             self._forget(self._number)
