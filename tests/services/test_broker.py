@@ -6,6 +6,8 @@ import asyncio
 import contextlib
 from collections.abc import AsyncIterator
 
+import pytest
+
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
 from elitescript.services.broker import CHANNELS_MAX, Broker
@@ -150,6 +152,24 @@ def test_what_was_sent_before_the_close_arrives() -> None:
             scene.broker.carry_out([SendChannel(1, b"last"), CloseChannel(1)])
             assert await reader.read() == b"last"
             assert not any(isinstance(item, ChannelClosed) for item in scene.heard)
+
+    run(test())
+
+
+def test_those_that_linger_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("elitescript.services.broker.LEAVING_MAX", 1)
+    sent = 16 * 1024 * 1024
+
+    async def test() -> None:
+        async with outside() as scene:
+            peers = []
+            for channel in (1, 2):
+                peers.append(await scene.open(channel))
+                monkeypatch.setattr("elitescript.services.broker.UNSENT_MAX", sent)
+                scene.broker.carry_out([SendChannel(channel, bytes(sent)), CloseChannel(channel)])
+            with pytest.raises((ConnectionResetError, asyncio.IncompleteReadError)):
+                await peers[0][0].readexactly(sent)
+            assert len(await peers[1][0].readexactly(sent)) == sent
 
     run(test())
 

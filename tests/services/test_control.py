@@ -80,6 +80,9 @@ def test_the_state_is_that_of_the_robot() -> None:
         ("safeguard", ["open"], WriteSignal("safeguard_stop", 0, True)),
         ("safeguard", ["closed"], WriteSignal("safeguard_stop", 0, False)),
         ("protective", ["test"], AskSafety("stop_protectively", "test")),
+        ("violation", ["test"], AskSafety("violate", "test")),
+        ("fault", [], AskSafety("fail", "asked for by ctl")),
+        ("restart", [], AskSafety("restart_safety", "asked for on the dashboard")),
     ],
 )
 def test_verbs_become_requests(verb: str, arguments: list[str], request_made: Any) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import socket
+from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
@@ -23,6 +24,8 @@ from elitescript.messages.outputs import (
 )
 
 CHANNELS_MAX: Final = 64
+LEAVING_MAX: Final = 64
+"""Channels that are closed and may still get rid of what was sent before; the oldest must go at once for one more."""
 READ_BYTES: Final = 16 * 1024
 UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
 """Bytes that may wait for a peer; who keeps to the window stays below it."""
@@ -40,12 +43,13 @@ class Broker:
         post: takes what the robot is to hear.
     """
 
-    __slots__ = ("_attempts", "_channels", "_post")
+    __slots__ = ("_attempts", "_channels", "_leaving", "_post")
 
     def __init__(self, post: Post) -> None:
         self._post = post
         self._channels: dict[int, _Channel] = {}
         self._attempts: dict[int, asyncio.Task[None]] = {}
+        self._leaving: deque[_Channel] = deque()
 
     @property
     def count(self) -> int:
@@ -74,6 +78,9 @@ class Broker:
         for channel in list(self._channels.values()):
             channel.drop()
         self._channels.clear()
+        for channel in self._leaving:
+            channel.drop()
+        self._leaving.clear()
 
     def _open(self, request: OpenChannel) -> None:
         why = ""
@@ -122,6 +129,9 @@ class Broker:
             task.cancel()
         if (channel := self._channels.pop(number, None)) is not None:
             channel.close()
+            self._leaving.append(channel)
+            if len(self._leaving) > LEAVING_MAX:
+                self._leaving.popleft().drop()
 
     def _forget(self, number: int) -> None:
         self._channels.pop(number, None)
@@ -183,7 +193,7 @@ class _Channel(asyncio.BufferedProtocol):
         self._is_closed = True
         if self._transport is not None:
             self._transport.close()
-            asyncio.get_running_loop().call_later(LINGER_S, self._transport.abort)
+            asyncio.get_running_loop().call_later(LINGER_S, self.drop)
 
     def drop(self) -> None:
         """Close at once."""
@@ -221,6 +231,8 @@ class _Channel(asyncio.BufferedProtocol):
         return False
 
     def connection_lost(self, exc: Exception | None) -> None:
+        # It has no loop any more, and must not be asked for anything.
+        self._transport = None
         if not self._is_closed:
             self._is_closed = True
             self._forget(self._number)

@@ -116,9 +116,12 @@ def _safeguard(request: Request) -> Order:
     return Order((Do(request.origin, WriteSignal("safeguard_stop", 0, is_open)),), text)
 
 
-def _protective(request: Request) -> Order:
-    reason = " ".join(request.arguments) or "asked for by ctl"
-    return Order((Do(request.origin, AskSafety("stop_protectively", reason)),), "protective stop")
+def _safety(action: str, text: str) -> Callable[[Request], Order]:
+    def order(request: Request) -> Order:
+        reason = " ".join(request.arguments) or "asked for by ctl"
+        return Order((Do(request.origin, AskSafety(action, reason)),), text)
+
+    return order
 
 
 def _power(request: Request) -> Order:
@@ -211,8 +214,11 @@ _ROWS: Final = (
     Verb("estop", "", "Press the emergency stop.", _press("emergency_stop", True, "emergency stop pressed")),
     Verb("release", "", "Release the emergency stop.", _press("emergency_stop", False, "emergency stop released")),
     Verb("safeguard", "[open|closed]", "Open or close the safeguard.", _safeguard),
-    Verb("protective", "[REASON]", "Stop protectively.", _protective),
+    Verb("protective", "[REASON]", "Stop protectively.", _safety("stop_protectively", "protective stop")),
     Verb("unlock", "", "End a protective stop.", _as_dashboard("unlockProtectiveStop")),
+    Verb("violation", "[REASON]", "Break a safety limit.", _safety("violate", "safety violation")),
+    Verb("fault", "[REASON]", "Have the safety system fail.", _safety("fail", "safety fault")),
+    Verb("restart", "", "Restart the safety system after a fault or a violation.", _as_dashboard("safety -r")),
     Verb("power", "on|off", "Power of the arm.", _power),
     Verb("brakes", "", "Release the brakes.", _as_dashboard("brakeRelease")),
     Verb("load", "TASK", "Load a task of the task folder.", _load),
