@@ -1,8 +1,10 @@
 """The way to a robot in a child process: no program that runs there can hold up whoever serves it.
 
 A tick is sent to the child, and its output taken, within the period. A child that is late is not waited for: clients
-see the last picture meanwhile, the ticks queue up, and the child makes up for them. One that has said nothing for
-`PATIENCE_S` is in a call that does not come back: it is killed, and a fresh child goes on from the last picture.
+see the last picture meanwhile, the ticks queue up, and the child makes up for them. One that has worked for
+`PATIENCE_S` without saying anything is in a call that does not come back: it is killed, and a fresh child goes on from
+the last picture. Its own processor time counts, so that a busy computer does not look like such a call; one that does
+not work either, because it sleeps, is killed after `ABSENCE_MAX_S`.
 """
 
 from __future__ import annotations
@@ -35,9 +37,11 @@ from elitescript.services.output_buffer import OutputBuffer
 from elitescript.services.remote_files import FileDesk
 
 PATIENCE_S: Final = 0.7
-"""Silence after which a child is given up."""
+"""Processor time without a word after which a child is given up; wall time where processor time is not known."""
 FIRST_PATIENCE_S: Final = 3.0
 """The same before the first output of a fresh child, which has its robot to make."""
+ABSENCE_MAX_S: Final = 5.0
+"""Wall time without a word after which a child is given up, whatever it does."""
 PATIENCE_TICKS: Final = 20
 """Ticks that have gone by as well: whoever was away himself has no reason to complain."""
 GRACE_S: Final = 0.0015
@@ -52,7 +56,8 @@ READING_MAX_S: Final = 0.25
 READING_KEPT: Final = 0.99
 """Time that the outputs of the last hundred ticks or so may take to be read: more than half of it."""
 BOOT_S: Final = 20.0
-UNANSWERED_MAX: Final = 500
+UNANSWERED_MAX: Final = 2000
+"""Ticks that may wait for an answer; more than `ABSENCE_MAX_S` has."""
 HELD_MAX: Final = 10_000
 """Inputs that wait while there is no child; more are refused."""
 BOOTS_MAX: Final = 5
@@ -65,8 +70,17 @@ class _Sent:
 
     tick: int
     inputs: Sequence[Input]
-    sent_s: float
     answers: list[Any] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class _Silence:
+    """When a child that owes an answer was heard last, or was asked if it owed none then."""
+
+    since_s: float
+    """On the monotonic clock."""
+    worked_s: float | None
+    """Processor time of the child then; None if it is not known."""
 
 
 class ChildLink:
@@ -77,7 +91,7 @@ class ChildLink:
         files: its task folder; none if None.
         is_jailed: lock the child in.
         journal: where to write the session down.
-        patience_s: silence after which the child is given up.
+        patience_s: silence after which the child is given up, in its own processor time.
         grace_s: how long to wait for an output in its own period; infinite in a test that compares outputs.
         memory_max: bytes of address space of the child.
 
@@ -114,6 +128,7 @@ class ChildLink:
         "_patience_s",
         "_reading_s",
         "_replaced_because",
+        "_silence",
         "_unanswered",
         "layers",
         "restarts",
@@ -158,6 +173,7 @@ class ChildLink:
         self._reading_s = 0.0
         self._replaced_because = ""
         self._lost: Sequence[Input] = ()
+        self._silence = _Silence(0.0, 0.0)
         self.layers: tuple[Layer, ...] = ()
         self.restarts = 0
 
@@ -283,7 +299,9 @@ class ChildLink:
     def _send_tick(self, tick: int) -> None:
         assert self._child is not None
         inputs, self._held = self._held, []
-        self._unanswered.append(_Sent(tick, inputs, time.monotonic()))
+        if not self._unanswered:
+            self._silence = self._silence_from_now()
+        self._unanswered.append(_Sent(tick, inputs))
         self._child.send(frames.TICK, to_text([self._input_shape.encode(item) for item in inputs]))
 
     # ---------------------------------------------------------------- up
@@ -322,6 +340,7 @@ class ChildLink:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.tick}")
         self._boots = 0
         self._given_up_s = 0.0
+        self._silence = self._silence_from_now()
         self._outputs.add(output)
         for request in output.requests:
             if isinstance(request, OpenChannel):
@@ -353,15 +372,23 @@ class ChildLink:
         if not self._unanswered or self._child is None:
             return
         oldest, now_s = self._unanswered[0], time.monotonic()
-        silent_s = now_s - oldest.sent_s
+        silent_s = now_s - self._silence.since_s
         patience_s = max(self._patience_s, FIRST_PATIENCE_S) if self._boots else self._patience_s
         if silent_s < patience_s or tick - oldest.tick < PATIENCE_TICKS:
             return
+        worked_s, before_s = self._child.worked_s(), self._silence.worked_s
+        if worked_s is not None and before_s is not None:
+            has_worked_enough = worked_s - before_s >= patience_s
+            if not has_worked_enough and silent_s < max(ABSENCE_MAX_S, patience_s):
+                return
         if not self._given_up_s:
             self._given_up_s = now_s
             self._child.ask_where()
         elif self._child.where() is not None or now_s - self._given_up_s > TRACE_S:
             self._replace(tick, f"a call of the program did not come back for {silent_s:.2f} s")
+
+    def _silence_from_now(self) -> _Silence:
+        return _Silence(time.monotonic(), None if self._child is None else self._child.worked_s())
 
     def _replace(self, tick: int, reason: str) -> None:
         """Kill the child, report it, and start a fresh one."""
