@@ -34,6 +34,7 @@ from elitescript.services.config_codec import full_codec
 from elitescript.services.jail import MEMORY_MAX, Layer
 from elitescript.services.journal import Journal
 from elitescript.services.output_buffer import OutputBuffer
+from elitescript.services.output_changes import OutputReader
 from elitescript.services.remote_files import FileDesk
 
 PATIENCE_S: Final = 0.7
@@ -123,9 +124,9 @@ class ChildLink:
         "_lost",
         "_memory_max",
         "_next",
-        "_output_shape",
         "_outputs",
         "_patience_s",
+        "_reader",
         "_reading_s",
         "_replaced_because",
         "_silence",
@@ -153,7 +154,7 @@ class ChildLink:
         self._memory_max = memory_max
         self._codec = full_codec()
         self._input_shape = self._codec.shape(Input)
-        self._output_shape = self._codec.shape(Output)
+        self._reader = OutputReader(self._codec)
         self._desk = FileDesk(FilesRefused() if files is None else files)
         self._next = config.first_tick
         self._child: ChildProcess | None = None
@@ -253,6 +254,7 @@ class ChildLink:
         self._end_reason = self._failure = ""
         self._given_up_s = self._reading_s = 0.0
         self._boots += 1
+        self._reader = OutputReader(self._codec)
         try:
             self._child = ChildProcess(self._message, self._ended)
         except (OSError, ValueError, AttributeError) as error:
@@ -309,8 +311,8 @@ class ChildLink:
     def _message(self, letter: str, text: bytes) -> None:
         """A message of the child; what makes no sense ends it."""
         try:
-            if letter == frames.OUTPUT:
-                self._take_output(text)
+            if letter in (frames.OUTPUT, frames.OUTPUT_CHANGES):
+                self._take_output(letter, text)
             elif letter == frames.QUESTION:
                 self._take_question(text)
             elif letter == frames.LOCKED_IN and not self._is_locked_in:
@@ -327,11 +329,11 @@ class ChildLink:
             self._ended(f"what it says makes no sense: {error}")
         self._wake()
 
-    def _take_output(self, text: bytes) -> None:
+    def _take_output(self, letter: str, text: bytes) -> None:
         if not self._unanswered:
             raise CodecError("an output that was not asked for")
         began_s = time.thread_time()
-        output = self._output_shape.decode(from_text(text))
+        output = self._reader.read(letter, text)
         self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
         if self._reading_s > READING_MAX_S:
             raise CodecError("it says so much that reading it takes the time of everybody else")
@@ -348,7 +350,7 @@ class ChildLink:
             elif isinstance(request, CloseChannel):
                 self._channels.discard(request.channel)
         if self._journal is not None:
-            self._journal.tick(sent.tick, sent.inputs, sent.answers, text)
+            self._journal.tick(sent.tick, sent.inputs, sent.answers, self._reader.text().encode())
             self._outputs.add_own(*self._journal.take_warning(sent.tick))
 
     def _take_question(self, text: bytes) -> None:
