@@ -29,7 +29,7 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import PERIOD_S
 from elitescript.runtime.world import Files, FilesRefused
 from elitescript.services import frames
-from elitescript.services.child_process import ChildProcess
+from elitescript.services.child_process import ChildProcess, Silence
 from elitescript.services.config_codec import full_codec
 from elitescript.services.jail import MEMORY_MAX, Layer
 from elitescript.services.journal import Journal
@@ -72,16 +72,6 @@ class _Sent:
     tick: int
     inputs: Sequence[Input]
     answers: list[Any] = field(default_factory=list)
-
-
-@dataclass(frozen=True, slots=True)
-class _Silence:
-    """When a child that owes an answer was heard last, or was asked if it owed none then."""
-
-    since_s: float
-    """On the monotonic clock."""
-    worked_s: float | None
-    """Processor time of the child then; None if it is not known."""
 
 
 class ChildLink:
@@ -174,7 +164,7 @@ class ChildLink:
         self._reading_s = 0.0
         self._replaced_because = ""
         self._lost: Sequence[Input] = ()
-        self._silence = _Silence(0.0, 0.0)
+        self._silence = Silence(0.0, 0.0)
         self.layers: tuple[Layer, ...] = ()
         self.restarts = 0
 
@@ -389,8 +379,8 @@ class ChildLink:
         elif self._child.where() is not None or now_s - self._given_up_s > TRACE_S:
             self._replace(tick, f"a call of the program did not come back for {silent_s:.2f} s")
 
-    def _silence_from_now(self) -> _Silence:
-        return _Silence(time.monotonic(), None if self._child is None else self._child.worked_s())
+    def _silence_from_now(self) -> Silence:
+        return Silence(time.monotonic(), None if self._child is None else self._child.worked_s())
 
     def _replace(self, tick: int, reason: str) -> None:
         """Kill the child, report it, and start a fresh one."""

@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -31,6 +32,16 @@ _SCHEDULER_CLOCK: Final = 2
 
 _TRACE_BEGIN: Final = b"most recent call first"
 _TRACE_LINE: Final = re.compile(r'^  File "([^"]*)", line (\d+) in ', re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Silence:
+    """When a child that owes an answer was heard last, or was asked if it owed none then."""
+
+    since_s: float
+    """On the monotonic clock."""
+    worked_s: float | None
+    """Processor time of the child then; None if it is not known."""
 
 
 class ChildProcess:
