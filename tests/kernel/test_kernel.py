@@ -157,6 +157,20 @@ class TestUnits:
         (warning,) = session.of(Warned)
         assert warning.text.startswith("[SEC] Exception: SyntaxError")
 
+    def test_what_the_compiler_warns_of_names_its_line_once(self):
+        session = Session()
+        session.send(RunUnit("primary#1", "program", 'def p():\n  print "a"\nend\n'))
+        (warning,) = session.of(Warned)
+        assert warning.line == 2
+        assert warning.text.startswith("column 3: E106: ")
+        assert "line" not in warning.text
+
+    def test_what_else_does_not_compile_is_told_as_an_error(self):
+        session = Session()
+        session.send(RunUnit("primary#1", "program", "def p():\n  x = 0777\n  f = 1 <> 2\nend\n"))
+        (warning,) = session.of(Warned)
+        assert (warning.line, warning.text) == (3, "column 9: error E111: `<>` is Python 2")
+
     def test_a_program_in_protective_stop_is_refused_with_its_reason(self):
         session = Session(READY)
         session.do(AskSafety("stop_protectively", "a test"))

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from elitescript.language import units
 from elitescript.language.options import LINE, PROGRAM, SECONDARY
-from elitescript.language.units import MAX_UNIT_BYTES, Refusal, Unit, UnitSplitter
+from elitescript.language.units import MAX_UNIT_BYTES, SILENT_LINE_MAX, Refusal, Unit, UnitSplitter
 
 
 def said(parts):
@@ -101,6 +102,40 @@ def test_silence(text, expected):
     assert splitter.receive(text.encode()) == []
     assert said(splitter.silence()) == expected
     assert said(splitter.silence()) == []
+
+
+def test_silence_looks_at_nothing_twice_but_the_line_that_is_not_whole(monkeypatch):
+    scanned = []
+    advance = units._LineTracker.advance
+    monkeypatch.setattr(
+        units._LineTracker, "advance", lambda tracker, line: (scanned.append(len(line)), advance(tracker, line))
+    )
+    splitter = UnitSplitter()
+    splitter.receive(b"f(\n" + b"  [1, (2)],\n" * 1000)
+    before = sum(scanned)
+    for _ in range(100):
+        splitter.receive(b"1")
+        assert splitter.silence() == []
+    assert sum(scanned) - before == sum(range(1, 101))
+    splitter.receive(b")")
+    (unit,) = splitter.silence()
+    assert (unit.kind, unit.text.count("\n")) == (LINE, 1001)
+
+
+def test_silence_does_not_end_a_very_long_line(monkeypatch):
+    decoded = []
+    monkeypatch.setattr(
+        UnitSplitter, "_decode", lambda _splitter, row, peek=False: (decoded.append(len(row)), row.decode())[1]
+    )
+    text = b"f(" + b" " * (SILENT_LINE_MAX - 3) + b")"
+    splitter = UnitSplitter()
+    splitter.receive(text)
+    assert said(splitter.silence()) == [(LINE, text.decode(), 1)]
+    decoded.clear()
+    splitter.receive(text + b" ")
+    assert splitter.silence() == []
+    assert decoded == []
+    assert said(splitter.receive(b"\n")) == [(LINE, text.decode() + " ", 1)]
 
 
 def test_what_silence_did_not_end_goes_on():

@@ -4,6 +4,7 @@ import asyncio
 import os
 import signal
 import sys
+import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from elitescript.messages.outputs import CloseChannel, OpenChannel, Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.services import child_link, frames
 from elitescript.services.child_link import BOOTS_MAX, ChildLink
-from elitescript.services.child_process import child_environment
+from elitescript.services.child_process import child_environment, processor_time_s
 from elitescript.services.config_codec import full_codec
 from elitescript.services.cycle import Cycle
 from elitescript.services.jail import is_complete
@@ -49,6 +50,7 @@ class FakeChild:
         self.is_killed = self.is_asked = self.is_mute = False
         self.pid, self.log = 4711, "last words"
         self.tick: int | None = None
+        self.processor_s: float | None = None
         type(self).made.append(self)
 
     def send(self, letter: str, text: str) -> None:
@@ -66,6 +68,9 @@ class FakeChild:
         whole = output(self.tick, task_state=TaskState.PLAYING, **changes)
         self.tick += 1
         self.say(frames.OUTPUT, to_text(CODEC.shape(Output).encode(whole)).encode())
+
+    def worked_s(self) -> float | None:
+        return self.processor_s
 
     def ask_where(self) -> None:
         self.is_asked = True
@@ -157,6 +162,50 @@ class TestLink:
             assert ["Do", "later", ["WriteSignal", "flag", 0, True]] in inputs
             assert not any(item[1] == "poison" for item in inputs)
             assert link.restarts == 1
+
+        with_link(body)
+
+    @pytest.mark.parametrize(
+        "wall_s, processor_s, is_given_up",
+        [
+            (0.8, 0.75, True),
+            (0.8, 0.6, False),
+            (4.9, 0.6, False),
+            (4.9, 0.75, True),
+            (5.1, 0.0, True),
+            (0.8, None, True),
+            (0.6, None, False),
+        ],
+    )
+    def test_a_child_that_only_gets_no_processor_is_waited_for(self, children, clock, wall_s, processor_s, is_given_up):
+        async def body(link):
+            worked_before_s = None if processor_s is None else 3.0
+            children[0].processor_s = worked_before_s
+            await link.tick(())
+            children[0].is_mute = True
+            for _ in range(child_link.PATIENCE_TICKS + 1):
+                await link.tick(())
+            clock[0] += wall_s
+            if processor_s is not None:
+                children[0].processor_s = worked_before_s + processor_s
+            await link.tick(())
+            assert children[0].is_asked is is_given_up
+
+        with_link(body)
+
+    def test_every_answer_begins_the_silence_anew(self, children, clock):
+        async def body(link):
+            children[0].processor_s = 0.0
+            await link.tick(())
+            children[0].is_mute = True
+            for _ in range(2 * child_link.PATIENCE_TICKS):
+                await link.tick(())
+            for _ in range(child_link.PATIENCE_TICKS):
+                await link.tick(())
+                clock[0] += 0.5
+                children[0].processor_s += 0.5
+                children[0].answer()
+            assert not children[0].is_asked
 
         with_link(body)
 
@@ -281,6 +330,15 @@ class TestLink:
             assert len(children[0].told[-1][1]) == 3
 
         with_link(body)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such clock")
+def test_processor_time_of_a_process_is_known():
+    before_s = time.process_time()
+    found_s = processor_time_s(os.getpid())
+    assert found_s is not None
+    assert before_s <= found_s <= time.process_time()
+    assert processor_time_s(2**22 + 1) is None
 
 
 def test_a_child_gets_a_clean_environment(monkeypatch):

@@ -24,7 +24,7 @@ from elitescript.controller.plant import LaggingJoints
 from elitescript.controller.safety_control import SafetyControl
 from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.setup import Setup
-from elitescript.controller.snapshot import build_state
+from elitescript.controller.snapshot import PlaceFinder, build_state
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
 from elitescript.controller.yield_control import YieldControl
 from elitescript.controller.yielding import Caller
@@ -69,6 +69,7 @@ class Controller:
         "_model",
         "_node",
         "_on_event",
+        "_places",
         "_tick",
         "arm",
         "arm_state",
@@ -103,6 +104,7 @@ class Controller:
         self._has_finished = False
         self._model = model
         self.arm: Arm = model.arm
+        self._places = PlaceFinder(model.arm)
         self.joint_ranges: tuple[tuple[float, float], ...] = model.joint_ranges
         self._epoch_s = epoch_s
         self._on_event = on_event
@@ -288,11 +290,11 @@ class Controller:
 
     def state_at(self, tick: int) -> RobotState:
         """The machine at such a tick."""
+        joints = self.joints_at(tick)
         return build_state(
             tick=tick,
-            joints=self.joints_at(tick),
-            arm=self.arm,
-            T_flange_tcp=self.setup.T_flange_tcp,
+            joints=joints,
+            places=self._places.places(joints, self.setup.T_flange_tcp),
             tcp_offset=self.setup.tcp_offset,
             robot_mode=self.power.mode,
             safety_mode=self.safety.mode,

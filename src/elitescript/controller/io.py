@@ -52,6 +52,7 @@ class SignalImage:
 
     __slots__ = (
         "_commanded",
+        "_domain_image",
         "_domains",
         "_freedrive_inputs",
         "_image",
@@ -68,6 +69,7 @@ class SignalImage:
         self._values: dict[str, list[Value]] = {row.name: [row.default] * row.size for row in SIGNALS.values()}
         self._commanded: dict[tuple[str, int], Value] = {}
         self._domains: dict[tuple[str, int], AnalogDomain] = {}
+        self._domain_image: dict[str, tuple[AnalogDomain, ...]] | None = None
         self._runstate: dict[tuple[str, int], RunstateChoice] = {}
         self._freedrive_inputs: set[tuple[str, int]] = set()
         self._is_running = False
@@ -89,6 +91,15 @@ class SignalImage:
     def domain(self, name: str, index: int) -> AnalogDomain:
         """Electrical meaning of an analog channel."""
         return self._domains.get((name, index), AnalogDomain.VOLTAGE)
+
+    @property
+    def domain_image(self) -> Mapping[str, tuple[AnalogDomain, ...]]:
+        """The domain of every channel of every analog family by name; what was returned once does not change."""
+        if self._domain_image is None:
+            self._domain_image = {
+                name: tuple([self.domain(name, index) for index in range(SIGNALS[name].size)]) for name in _ANALOG
+            }
+        return self._domain_image
 
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin: the driven one of an output, the applied one of an input."""
@@ -145,6 +156,7 @@ class SignalImage:
         if request.domain is self.domain(*key):
             return
         self._domains[key] = request.domain
+        self._domain_image = None
         is_input = SIGNALS[request.name].is_input
         level = float(self._values[request.name][request.index] if is_input else self._commanded_level(*key))
         if is_input and low <= level <= high:

@@ -13,7 +13,6 @@ from elitescript.controller.controller import Controller
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.motion import Six
-from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import Snapshot, TaskPicture, Three
 from elitescript.messages.state import ZERO_SIX, JointState, Payload
 
@@ -27,7 +26,8 @@ TOOL_CURRENT_A: Final = 0.05
 """What a tool with supply takes (*assumed*)."""
 
 _INSTANT_S: Final = 1e-4
-_ANALOG: Final = ("standard_analog_in", "standard_analog_out", "tool_analog_in", "tool_analog_out")
+_NO_VOLTAGES: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_BUS_VOLTAGES: Final[Six] = (BUS_V, BUS_V, BUS_V, BUS_V, BUS_V, BUS_V)
 _POWERED: Final = frozenset(
     {RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE, RobotMode.BACK_DRIVE, RobotMode.RUNNING}
 )
@@ -38,6 +38,8 @@ class Load(NamedTuple):
 
     torques: Six
     currents: Six
+    joint_current: float
+    """Sum of all, whichever way they flow."""
     tcp_force: Six
     raw_wrench: Six
     elbow_position: Three
@@ -68,7 +70,7 @@ class Pictures:
     def __init__(self, controller: Controller) -> None:
         self._controller = controller
         self._key: _Key | None = None
-        self._load = Load(ZERO_SIX, ZERO_SIX, ZERO_SIX, ZERO_SIX, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        self._load = Load(ZERO_SIX, ZERO_SIX, 0.0, ZERO_SIX, ZERO_SIX, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
     def picture(self, task: TaskPicture, popup: str, *, is_remote: bool, overruns: int) -> Snapshot:
         """Return the machine at the present tick.
@@ -94,7 +96,7 @@ class Pictures:
             joint_torques=load.torques,
             joint_currents=load.currents,
             joint_temperatures=temperatures,
-            joint_voltages=(voltage,) * 6,
+            joint_voltages=_BUS_VOLTAGES if is_powered else _NO_VOLTAGES,
             tcp_force=load.tcp_force,
             raw_wrench=load.raw_wrench,
             elbow_position=load.elbow_position,
@@ -102,14 +104,12 @@ class Pictures:
             speed_scaling=0.0 if is_paused and not robot.is_moving else controller.motion.rate(robot.tick),
             controller_temperature=controller_temperature,
             robot_voltage=voltage,
-            robot_current=IDLE_CURRENT_A + sum(map(abs, load.currents)) if is_powered else 0.0,
+            robot_current=IDLE_CURRENT_A + load.joint_current if is_powered else 0.0,
             io_current=IO_CURRENT_A,
             tool_current=TOOL_CURRENT_A if is_powered and image["tool_voltage"][0] else 0.0,
             tool_temperature=temperatures[5],
             signals=image,
-            domains={
-                name: tuple([signals.domain(name, index) for index in range(SIGNALS[name].size)]) for name in _ANALOG
-            },
+            domains=signals.domain_image,
             tool_analog_mode=signals.tool_analog_mode,
             tool_pin_modes=(int(pins[0].mode), int(pins[1].mode), int(pins[2].mode), int(pins[3].mode)),
             is_remote=is_remote,
@@ -151,6 +151,7 @@ class Pictures:
         return Load(
             torques,
             currents,
+            sum(map(abs, currents)),
             controller.tcp_wrench(True),
             controller.tcp_wrench(False),
             arm.elbow(joints.q_actual),

@@ -8,6 +8,7 @@ from typing import Any, Final
 from elitescript.controller.controller import Controller
 from elitescript.errors import ProgramError, ScriptError
 from elitescript.language.compiler import CompiledUnit, compile_unit
+from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm, Warned
@@ -71,7 +72,7 @@ class Programs:
         """
         unit = compile_unit(SourceFile(name, text), Options(strict=self._is_strict, kind=kind))
         for problem in unit.diagnostics[:PROBLEMS_MAX]:
-            self._warn(str(problem), problem.line)
+            self._warn(_told(problem), problem.line)
         return unit
 
     def start(self, unit: CompiledUnit, name: str) -> None:
@@ -96,7 +97,7 @@ class Programs:
             hint = {"hint": first.hint} if first.hint else {}
             self._alarm(first.code, "SyntaxError", first.text, first.line, first.column, origin, "", hint)
         for problem in problems[1 : PROBLEMS_MAX + 1]:
-            self._warn(str(problem), problem.line)
+            self._warn(_told(problem), problem.line)
 
     def _missing_name(self, text: str) -> str:
         """The name that a line calls, if there is nothing of that name."""
@@ -125,3 +126,9 @@ class Programs:
     ) -> None:
         tick = self._controller.tick
         self._controller.emit(Alarm(tick, code, class_name, text, line, column, origin, source_line, details or {}))
+
+
+def _told(problem: Diagnostic) -> str:
+    """A problem without its line, which the warning names itself, and without the word `warning`."""
+    word = "error " if problem.is_error else ""
+    return f"column {problem.column}: {word}{problem.code}: {problem.text}"

@@ -8,6 +8,7 @@ units each statement is a unit of its own, a *line unit*.
 from __future__ import annotations
 
 import re
+from copy import copy
 from dataclasses import dataclass
 from functools import cache
 from typing import Final
@@ -23,6 +24,9 @@ __all__ = ["MAX_UNIT_BYTES", "SILENCE_S", "Refusal", "Unit", "UnitSplitter", "ki
 MAX_UNIT_BYTES: Final = 4 * 1024 * 1024
 SILENCE_S: Final = 0.1
 """After this long without a byte, an `end` counts although no line feed follows it. *Assumed.*"""
+SILENT_LINE_MAX: Final = 8 * 1024
+"""Bytes of a line that silence ends; a longer one needs its line feed. *Assumed*: else each byte of a client that sends
+one now and then would have all of them looked at again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +133,8 @@ class UnitSplitter:
     def silence(self) -> list[Unit | Refusal]:
         """`SILENCE_S` have passed: what looks complete counts as complete."""
         found: list[Unit | Refusal] = []
+        if len(self._partial) > SILENT_LINE_MAX:
+            return found
         line = self._decode(bytes(self._partial), peek=True)
         if self._kind in (PROGRAM, SECONDARY):
             # Also when a bracket or a string is still open: then the text is faulty, and the
@@ -142,9 +148,8 @@ class UnitSplitter:
             if not self._partial:
                 self._deliver(found)
             elif not _opener().match(line):
-                tracker = _LineTracker()
-                for row in (*self._lines, line):
-                    tracker.advance(row)
+                tracker = copy(self._tracker)
+                tracker.advance(line)
                 if not tracker.inside:
                     self._take_partial(found)
                     if self._kind:

@@ -121,6 +121,22 @@ class Codec:
         """
         return self._shape(kind, (-INT_LIMIT, INT_LIMIT - 1))
 
+    def field_shapes(self, kind: type) -> dict[str, Shape[Any]]:
+        """The shape of every field of a registered class, in the order in which they are written.
+
+        Raises:
+            TypeError: a field has a type that no message may have.
+        """
+        assert is_dataclass(kind)
+        name, hints = kind.__name__, get_type_hints(kind)
+        return {
+            field.name: SIGNAL_IMAGE
+            if (name, field.name) == ("Snapshot", "signals")
+            else self._shape(hints[field.name], _BOUNDS.get((name, field.name), (-INT_LIMIT, INT_LIMIT - 1)))
+            for field in fields(kind)
+            if field.init
+        }
+
     def _shape(self, kind: Any, bounds: tuple[int, int]) -> Shape[Any]:
         known = self._shapes.get((kind, bounds))
         if known is None:
@@ -147,15 +163,9 @@ class Codec:
 
     def _fields(self, kind: type) -> Shape[Any]:
         """A frozen dataclass: the list of the fields that its constructor takes."""
-        assert is_dataclass(kind)
-        name, hints = kind.__name__, get_type_hints(kind)
-        names = [field.name for field in fields(kind) if field.init]
-        shapes = [
-            SIGNAL_IMAGE
-            if (name, field) == ("Snapshot", "signals")
-            else self._shape(hints[field], _BOUNDS.get((name, field), (-INT_LIMIT, INT_LIMIT - 1)))
-            for field in names
-        ]
+        name = kind.__name__
+        shapes_by_name = self.field_shapes(kind)
+        names, shapes = list(shapes_by_name), list(shapes_by_name.values())
         encoders = [(field, shape.encode) for field, shape in zip(names, shapes, strict=True)]
         decoders = [shape.decode for shape in shapes]
         count = len(names)

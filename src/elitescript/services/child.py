@@ -18,11 +18,11 @@ from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.inputs import Input
-from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.services import frames
-from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.config_codec import full_codec
 from elitescript.services.jail import enter_jail
+from elitescript.services.output_changes import OutputWriter
 from elitescript.services.remote_files import RemoteFiles
 from elitescript.worlds.request_channels import RequestWorld
 
@@ -30,7 +30,7 @@ from elitescript.worlds.request_channels import RequestWorld
 def serve(line: frames.BlockingLine) -> None:
     """Do what the parent says, until it goes."""
     codec = full_codec()
-    inputs_shape, output_shape = codec.shape(Input), codec.shape(Output)
+    inputs_shape, writer = codec.shape(Input), OutputWriter(codec)
 
     def ask(question: list[Any]) -> list[Any]:
         line.send(frames.QUESTION, to_text(question))
@@ -42,7 +42,7 @@ def serve(line: frames.BlockingLine) -> None:
         data = from_text(text)
         if letter == frames.TICK and kernel is not None:
             output = kernel.tick([inputs_shape.decode(item) for item in data])
-            line.send(frames.OUTPUT, output_text(output_shape, output))
+            line.send(*writer.message(output))
         elif letter == frames.LOCK_IN:
             is_jailed, memory_max = data
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()

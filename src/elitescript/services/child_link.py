@@ -1,8 +1,10 @@
 """The way to a robot in a child process: no program that runs there can hold up whoever serves it.
 
 A tick is sent to the child, and its output taken, within the period. A child that is late is not waited for: clients
-see the last picture meanwhile, the ticks queue up, and the child makes up for them. One that has said nothing for
-`PATIENCE_S` is in a call that does not come back: it is killed, and a fresh child goes on from the last picture.
+see the last picture meanwhile, the ticks queue up, and the child makes up for them. One that has worked for
+`PATIENCE_S` without saying anything is in a call that does not come back: it is killed, and a fresh child goes on from
+the last picture. Its own processor time counts, so that a busy computer does not look like such a call; one that does
+not work either, because it sleeps, is killed after `ABSENCE_MAX_S`.
 """
 
 from __future__ import annotations
@@ -27,17 +29,20 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import PERIOD_S
 from elitescript.runtime.world import Files, FilesRefused
 from elitescript.services import frames
-from elitescript.services.child_process import ChildProcess
+from elitescript.services.child_process import ChildProcess, Silence
 from elitescript.services.config_codec import full_codec
 from elitescript.services.jail import MEMORY_MAX, Layer
 from elitescript.services.journal import Journal
 from elitescript.services.output_buffer import OutputBuffer
+from elitescript.services.output_changes import OutputReader
 from elitescript.services.remote_files import FileDesk
 
 PATIENCE_S: Final = 0.7
-"""Silence after which a child is given up."""
+"""Processor time without a word after which a child is given up; wall time where processor time is not known."""
 FIRST_PATIENCE_S: Final = 3.0
 """The same before the first output of a fresh child, which has its robot to make."""
+ABSENCE_MAX_S: Final = 5.0
+"""Wall time without a word after which a child is given up, whatever it does."""
 PATIENCE_TICKS: Final = 20
 """Ticks that have gone by as well: whoever was away himself has no reason to complain."""
 GRACE_S: Final = 0.0015
@@ -52,7 +57,8 @@ READING_MAX_S: Final = 0.25
 READING_KEPT: Final = 0.99
 """Time that the outputs of the last hundred ticks or so may take to be read: more than half of it."""
 BOOT_S: Final = 20.0
-UNANSWERED_MAX: Final = 500
+UNANSWERED_MAX: Final = 2000
+"""Ticks that may wait for an answer; more than `ABSENCE_MAX_S` has."""
 HELD_MAX: Final = 10_000
 """Inputs that wait while there is no child; more are refused."""
 BOOTS_MAX: Final = 5
@@ -65,7 +71,6 @@ class _Sent:
 
     tick: int
     inputs: Sequence[Input]
-    sent_s: float
     answers: list[Any] = field(default_factory=list)
 
 
@@ -77,7 +82,7 @@ class ChildLink:
         files: its task folder; none if None.
         is_jailed: lock the child in.
         journal: where to write the session down.
-        patience_s: silence after which the child is given up.
+        patience_s: silence after which the child is given up, in its own processor time.
         grace_s: how long to wait for an output in its own period; infinite in a test that compares outputs.
         memory_max: bytes of address space of the child.
 
@@ -109,11 +114,12 @@ class ChildLink:
         "_lost",
         "_memory_max",
         "_next",
-        "_output_shape",
         "_outputs",
         "_patience_s",
+        "_reader",
         "_reading_s",
         "_replaced_because",
+        "_silence",
         "_unanswered",
         "layers",
         "restarts",
@@ -138,7 +144,7 @@ class ChildLink:
         self._memory_max = memory_max
         self._codec = full_codec()
         self._input_shape = self._codec.shape(Input)
-        self._output_shape = self._codec.shape(Output)
+        self._reader = OutputReader(self._codec)
         self._desk = FileDesk(FilesRefused() if files is None else files)
         self._next = config.first_tick
         self._child: ChildProcess | None = None
@@ -158,6 +164,7 @@ class ChildLink:
         self._reading_s = 0.0
         self._replaced_because = ""
         self._lost: Sequence[Input] = ()
+        self._silence = Silence(0.0, 0.0)
         self.layers: tuple[Layer, ...] = ()
         self.restarts = 0
 
@@ -237,6 +244,7 @@ class ChildLink:
         self._end_reason = self._failure = ""
         self._given_up_s = self._reading_s = 0.0
         self._boots += 1
+        self._reader = OutputReader(self._codec)
         try:
             self._child = ChildProcess(self._message, self._ended)
         except (OSError, ValueError, AttributeError) as error:
@@ -283,7 +291,9 @@ class ChildLink:
     def _send_tick(self, tick: int) -> None:
         assert self._child is not None
         inputs, self._held = self._held, []
-        self._unanswered.append(_Sent(tick, inputs, time.monotonic()))
+        if not self._unanswered:
+            self._silence = self._silence_from_now()
+        self._unanswered.append(_Sent(tick, inputs))
         self._child.send(frames.TICK, to_text([self._input_shape.encode(item) for item in inputs]))
 
     # ---------------------------------------------------------------- up
@@ -291,8 +301,8 @@ class ChildLink:
     def _message(self, letter: str, text: bytes) -> None:
         """A message of the child; what makes no sense ends it."""
         try:
-            if letter == frames.OUTPUT:
-                self._take_output(text)
+            if letter in (frames.OUTPUT, frames.OUTPUT_CHANGES):
+                self._take_output(letter, text)
             elif letter == frames.QUESTION:
                 self._take_question(text)
             elif letter == frames.LOCKED_IN and not self._is_locked_in:
@@ -309,11 +319,11 @@ class ChildLink:
             self._ended(f"what it says makes no sense: {error}")
         self._wake()
 
-    def _take_output(self, text: bytes) -> None:
+    def _take_output(self, letter: str, text: bytes) -> None:
         if not self._unanswered:
             raise CodecError("an output that was not asked for")
         began_s = time.thread_time()
-        output = self._output_shape.decode(from_text(text))
+        output = self._reader.read(letter, text)
         self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
         if self._reading_s > READING_MAX_S:
             raise CodecError("it says so much that reading it takes the time of everybody else")
@@ -322,6 +332,7 @@ class ChildLink:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.tick}")
         self._boots = 0
         self._given_up_s = 0.0
+        self._silence = self._silence_from_now()
         self._outputs.add(output)
         for request in output.requests:
             if isinstance(request, OpenChannel):
@@ -329,7 +340,7 @@ class ChildLink:
             elif isinstance(request, CloseChannel):
                 self._channels.discard(request.channel)
         if self._journal is not None:
-            self._journal.tick(sent.tick, sent.inputs, sent.answers, text)
+            self._journal.tick(sent.tick, sent.inputs, sent.answers, self._reader.text().encode())
             self._outputs.add_own(*self._journal.take_warning(sent.tick))
 
     def _take_question(self, text: bytes) -> None:
@@ -353,15 +364,23 @@ class ChildLink:
         if not self._unanswered or self._child is None:
             return
         oldest, now_s = self._unanswered[0], time.monotonic()
-        silent_s = now_s - oldest.sent_s
+        silent_s = now_s - self._silence.since_s
         patience_s = max(self._patience_s, FIRST_PATIENCE_S) if self._boots else self._patience_s
         if silent_s < patience_s or tick - oldest.tick < PATIENCE_TICKS:
             return
+        worked_s, before_s = self._child.worked_s(), self._silence.worked_s
+        if worked_s is not None and before_s is not None:
+            has_worked_enough = worked_s - before_s >= patience_s
+            if not has_worked_enough and silent_s < max(ABSENCE_MAX_S, patience_s):
+                return
         if not self._given_up_s:
             self._given_up_s = now_s
             self._child.ask_where()
         elif self._child.where() is not None or now_s - self._given_up_s > TRACE_S:
             self._replace(tick, f"a call of the program did not come back for {silent_s:.2f} s")
+
+    def _silence_from_now(self) -> Silence:
+        return Silence(time.monotonic(), None if self._child is None else self._child.worked_s())
 
     def _replace(self, tick: int, reason: str) -> None:
         """Kill the child, report it, and start a fresh one."""

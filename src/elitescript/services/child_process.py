@@ -9,8 +9,10 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -25,9 +27,21 @@ LOG_MAX: Final = 1 << 16
 BACKLOG_MAX: Final = 64 * 1024 * 1024
 """Bytes that may wait for a child that does not read."""
 _READ_AT_ONCE: Final = 1 << 20
+_SCHEDULER_CLOCK: Final = 2
+"""Kind of clock that counts what the scheduler has given to a process, in user and system mode."""
 
 _TRACE_BEGIN: Final = b"most recent call first"
 _TRACE_LINE: Final = re.compile(r'^  File "([^"]*)", line (\d+) in ', re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Silence:
+    """When a child that owes an answer was heard last, or was asked if it owed none then."""
+
+    since_s: float
+    """On the monotonic clock."""
+    worked_s: float | None
+    """Processor time of the child then; None if it is not known."""
 
 
 class ChildProcess:
@@ -115,6 +129,10 @@ class ChildProcess:
         self._backlog += data
         if len(self._backlog) > BACKLOG_MAX:
             self._over("it does not read what it is told")
+
+    def worked_s(self) -> float | None:
+        """Processor time that it has used so far, s; None if this system does not tell."""
+        return processor_time_s(self._process.pid)
 
     def ask_where(self) -> None:
         """Have it write to its output where it is."""
@@ -206,6 +224,20 @@ class ChildProcess:
             self._log += os.read(self._log_fd, LOG_MAX)
         assert self._process.stdout is not None
         self._process.stdout.close()
+
+
+def processor_time_s(pid: int) -> float | None:
+    """Processor time of all threads of a process, s; None if it has gone, or this system does not tell.
+
+    Linux has a clock for every process, whose number is the complement of the process' with the kind of the clock in
+    the lowest three bits (`clock_getcpuclockid(3)`).
+    """
+    if sys.platform != "linux":
+        return None
+    try:
+        return time.clock_gettime((~pid << 3) | _SCHEDULER_CLOCK)
+    except OSError:
+        return None
 
 
 def child_environment() -> dict[str, str]:

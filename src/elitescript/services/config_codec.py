@@ -21,13 +21,18 @@ def full_codec() -> Codec:
 
 
 def output_text(shape: Shape[Output], output: Output) -> str:
-    """An output as JSON text, the same wherever it is written.
+    """An output as JSON text, the same wherever it is written."""
+    return to_text(shape.encode(without_points(output)))
+
+
+def without_points(output: Output) -> Output:
+    """An output as it is written.
 
     A million points of a file are not sent to whoever hears that the arm begins to follow them.
     """
     if any(_has_points(event) for event in output.events):
-        output = replace(output, events=tuple(map(_without_points, output.events)))
-    return to_text(shape.encode(output))
+        return replace(output, events=tuple(map(_without_points, output.events)))
+    return output
 
 
 def _has_points(event: Event) -> bool:
