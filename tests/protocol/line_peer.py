@@ -9,6 +9,7 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.protocol.connection import Connection
+from elitescript.protocol.dashboard import SETTLING_TICKS
 from tests.protocol.snapshots import description, output
 
 TASK = TaskPicture("test.task", "", "default.configuration", is_saved=True, is_configuration_modified=False)
@@ -29,7 +30,7 @@ class Peer:
         self.inputs += self.connection.receive(data, self.output)
         return self.connection.take()
 
-    def tick(self, *replies: Reply, ticks: int = 1, **changes: Any) -> list[bytes]:
+    def tick(self, *replies: Reply, ticks: int = SETTLING_TICKS, **changes: Any) -> list[bytes]:
         """Let the robot say something and change; return the messages that come then."""
         tick = self.output.tick + ticks
         after = picture(tick, **changes) if changes else replace(self.output, tick=tick)

@@ -37,6 +37,7 @@ from elitescript.protocol.dashboard import (
     ANSWER_TICKS,
     LINE_LIMIT,
     LINES_PER_TICK,
+    SETTLING_TICKS,
     WAITING_LIMIT,
     DashboardConnection,
     find_row,
@@ -267,8 +268,19 @@ def test_commands_behind_one_that_waits_keep_their_order_and_see_what_it_did() -
     assert peer.inputs == [PlayTask("peer#1/2")]
     sent = peer.tick(Reply("peer#1/2", done()), task_state=TaskState.PLAYING)
     assert sent == wire("Starting task", "Task is running", "Speed is set to: 50")
-    assert peer.inputs[1:] == [Do("peer#1/4", SetSpeedScale(0.5)), GetVariable("peer#1/5", "g")]
+    assert peer.inputs[1:] == [Do("peer#1/4", SetSpeedScale(0.5))]
+    assert peer.tick(ticks=SETTLING_TICKS - 1) == []
+    assert peer.tick(ticks=1) == []
+    assert peer.inputs[2:] == [GetVariable("peer#1/5", "g")]
     assert peer.tick(Reply("peer#1/5", done("1"))) == wire("g: 1", "Hello ELITE ROBOTS.")
+
+
+def test_a_command_sees_what_the_one_before_it_has_changed() -> None:
+    peer = shell(robot_mode=RobotMode.RUNNING)
+    assert peer.send(b"robotControl -off\nrobotControl -on\n") == wire("Powering off")
+    assert [type(asked.request) for asked in peer.inputs] == [PowerOff]
+    assert peer.tick(ticks=SETTLING_TICKS, robot_mode=RobotMode.POWER_OFF) == wire("Powering on")
+    assert [type(asked.request) for asked in peer.inputs] == [PowerOff, PowerOn]
 
 
 def test_a_robot_that_does_not_answer_is_given_up_and_its_late_answer_ignored() -> None:

@@ -180,8 +180,9 @@ class TestTable:
     def test_every_translated_event_exists(self):
         assert set(primary_messages._TRANSLATIONS) <= set(get_args(Event))
 
-    def test_errors_are_vital_and_texts_are_not(self):
+    def test_errors_and_starts_and_ends_are_vital_and_texts_are_not(self):
         vital = [ALARM, Warned(1, "[SEC] Exception: x"), SafetyModeChanged(1, SafetyMode.FAULT)]
-        others = [TextMessage(1, "x", "main", 1), Warned(1, "x"), TaskStateChanged(1, TaskState.PLAYING, "x")]
+        vital.append(TaskStateChanged(1, TaskState.PLAYING, "x"))
+        others = [TextMessage(1, "x", "main", 1), Warned(1, "x")]
         notes = [note_of(event) for event in vital + others]
-        assert [note is not None and note.is_vital for note in notes] == [True] * 3 + [False] * 3
+        assert [note is not None and note.is_vital for note in notes] == [True] * 4 + [False] * 2

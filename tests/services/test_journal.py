@@ -157,3 +157,11 @@ class TestJournalReader:
         path.write_text("".join([lines[0], '{"tick":0,"in":[["Nonsense"]]}\n', *lines[1:]]))
         with pytest.raises(UsageError, match=r"line 2.*Nonsense"):
             replayed(path)
+
+
+def test_a_journal_that_is_there_is_not_overwritten(tmp_path):
+    path = tmp_path / "session.journal"
+    path.write_text("precious")
+    with pytest.raises(UsageError, match="the file exists"):
+        Journal(path, KernelConfig())
+    assert path.read_text() == "precious"

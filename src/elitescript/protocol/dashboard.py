@@ -1,8 +1,8 @@
 """The dashboard shell, port 29999: one command a line, one reply each, in order.
 
 Clients take one read for a reply, so the greeting and every reply leave in one send each. A command whose result the
-robot alone knows (loading, starting, variables, unlocking) is answered when the robot has: the commands behind it wait,
-and see the state that it has left.
+robot alone knows (loading, starting, variables, unlocking) is answered when the robot has. Others are answered at
+once. In both cases the commands behind wait, and see the state that it has left.
 
 Evidence: line ends, the three lines of the greeting and one reply a command are *documented* or seen in the vendor's
 client; the limits, and that an empty line is not answered, are *assumed*.
@@ -29,6 +29,8 @@ LINES_PER_TICK: Final = 100
 """Commands of one client that are read in a tick; the rest waits for the next."""
 WAITING_LIMIT: Final = 64
 """Commands that may wait for the one before them."""
+SETTLING_TICKS: Final = 4
+"""After a command that changes the robot and is answered at once, the next one waits so long: it sees the change."""
 ANSWER_TICKS: Final = 1000
 """How long the robot may take to answer; the vendor's client waits 10 s for a reply."""
 
@@ -40,7 +42,7 @@ class DashboardConnection(Connection):
     an answer that comes too late finds nobody, and is not taken for that of another command.
     """
 
-    __slots__ = ("_asked_tick", "_awaited", "_count", "_inputs", "_lines", "_waiting")
+    __slots__ = ("_asked_tick", "_awaited", "_count", "_inputs", "_lines", "_settled_tick", "_waiting")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
@@ -48,6 +50,7 @@ class DashboardConnection(Connection):
         self._waiting: deque[Line] = deque()
         self._awaited: Answer | None = None
         self._asked_tick = 0
+        self._settled_tick = 0
         self._inputs: list[Input] = []
         self._count = 0
         self._say(
@@ -67,6 +70,7 @@ class DashboardConnection(Connection):
         if self._awaited is not None:
             self._await(self._awaited, output)
         self._read(output)
+        self._work(output)
 
     def _await(self, awaited: Answer, output: Output) -> None:
         own = self._own_origin
@@ -120,7 +124,7 @@ class DashboardConnection(Connection):
         self._say(text)
 
     def _work(self, output: Output) -> None:
-        while self._waiting and self._awaited is None:
+        while self._waiting and self._awaited is None and output.tick >= self._settled_tick:
             line = self._waiting.popleft()
             if line.problem:
                 self._say(f"Command is not understood: {line.problem}")
@@ -133,6 +137,8 @@ class DashboardConnection(Connection):
         if answer.failure:
             self._awaited, self._asked_tick = answer, tick
             return
+        if answer.inputs:
+            self._settled_tick = tick + SETTLING_TICKS
         self._say(answer.text)
         if answer.is_last:
             self.is_over = True

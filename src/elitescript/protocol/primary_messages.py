@@ -224,7 +224,7 @@ def _task_state(event: TaskStateChanged, terminator: bytes) -> Note | None:
     title = _KEY_TITLES.get(event.state)
     if title is None:
         return None
-    return Note(KEY.pack(event.tick, (0, 0), title, event.name, terminator=terminator), is_vital=False)
+    return Note(KEY.pack(event.tick, (0, 0), title, event.name, terminator=terminator), is_vital=True)
 
 
 _SAFETY_LEVELS: Final = {

@@ -22,7 +22,7 @@ from elitescript.runtime.strand import ENDED, READY, WAITING, Stopped, Strand
 from elitescript.runtime.timers import Timers
 
 WORK_PER_TICK: Final = 2_000
-"""Checkpoints of one thread in one tick (*assumed*): so few that a served loop of mere polling keeps up with real time."""
+"""Checkpoints of one thread in one tick (*assumed*): so few that a served loop of mere polling keeps up with time."""
 
 WORK_PER_ACTIVATION: Final = 20
 """Checkpoints that it costs to be woken, so that threads which only wake each other use up the tick too."""

@@ -71,7 +71,7 @@ class Journal:
         failure: why nothing more is written; empty while all is well.
 
     Raises:
-        UsageError: the file cannot be written.
+        UsageError: the file exists, or cannot be written.
     """
 
     __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_told", "_last_tick", "_output", "failure")
@@ -84,6 +84,8 @@ class Journal:
         self._last_tick = config.first_tick - 1
         self.failure = ""
         self._is_told = False
+        if path.is_file():
+            raise UsageError(f"--journal {path}: the file exists; name another one, or remove it")
         try:
             self._file: BinaryIO | None = path.open("wb", buffering=0)
         except OSError as error:
