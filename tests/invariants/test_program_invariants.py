@@ -115,7 +115,7 @@ def disturbed_run(seed: int) -> tuple[VirtualRobot, list[TraceRow], list[Event],
     return robot, list(run.trace), list(run.events), run.state
 
 
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(600 + COUNT)
 def test_random_programs_keep_every_limit_and_never_jump(finding: Finding) -> None:
     extremes = Extremes()
     for seed in range(COUNT):
