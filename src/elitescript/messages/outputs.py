@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from elitescript.messages.events import Event
+from elitescript.messages.line import LineSettings
 from elitescript.messages.snapshot import Snapshot
 
 CHANNEL_WINDOW: Final = 65_536
@@ -26,6 +27,16 @@ class OpenChannel:
     address: str
     port: int
     timeout_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class OpenLine:
+    """Open a serial line; the answer is `ChannelOpened`. A line that is open already is closed before."""
+
+    channel: int
+    device: str
+    """`tool`, or the device of the control box, such as `/dev/ttymxc0`."""
+    settings: LineSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +62,7 @@ class CreditChannel:
     size: int
 
 
-ChannelRequest = OpenChannel | SendChannel | CloseChannel | CreditChannel
+ChannelRequest = OpenChannel | OpenLine | SendChannel | CloseChannel | CreditChannel
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,8 +27,9 @@ from elitescript.runtime.strand import Stopped, Strand
 from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
 
 if TYPE_CHECKING:
+    from elitescript.runtime.connection import Receiver
     from elitescript.runtime.interpreter import Interpreter
-    from elitescript.runtime.sockets import Connection, Sockets
+    from elitescript.runtime.sockets import Sockets
     from elitescript.runtime.watchdogs import Watchdogs
 
 RESUME: Final = "somebody to resume the program"
@@ -52,7 +53,7 @@ class TaskPort(Protocol):
 
     movers: dict[int, list[Strand]]
     """Who waits for which move: its own thread, and threads that brake it."""
-    connections: dict[int, Connection]
+    connections: dict[int, Receiver]
     """Every open TCP connection by its channel."""
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:

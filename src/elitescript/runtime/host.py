@@ -29,7 +29,7 @@ from elitescript.runtime.world import NoWorld, World
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
-    from elitescript.runtime.sockets import Connection
+    from elitescript.runtime.connection import Receiver
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -57,7 +57,7 @@ class ScriptHost:
         alarm: what ended it, if an alarm did.
         interpreter: statements of interpreter mode.
         movers: which strands wait for which move.
-        connections: every open TCP connection by its channel.
+        connections: who listens to each open channel.
         watchdogs: RTSI inputs that the program watches.
     """
 
@@ -111,7 +111,7 @@ class ScriptHost:
         self.interpreter = Interpreter(self._scheduler, profile.interpreter_queue_limit)
         self.watchdogs = Watchdogs(machine, is_rtsi_input)
         self.movers: dict[int, list[Strand]] = {}
-        self.connections: dict[int, Connection] = {}
+        self.connections: dict[int, Receiver] = {}
         self.result = ""
         self.alarm: Alarm | None = None
 

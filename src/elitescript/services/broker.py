@@ -20,6 +20,7 @@ from elitescript.messages.outputs import (
     CloseChannel,
     CreditChannel,
     OpenChannel,
+    OpenLine,
     SendChannel,
 )
 
@@ -62,6 +63,8 @@ class Broker:
             match request:
                 case OpenChannel():
                     self._open(request)
+                case OpenLine(number, device):
+                    self._post([ChannelOpened(number, False, f"no serial port is bound to {device}")])
                 case SendChannel(number, data):
                     self._send(number, data)
                 case CreditChannel(number, size):

@@ -11,6 +11,7 @@ from heapq import heappop, heappush
 from typing import Any, Final
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
+from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.messages.timing import seconds, ticks_for
 
@@ -128,6 +129,10 @@ class MemoryChannels:
         self.tell(ChannelOpened(self._last, True))
         self.call(1, peer.opened)
         return self._last
+
+    def open_line(self, device: str, settings: LineSettings) -> int:
+        """There are no lines here."""
+        return 0
 
     def send(self, channel: int, data: bytes) -> None:
         """Bytes for the server, which has them in the next tick."""

@@ -13,6 +13,7 @@ from elitescript.messages.timing import PERIOD_S
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
+    from elitescript.messages.line import LineSettings
     from elitescript.worlds.tcp_channel import TcpChannel
 
 
@@ -40,6 +41,10 @@ class RealChannels:
         self._last += 1
         self._open[self._last] = TcpChannel(self._last, address, port)
         return self._last
+
+    def open_line(self, device: str, settings: LineSettings) -> int:
+        """There are no lines here."""
+        return 0
 
     def send(self, channel: int, data: bytes) -> None:
         """Send what the connection takes now, the rest between later ticks."""

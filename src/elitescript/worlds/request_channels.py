@@ -1,4 +1,4 @@
-"""TCP connections that somebody else holds: what programs ask for is collected, the host is told what comes of it."""
+"""Channels that somebody else holds: what programs ask for is collected, the host is told what comes of it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,15 @@ from collections.abc import Sequence
 from typing import Final
 
 from elitescript.messages.inputs import ChannelEvent
-from elitescript.messages.outputs import ChannelRequest, CloseChannel, CreditChannel, OpenChannel, SendChannel
+from elitescript.messages.line import LineSettings
+from elitescript.messages.outputs import (
+    ChannelRequest,
+    CloseChannel,
+    CreditChannel,
+    OpenChannel,
+    OpenLine,
+    SendChannel,
+)
 from elitescript.runtime.world import Files
 
 TCP: Final = "tcp"
@@ -47,6 +55,12 @@ class RequestChannels:
         """Ask for a connection; numbers begin with 1 and do not return."""
         self._last += 1
         self._requests.append(OpenChannel(self._last, TCP, address, port, timeout_s))
+        return self._last
+
+    def open_line(self, device: str, settings: LineSettings) -> int:
+        """Ask for a serial line; it has the next number of a channel."""
+        self._last += 1
+        self._requests.append(OpenLine(self._last, device, settings))
         return self._last
 
     def send(self, channel: int, data: bytes) -> None:
