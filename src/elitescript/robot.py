@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 from elitescript.controller.contact import ContactConfig
+from elitescript.controller.controller import Controller
 from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
@@ -115,14 +116,14 @@ class VirtualRobot:
             self.model, self.profile, fittings, on_event=self._event, on_end=self._program_ended
         )
         self.signals = Signals(self.controller)
-        if self._surroundings is not None:
-            self._surroundings.begin(_RobotPort(self.controller))
         self._run: Run | None = None
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
         for name, value in surroundings.signals.items():
             self.signals[name] = value
+        if self._surroundings is not None:
+            self._surroundings.begin(_RobotPort(self.controller))
 
     # ---------------------------------------------------------------- reading
 

@@ -7,10 +7,24 @@ See `docs/devices.md`.
 
 from __future__ import annotations
 
+from elitescript.worlds.virtual.agenda import DeviceError
 from elitescript.worlds.virtual.device import Device
+from elitescript.worlds.virtual.parts import Parts
 from elitescript.worlds.virtual.serial import SerialDevice
 from elitescript.worlds.virtual.signals import RobotSignals
 from elitescript.worlds.virtual.tcp import TcpConnection, TcpServer
+from elitescript.worlds.virtual.wiring import Schedule, Wire
 from elitescript.worlds.virtual.world import World
 
-__all__ = ["Device", "RobotSignals", "SerialDevice", "TcpConnection", "TcpServer", "World"]
+__all__ = [
+    "Device",
+    "DeviceError",
+    "Parts",
+    "RobotSignals",
+    "Schedule",
+    "SerialDevice",
+    "TcpConnection",
+    "TcpServer",
+    "Wire",
+    "World",
+]

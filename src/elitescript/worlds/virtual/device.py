@@ -149,10 +149,12 @@ class Device:
 
 def setting_names(device_class: type[Device]) -> list[str]:
     """Names of the settings of a class, in the order in which they were written."""
+    import inspect
+
     hidden = {"cell"}
     names: list[str] = []
     for owner in reversed(device_class.__mro__):
-        for name in (*owner.__dict__.get("__annotations__", {}), *owner.__dict__):
+        for name in (*inspect.get_annotations(owner), *vars(owner)):
             value = getattr(device_class, name, None)
             is_setting = not callable(value) and not isinstance(value, (property, staticmethod, classmethod))
             if not name.startswith("_") and name not in hidden and name not in names and is_setting:
