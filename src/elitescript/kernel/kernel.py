@@ -49,6 +49,7 @@ from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.models.model import load_model
 from elitescript.protocol.outcomes import done, refused
+from elitescript.runtime.line import close_lines
 from elitescript.runtime.world import FilesRefused, World
 from elitescript.wiring import Fittings, assemble
 from elitescript.worlds.request_channels import RequestWorld
@@ -202,10 +203,11 @@ class Kernel:
         self._is_remote = item.is_remote
 
     def _reboot(self, _item: Reboot) -> None:
-        """What the real controller forgets besides is not known; signals, TCP and payload stay (*assumed*)."""
+        """Signals, TCP and payload stay, serial ports close; what the real controller forgets is *assumed*."""
         controller = self._controller
         controller.request(PowerOff())
         controller.request(AskSafety("restart_safety", "the controller was started anew"))
+        close_lines(self._host.lines, self._host.connections)
         self._popup = ""
         self._tasks.forget()
 

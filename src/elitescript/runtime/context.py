@@ -29,6 +29,8 @@ from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
 if TYPE_CHECKING:
     from elitescript.runtime.connection import Receiver
     from elitescript.runtime.interpreter import Interpreter
+    from elitescript.runtime.line import Line
+    from elitescript.runtime.lines import Lines
     from elitescript.runtime.sockets import Sockets
     from elitescript.runtime.watchdogs import Watchdogs
 
@@ -54,7 +56,9 @@ class TaskPort(Protocol):
     movers: dict[int, list[Strand]]
     """Who waits for which move: its own thread, and threads that brake it."""
     connections: dict[int, Receiver]
-    """Every open TCP connection by its channel."""
+    """Who listens to each open channel."""
+    lines: dict[str, Line]
+    """The serial ports that were configured, by device."""
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
         """Start a thread of the program."""
@@ -92,6 +96,7 @@ class Context:
 
     __slots__ = (
         "_generator",
+        "_lines",
         "_partial_line",
         "_port",
         "_sockets",
@@ -123,6 +128,7 @@ class Context:
         self._warned: set[str] = set()
         self._partial_line = ""
         self._sockets: Sockets | None = None
+        self._lines: Lines | None = None
         self.micro_lines: list[MicroLine] = []
 
     # ---------------------------------------------------------------- the caller
@@ -163,6 +169,16 @@ class Context:
 
             self._sockets = Sockets(self._world.channels, self.scheduler, self._port.connections, self.warn_once)
         return self._sockets
+
+    @property
+    def lines(self) -> Lines:
+        """The serial ports of the robot."""
+        if self._lines is None:
+            from elitescript.runtime.lines import Lines
+
+            port = self._port
+            self._lines = Lines(self._world.channels, self.scheduler, port.connections, port.lines, self.warn_once)
+        return self._lines
 
     def close_sockets(self) -> None:
         """Close every connection; the program is over."""

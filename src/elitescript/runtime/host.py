@@ -30,6 +30,7 @@ from elitescript.runtime.world import NoWorld, World
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
     from elitescript.runtime.connection import Receiver
+    from elitescript.runtime.line import Line
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -58,6 +59,7 @@ class ScriptHost:
         interpreter: statements of interpreter mode.
         movers: which strands wait for which move.
         connections: who listens to each open channel.
+        lines: the serial ports that were configured, by device.
         watchdogs: RTSI inputs that the program watches.
     """
 
@@ -77,6 +79,7 @@ class ScriptHost:
         "alarm",
         "connections",
         "interpreter",
+        "lines",
         "movers",
         "result",
         "watchdogs",
@@ -112,6 +115,7 @@ class ScriptHost:
         self.watchdogs = Watchdogs(machine, is_rtsi_input)
         self.movers: dict[int, list[Strand]] = {}
         self.connections: dict[int, Receiver] = {}
+        self.lines: dict[str, Line] = {}
         self.result = ""
         self.alarm: Alarm | None = None
 
@@ -204,8 +208,7 @@ class ScriptHost:
 
     def knows(self, name: str) -> bool:
         """Whether a program finds something under that name without defining it."""
-        program = self._program or self._new_program({})
-        return name in program.builtins
+        return name in (self._program or self._new_program({})).builtins
 
     def fail(self, alarm: Alarm) -> None:
         """End the program as `stop` does, with an alarm that it can neither catch nor outlive."""
@@ -293,8 +296,7 @@ class ScriptHost:
 
     def channel_event(self, event: ChannelEvent) -> None:
         """Something has happened on a channel; the threads that wait for it go on at the next `run_tick`."""
-        connection = self.connections.get(event.channel)
-        if connection is not None:
+        if (connection := self.connections.get(event.channel)) is not None:
             connection.take(event)
 
     def _settle(self) -> bool:

@@ -16,6 +16,7 @@ from typing import Any, Final
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import (
     CHANNEL_WINDOW,
+    NOT_CONNECTED,
     ChannelRequest,
     CloseChannel,
     CreditChannel,
@@ -63,8 +64,8 @@ class Broker:
             match request:
                 case OpenChannel():
                     self._open(request)
-                case OpenLine(number, device):
-                    self._post([ChannelOpened(number, False, f"no serial port is bound to {device}")])
+                case OpenLine(number):
+                    self._post([ChannelOpened(number, False, NOT_CONNECTED)])
                 case SendChannel(number, data):
                     self._send(number, data)
                 case CreditChannel(number, size):
