@@ -168,6 +168,13 @@ class Robot(Protocol):
     def sockets(self) -> Sockets:
         """The program's TCP connections."""
 
+    def remote_procedures(self, url: str) -> object:
+        """An object whose methods are the procedures of an XML-RPC server.
+
+        Raises:
+            InvalidValueError: the URL makes no sense.
+        """
+
     @property
     def micro_lines(self) -> list[MicroLine]:
         """The point files that the program has loaded, by index."""
