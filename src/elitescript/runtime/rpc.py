@@ -235,7 +235,7 @@ def _request(server: Server, method: str, args: tuple[Any, ...]) -> bytes:
             f"{method}(): {error}: whole numbers have 32 bits", limit="[-2147483648, 2147483647]"
         ) from None
     except (TypeError, RecursionError) as error:
-        raise ArgumentTypeError(f"{method}(): {str(error) or "nested too deeply"}") from None
+        raise ArgumentTypeError(f"{method}(): {str(error) or 'nested too deeply'}") from None
     host = server.url.partition("://")[2].partition("/")[0]
     head = (
         f"POST {server.path} HTTP/1.1\r\nHost: {host}\r\nUser-Agent: elitescript\r\n"
