@@ -24,7 +24,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
         "serial_modbus_write_registers(1, 0, 12)",
         "serial_modbus_write_bits(1, 0, [True, 0, 1])",
         "serial_read(4, timeout=1)",
-        "rpc_factory('xmlrpc', '127.0.0.1:9120')",
     ],
 )
 def test_good_calls_get_as_far_as_the_reason(script: Any, robot: Any, text: str) -> None:
