@@ -79,6 +79,11 @@ class Device:
         return self.name or type(self).__name__
 
     @property
+    def author(self) -> Device:
+        """Whose code ran last on its behalf; for messages about what went wrong."""
+        return self
+
+    @property
     def random(self) -> Random:
         """Random numbers; the same in every run, from the seed of the world and the name of the device."""
         if self._random is None:

@@ -56,7 +56,7 @@ class LineDevice(Device):
 
     def send_bytes(self, data: bytes) -> None:
         """Send over the line; lost while nobody has it open."""
-        if self._link is not None:
+        if data and self._link is not None:
             self._link.send(self.understood(data))
 
     # ---------------------------------------------------------------- the world's side

@@ -117,8 +117,9 @@ class World(Surroundings):
         if not isinstance(owner, Device):
             raise error
         owner.leave()
-        self.network.drop(owner, f"{owner.title} has failed")
-        raise DeviceError(describe(owner, error)) from error
+        author = owner.author
+        self.network.drop(owner, f"{author.title} has failed")
+        raise DeviceError(describe(author, error)) from error
 
 
 def describe(device: Device, error: Exception) -> str:
