@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from elitescript.worlds.virtual.agenda import DeviceError
 from elitescript.worlds.virtual.device import Device
+from elitescript.worlds.virtual.faults import Fault
 from elitescript.worlds.virtual.modbus import ModbusDevice
 from elitescript.worlds.virtual.parts import Parts
 from elitescript.worlds.virtual.serial import SerialDevice
@@ -21,6 +22,7 @@ from elitescript.worlds.virtual.xmlrpc import RpcFault, XmlRpcServer
 __all__ = [
     "Device",
     "DeviceError",
+    "Fault",
     "ModbusDevice",
     "Parts",
     "RobotSignals",

@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.events import DeviceNoted
 from elitescript.messages.signals import Value
 from elitescript.runtime.world import Channels
+from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.surroundings import RobotPort, Surroundings
 from elitescript.worlds.virtual.agenda import Agenda, DeviceError
 from elitescript.worlds.virtual.device import Device
+from elitescript.worlds.virtual.faults import Fault, check_together
+from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 from elitescript.worlds.virtual.network import VirtualNetwork
 from elitescript.worlds.virtual.signals import RobotSignals
+
+VIRTUAL: Final = "virtual"
+REAL: Final = "real"
 
 _HOME: Final = str(Path(__file__).parents[2])
 
@@ -29,7 +36,10 @@ class World(Surroundings):
     Args:
         devices: what is there.
         wires: how signals depend on each other; devices as well.
+        faults: what goes wrong on channels.
         seed: of everything that is drawn in it.
+        network: `virtual`: there is nothing but the devices; `real`: what is not a device leads to the network and the
+            serial ports of this computer, which holds the run back to the wall clock while a connection is open.
 
     Attributes:
         signals: of the robot.
@@ -61,13 +71,28 @@ class World(Surroundings):
         (['closed'], 0.3)
     """
 
-    def __init__(self, devices: Iterable[Device] = (), wires: Iterable[Device] = (), *, seed: int = 0) -> None:
+    def __init__(
+        self,
+        devices: Iterable[Device] = (),
+        wires: Iterable[Device] = (),
+        faults: Iterable[Fault] = (),
+        *,
+        seed: int = 0,
+        network: str = VIRTUAL,
+    ) -> None:
+        if network not in (VIRTUAL, REAL):
+            raise UsageError(f"network: must be {VIRTUAL} or {REAL}, got {network!r}")
+        if isinstance(seed, bool) or not isinstance(seed, int):
+            raise UsageError(f"seed: must be a whole number, got {seed!r}")
         self.seed = seed
         self.agenda = Agenda()
         self.agenda.on_failure = self._failed
         self.signals = RobotSignals(self.agenda)
-        self.network = VirtualNetwork(agenda=self.agenda)
-        self.channels: Channels = self.network
+        self.network = VirtualNetwork(agenda=self.agenda, outside=RealChannels() if network == REAL else None)
+        self._faults = list(faults)
+        check_together(self._faults)
+        self._faulty = FaultyChannels(self.network, self._faults, seed=seed, say=self._note_fault)
+        self.channels: Channels = self._faulty
         self.devices: list[Device] = []
         self._robot: RobotPort | None = None
         for device in (*devices, *wires):
@@ -83,6 +108,23 @@ class World(Surroundings):
             self.signals.listen(device.signal_changed, device)
         if self._robot is not None:
             self.agenda.attempt(device.started, device)
+
+    def fault(self, kind: str, on: int | str, **settings: Any) -> None:
+        """Let something go wrong from now on; see `Fault`. `at_s` counts from the robot's start.
+
+        Raises:
+            UsageError: there is no such fault, or it makes no sense there.
+        """
+        fault = Fault(kind, on, **settings)
+        now = replace(fault, at_s=max(fault.at_s, self.agenda.time_s))
+        check_together([*self._faults, now])
+        self._faults.append(now)
+        self._faulty.add(now)
+
+    def end_faults(self) -> None:
+        """Nothing goes wrong any more."""
+        self._faults.clear()
+        self._faulty.clear()
 
     # ---------------------------------------------------------------- the robot's side
 
@@ -111,6 +153,10 @@ class World(Surroundings):
         """Put words of a device into the record of the run."""
         if self._robot is not None:
             self._robot.emit(DeviceNoted(self.agenda.tick, device.title, text, is_warning))
+
+    def _note_fault(self, text: str) -> None:
+        if self._robot is not None:
+            self._robot.emit(DeviceNoted(self.agenda.tick, "fault", text))
 
     def _failed(self, owner: object, error: Exception) -> None:
         """The code of a device has raised."""
