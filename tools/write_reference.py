@@ -202,7 +202,7 @@ _CELL_FILE: Final = """\
 ## Limits: the cell file
 
 Without limits, normal mode watches nothing but the joint ranges of the model and the force at the TCP, and reduced mode
-slows the TCP down to 0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or
+slows the TCP down to 0.75 m/s. Limits come from `run --world FILE.toml`, `VirtualRobot(world=...)` or
 `VirtualRobot(safety=SafetyLimits(...))`.
 A limit that is exceeded while the arm moves is a protective stop. Every key may be left out.
 

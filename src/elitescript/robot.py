@@ -61,7 +61,9 @@ class VirtualRobot:
         speed: speed percentage as a fraction, 0 to 1.
         task_dir: folder that stands for the robot's task folder; if None, a program that comes from a file
             gets that file's folder, and a program text gets an empty folder in memory.
-        world: everything outside, instead of `task_dir`.
+        world: what is around the robot: a `World` of devices (`elitescript.testing.world`), or the path of a TOML file
+            that declares one, with configurations and levels of signals at the start. Or a folder and a network by
+            themselves, instead of `task_dir`.
         strict: refuse what a Python 3 controller refuses, instead of warning.
         epoch_s: controller clock at tick 0, seconds since 1970.
         work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
@@ -69,7 +71,6 @@ class VirtualRobot:
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
-        cell: a TOML file with these and other configurations, and with levels of signals at the start.
         on_event: receives every event at the moment it happens.
 
     Raises:
@@ -85,7 +86,7 @@ class VirtualRobot:
         joints: Six | None = None,
         speed: float = 1.0,
         task_dir: str | Path | None = None,
-        world: World | Surroundings | None = None,
+        world: World | Surroundings | str | Path | None = None,
         strict: bool = False,
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
@@ -93,18 +94,22 @@ class VirtualRobot:
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
-        cell: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
         self.profile = profile(firmware)
         self._options = Options(strict=strict)
         self._on_event = on_event
+        cell = Cell()
+        if isinstance(world, str | Path):
+            cell = load_cell(world)
+            world = cell.world
+        elif isinstance(world, Surroundings) and world.cell is not None:
+            cell = world.cell
         self._surroundings = world if isinstance(world, Surroundings) else None
         self._fixed_world = None if isinstance(world, Surroundings) else world
         self._channels: Channels = RealChannels() if world is None else world.channels
         self._task_dir = None if task_dir is None else Path(task_dir)
-        surroundings = Cell() if cell is None else load_cell(cell)
         fittings = Fittings(
             epoch_s=epoch_s,
             seed=seed,
@@ -112,9 +117,9 @@ class VirtualRobot:
             speed=speed,
             work_per_tick=work_per_tick,
             rpc_timeout_s=rpc_timeout_s,
-            contact=surroundings.take("contact", contact),
-            safety=surroundings.take("safety", safety),
-            plant=surroundings.take("plant", plant),
+            contact=cell.take("contact", contact),
+            safety=cell.take("safety", safety),
+            plant=cell.take("plant", plant),
         )
         self.controller, self._host = assemble(
             self.model, self.profile, fittings, on_event=self._event, on_end=self._program_ended
@@ -124,7 +129,7 @@ class VirtualRobot:
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
-        for name, value in surroundings.signals.items():
+        for name, value in cell.signals.items():
             self.signals[name] = value
         if self._surroundings is not None:
             self._surroundings.begin(_RobotPort(self.controller))

@@ -230,7 +230,7 @@ def cell(tmp_path):
 
 
 def test_a_protective_stop_as_json_has_reason_value_limit_and_what_to_try(run_json, cell):
-    code, records = run_json(DOWN, "--cell", str(cell))
+    code, records = run_json(DOWN, "--world", str(cell))
     safety, alarm, end = records
     assert code == 1
     assert (safety["type"], safety["mode"]) == ("safety", "PROTECTIVE_STOP")
@@ -242,7 +242,7 @@ def test_a_protective_stop_as_json_has_reason_value_limit_and_what_to_try(run_js
 
 
 def test_a_protective_stop_for_people_has_the_line_the_reason_and_three_things_to_try(program, capsys, cell):
-    assert main(["run", program(DOWN), "--cell", str(cell)]) == 1
+    assert main(["run", program(DOWN), "--world", str(cell)]) == 1
     captured = capsys.readouterr()
     assert "ALARM R140 in line 4: ProtectiveStop: the TCP is " in captured.err
     assert "behind safety plane 'table'" in captured.err
@@ -275,7 +275,7 @@ def test_an_open_safeguard_says_that_the_program_is_held(program, capsys):
 def test_a_mistake_in_the_cell_file_is_one_of_usage(program, capsys, tmp_path):
     path = tmp_path / "cell.toml"
     path.write_text("[safety]\ntcp_speed = 'fast'\n")
-    assert main(["run", program(DOWN), "--cell", str(path)]) == 2
+    assert main(["run", program(DOWN), "--world", str(path)]) == 2
     assert f"{path}:2: [safety] tcp_speed must be a number > 0 in m/s, got 'fast'" in capsys.readouterr().err
 
 

@@ -181,8 +181,9 @@ def _parser() -> argparse.ArgumentParser:
         help="signal or global at the start, e.g. standard_digital_in[3]=true; may be repeated",
     )
     run.add_argument(
-        "--cell", metavar="FILE.toml", help="what is around the robot: safety limits, planes, inputs at the start"
+        "--world", metavar="FILE.toml", help="what is around the robot: devices, wires, safety limits, inputs at the start"
     )
+    run.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
     run.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
     run.add_argument(
         "--step",
@@ -225,7 +226,8 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="signal or global at the start; may be repeated",
     )
-    plot.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
+    plot.add_argument("--world", metavar="FILE.toml", help="what is around the robot, as for run")
+    plot.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
 
     add_serve(subparsers, firmware)
     add_ctl(subparsers)

@@ -91,6 +91,7 @@ def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
     """
     from elitescript.models.model import load_model
     from elitescript.worlds.cell import Cell, load_cell
+    from elitescript.worlds.surroundings import REAL
 
     if not 1 <= options.robots <= ROBOTS_MAX:
         raise UsageError(f"--robots must be from 1 to {ROBOTS_MAX}, got {options.robots}")
@@ -102,7 +103,7 @@ def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
         raise UsageError(f"--set {min(presets)}: there is no such signal")
     if options.task_dir is not None and not Path(options.task_dir).is_dir():
         raise UsageError(f"--task-dir {options.task_dir}: there is no such folder")
-    cell = Cell() if options.cell is None else load_cell(options.cell)
+    cell = Cell() if options.world is None else load_cell(options.world, network=REAL)
     configs = []
     for index, model in enumerate(models):
         name = load_model(model).name

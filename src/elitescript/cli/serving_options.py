@@ -16,6 +16,8 @@ def add_serve(
     subparsers: argparse._SubParsersAction[argparse.ArgumentParser], firmware: argparse.ArgumentParser
 ) -> None:
     """Add `serve`."""
+    import argparse
+
     serve = subparsers.add_parser(
         "serve",
         parents=[firmware],
@@ -54,7 +56,8 @@ def add_serve(
     serve.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="signal at the start; may be repeated"
     )
-    serve.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
+    serve.add_argument("--world", metavar="FILE.toml", help="what is around each robot, as for run")
+    serve.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
     serve.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
     serve.add_argument(
         "--no-jail",

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 if TYPE_CHECKING:
     from elitescript.messages.events import Event
     from elitescript.messages.machine import WriteSignal
     from elitescript.messages.signals import Value
     from elitescript.runtime.world import Channels
+    from elitescript.worlds.cell import Cell
+
+
+VIRTUAL: Final = "virtual"
+REAL: Final = "real"
+"""Where connections lead that no device takes: nowhere, or into the network of this computer."""
 
 
 class RobotPort(Protocol):
@@ -29,9 +35,11 @@ class Surroundings:
 
     Attributes:
         channels: the network that programs see.
+        cell: what a world file says besides; None without one.
     """
 
     channels: Channels
+    cell: Cell | None = None
 
     def begin(self, robot: RobotPort) -> None:
         """Belong to a robot from now on."""

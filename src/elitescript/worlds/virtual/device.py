@@ -44,6 +44,8 @@ class Device:
 
     name: str = ""
     cell: RobotSignals
+    _kept: tuple[str, ...] = ("cell",)
+    """Public attributes that are no settings."""
     _world: World | None = None
     _random: Random | None = None
     _is_gone: bool = False
@@ -52,7 +54,7 @@ class Device:
         known = setting_names(type(self))
         for key, value in settings.items():
             if key not in known:
-                raise UsageError(f"{key}: {type(self).__name__} has no such setting; it has {', '.join(known)}")
+                raise UsageError(f"{key}: is not known; settings are {', '.join(known)}")
             setattr(self, key, value)
         self.check()
 
@@ -156,7 +158,7 @@ def setting_names(device_class: type[Device]) -> list[str]:
     """Names of the settings of a class, in the order in which they were written."""
     import inspect
 
-    hidden = {"cell"}
+    hidden = {name for owner in device_class.__mro__ for name in vars(owner).get("_kept", ())}
     names: list[str] = []
     for owner in reversed(device_class.__mro__):
         for name in (*inspect.get_annotations(owner), *vars(owner)):

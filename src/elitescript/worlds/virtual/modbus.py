@@ -128,6 +128,7 @@ class ModbusDevice(Device):
     holding_registers: Any = None
     input_registers: Any = None
 
+    _kept = ("requests",)
     requests = 0
 
     # ---------------------------------------------------------------- what a subclass may override

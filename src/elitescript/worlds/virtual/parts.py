@@ -75,6 +75,7 @@ class Parts(Device):
     picked: str = ""
     picked_after_s: float = 0.0
 
+    _kept = ("released", "taken", "missed")
     released = 0
     taken = 0
     missed = 0

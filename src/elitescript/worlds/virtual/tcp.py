@@ -146,6 +146,7 @@ class TcpServer(Device):
     is_listening: bool = True
     connections_max: int = CONNECTIONS_MAX
 
+    _kept = ("has_complained",)
     _connections: list[TcpConnection] | None = None
     _count: int = 0
     has_complained: bool = False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -13,16 +13,13 @@ from elitescript.messages.events import DeviceNoted
 from elitescript.messages.signals import Value
 from elitescript.runtime.world import Channels
 from elitescript.worlds.real_channels import RealChannels
-from elitescript.worlds.surroundings import RobotPort, Surroundings
+from elitescript.worlds.surroundings import REAL, VIRTUAL, RobotPort, Surroundings
 from elitescript.worlds.virtual.agenda import Agenda, DeviceError
 from elitescript.worlds.virtual.device import Device
 from elitescript.worlds.virtual.faults import Fault, check_together
 from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 from elitescript.worlds.virtual.network import VirtualNetwork
 from elitescript.worlds.virtual.signals import RobotSignals
-
-VIRTUAL: Final = "virtual"
-REAL: Final = "real"
 
 _HOME: Final = str(Path(__file__).parents[2])
 
@@ -118,8 +115,12 @@ class World(Surroundings):
         fault = Fault(kind, on, **settings)
         now = replace(fault, at_s=max(fault.at_s, self.agenda.time_s))
         check_together([*self._faults, now])
-        self._faults.append(now)
-        self._faulty.add(now)
+        self.add_fault(now)
+
+    def add_fault(self, fault: Fault) -> None:
+        """Let something go wrong at its time."""
+        self._faults.append(fault)
+        self._faulty.add(fault)
 
     def end_faults(self) -> None:
         """Nothing goes wrong any more."""
@@ -170,9 +171,14 @@ class World(Surroundings):
 
 def describe(device: Device, error: Exception) -> str:
     """Where the code of a device failed, and how."""
-    frames: Sequence[traceback.FrameSummary] = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if not frame.filename.startswith(_HOME)]
-    place = f"{own[-1].filename}:{own[-1].lineno}: " if own else ""
+    place = place_in(error)
     kind = type(device).__name__
     named = device.title if device.title == kind else f"{device.title} ({kind})"
-    return f"{place}device {named}: {type(error).__name__}: {error}"
+    return f"{place + ': ' if place else ''}device {named}: {type(error).__name__}: {error}"
+
+
+def place_in(error: Exception) -> str:
+    """File and line where code that is not ours has failed; empty if none has."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not frame.filename.startswith((_HOME, "<frozen"))]
+    return f"{own[-1].filename}:{own[-1].lineno}" if own else ""
