@@ -35,7 +35,7 @@ class Device(Peer):
 class Slave(Device):
     """A MODBUS slave that answers each request with what `answers` holds: bytes, or nothing."""
 
-    answers: list[bytes] = []
+    answers: tuple[bytes, ...] = ()
 
     def __init__(self, link: Link) -> None:
         super().__init__(link)
@@ -58,7 +58,7 @@ def slave(*answers: bytes | tuple[int, bytes]) -> type[Slave]:
     class Given(Slave):
         pass
 
-    Given.answers = [answer if isinstance(answer, bytes) else rtu_frame(*answer) for answer in answers]
+    Given.answers = tuple(answer if isinstance(answer, bytes) else rtu_frame(*answer) for answer in answers)
     return Given
 
 

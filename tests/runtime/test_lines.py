@@ -253,9 +253,8 @@ class TestDaemon:
         done = run(f"{self.CONFIG.format(is_modbus)}\n{call}", Echo)
         (alarm,) = done.alarms
         assert (alarm.code, alarm.class_name, alarm.line) == ("R123", "PermissionError", 3)
-        assert alarm.text == (
-            f"{call.partition('(')[0]}: the serial port of the tool belongs to a daemon (usage 1); programs may not use it"
-        )
+        why = "the serial port of the tool belongs to a daemon (usage 1); programs may not use it"
+        assert alarm.text == f"{call.partition('(')[0]}: {why}"
 
     def test_programs_can_take_it_back(self):
         body = f'{self.CONFIG.format(False)}\n{TOOL}\ntool_serial_write("a")\ntextmsg(tool_serial_read(1, True, 1))'
@@ -272,7 +271,7 @@ class TestReading:
         assert run(body, talker((0.0, b"\x00\xffab"))).log == ["[0, 255]", "b'ab'"]
 
     def test_the_box_reads_numbers_for_a_tenth_of_a_second_unless_told_otherwise(self):
-        body = f"""
+        body = """
         serial_config(True, 115200, 0, 1)
         textmsg(serial_read(2))
         textmsg(serial_read(2, False, 1))
@@ -512,7 +511,8 @@ class TestTime:
         assert one.log == ["b'ab'"]
 
     def test_what_comes_late_is_nobodys(self):
-        one, _ = remote(f"{TOOL}\ntool_serial_config(False, 9600, 0, 1)\n{TOOL}\ntextmsg(tool_serial_read(1, True, 0.1))")
+        read = "textmsg(tool_serial_read(1, True, 0.1))"
+        one, _ = remote(f"{TOOL}\ntool_serial_config(False, 9600, 0, 1)\n{TOOL}\n{read}")
         tick(one)
         tick(one, ChannelOpened(1, True))
         tick(one, ChannelOpened(2, True), ChannelData(1, b"x"))

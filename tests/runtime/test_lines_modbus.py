@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.messages.events import TextMessage
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened
 from elitescript.messages.outputs import SendChannel
 from elitescript.modbus import pdu
@@ -219,7 +220,8 @@ class TestFaults:
         done = run(self.BODY.format(0.004), Given)
         first, second = done.log
         assert first == str(result)
-        taken_s = (done.machine.events[[type(e).__name__ for e in done.machine.events].index("TextMessage")].tick - 1) / 250
+        said = next(event.tick for event in done.machine.events if isinstance(event, TextMessage))
+        taken_s = (said - 1) / 250
         assert after_s <= taken_s <= after_s + 0.03
         assert done.warnings == ([f"{SLAVE}: {why}"] if why else [])
         if fault is not late:
@@ -254,11 +256,11 @@ class TestEcho:
     @pytest.mark.parametrize(("is_heard", "result"), [(True, "1"), (False, "0")])
     def test_an_echo_does_not_pass_for_an_answer_once_the_line_is_known_to_have_one(self, is_heard, result):
         class Given(Slave):
-            answers = [
+            answers = (
                 rtu_frame(1, pdu.registers_read(3, [7])),
                 rtu_frame(1, pdu.write_register(0, 5)) if is_heard else b"",
                 rtu_frame(1, pdu.registers_read(3, [8])),
-            ]
+            )
 
             def received(self, data):
                 self.link.send(data)
@@ -268,7 +270,7 @@ class TestEcho:
 
     def test_what_follows_shows_that_an_answer_was_an_echo(self):
         class Given(Slave):
-            answers = [rtu_frame(1, pdu.write_coil(0, 1)), b""]
+            answers = (rtu_frame(1, pdu.write_coil(0, 1)), b"")
 
             def received(self, data):
                 self.link.send(data)
@@ -366,7 +368,8 @@ class TestSharing:
 class TestSecondaryPrograms:
     def test_the_request_goes_out_and_nobody_waits_for_the_answer(self):
         given = slave((1, pdu.write_register(0, 5)), (1, pdu.registers_read(3, [5])))
-        one = bench(given, steps=True).start(program(f"{TOOL_RTU}\nsleep(0.1)\ntextmsg(tool_modbus_read_registers(1, 0, 1))"))
+        main = program(f"{TOOL_RTU}\nsleep(0.1)\ntextmsg(tool_modbus_read_registers(1, 0, 1))")
+        one = bench(given, steps=True).start(main)
         one.run(until=3)
         one.secondary("sec s():\n  textmsg(tool_modbus_write_single_register(1, 0, 5))\nend\n").run()
         assert one.log == ["0", "[5]"]
@@ -374,7 +377,8 @@ class TestSecondaryPrograms:
 
     def test_it_asks_nothing_while_another_thread_does(self):
         given = slave()
-        one = bench(given, steps=True).start(program(f"{TOOL_RTU}\ntool_modbus_read_registers(1, 0, 1, 0.2)")).run(until=3)
+        main = program(f"{TOOL_RTU}\ntool_modbus_read_registers(1, 0, 1, 0.2)")
+        one = bench(given, steps=True).start(main).run(until=3)
         one.secondary("sec s():\n  textmsg(tool_modbus_write_single_register(1, 0, 5))\nend\n").run()
         assert one.log == ["0"]
         assert len(given.log) == 1
