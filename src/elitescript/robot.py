@@ -60,6 +60,7 @@ class VirtualRobot:
         task_dir: folder that stands for the robot's task folder; if None, a program that comes from a file
             gets that file's folder, and a program text gets an empty folder in memory.
         world: everything outside, instead of `task_dir`.
+        lines: what is on the robot's serial ports, as `{"tool": "/dev/ttyUSB0", "box": "socket://127.0.0.1:7000"}`.
         strict: refuse what a Python 3 controller refuses, instead of warning.
         epoch_s: controller clock at tick 0, seconds since 1970.
         work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
@@ -83,6 +84,7 @@ class VirtualRobot:
         speed: float = 1.0,
         task_dir: str | Path | None = None,
         world: World | Surroundings | None = None,
+        lines: Mapping[str, str] | None = None,
         strict: bool = False,
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
@@ -98,7 +100,9 @@ class VirtualRobot:
         self._on_event = on_event
         self._surroundings = world if isinstance(world, Surroundings) else None
         self._fixed_world = None if isinstance(world, Surroundings) else world
-        self._channels: Channels = RealChannels() if world is None else world.channels
+        self._channels: Channels = RealChannels(lines) if world is None else world.channels
+        if lines and world is not None:
+            raise UsageError("lines are ports of this computer; a world has its own: give one of them")
         self._task_dir = None if task_dir is None else Path(task_dir)
         surroundings = Cell() if cell is None else load_cell(cell)
         fittings = Fittings(
