@@ -6,7 +6,6 @@ import os
 import socket
 import sys
 from contextlib import suppress
-from select import select
 from threading import Thread
 
 import pytest
@@ -23,6 +22,7 @@ from elitescript.worlds.line_bindings import MISSING
 from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.serial_channel import SerialChannel
 from tests.runtime.line_bench import program
+from tests.worlds.terminal import Terminal
 
 pytest.importorskip("serial")
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
@@ -30,36 +30,11 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no ps
 SETTINGS = LineSettings(115200, 0, 1, 8)
 
 
-class Terminal:
-    """A pseudo-terminal: what is at the far end of the line, and the name of the near one."""
-
-    def __init__(self):
-        # The near end stays open here too: without anybody there, the far end cannot be read.
-        self.far, self._near = os.openpty()
-        self.name = os.ttyname(self._near)
-
-    def write(self, data):
-        os.write(self.far, data)
-
-    def read(self, size):
-        data = b""
-        while len(data) < size:
-            assert select([self.far], [], [], 10)[0], data
-            data += os.read(self.far, size - len(data))
-        return data
-
-    def hang_up(self):
-        if self.far >= 0:
-            os.close(self.far)
-            self.far = -1
-
-
 @pytest.fixture
 def terminal():
     terminal = Terminal()
     yield terminal
-    terminal.hang_up()
-    os.close(terminal._near)
+    terminal.close()
 
 
 @pytest.fixture
