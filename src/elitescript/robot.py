@@ -64,6 +64,7 @@ class VirtualRobot:
         world: what is around the robot: a `World` of devices (`elitescript.testing.world`), or the path of a TOML file
             that declares one, with configurations and levels of signals at the start. Or a folder and a network by
             themselves, instead of `task_dir`.
+        lines: what is on the robot's serial ports, as `{"tool": "/dev/ttyUSB0", "box": "socket://127.0.0.1:7000"}`.
         strict: refuse what a Python 3 controller refuses, instead of warning.
         epoch_s: controller clock at tick 0, seconds since 1970.
         work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
@@ -87,6 +88,7 @@ class VirtualRobot:
         speed: float = 1.0,
         task_dir: str | Path | None = None,
         world: World | Surroundings | str | Path | None = None,
+        lines: Mapping[str, str] | None = None,
         strict: bool = False,
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
@@ -108,7 +110,11 @@ class VirtualRobot:
             cell = world.cell
         self._surroundings = world if isinstance(world, Surroundings) else None
         self._fixed_world = None if isinstance(world, Surroundings) else world
-        self._channels: Channels = RealChannels() if world is None else world.channels
+        self._channels: Channels = RealChannels(lines) if world is None else world.channels
+        if lines and self._surroundings is not None:
+            self._surroundings.lead_outside(RealChannels(lines))
+        elif lines and world is not None:
+            raise UsageError("lines are ports of this computer; a world has its own: give one of them")
         self._task_dir = None if task_dir is None else Path(task_dir)
         fittings = Fittings(
             epoch_s=epoch_s,

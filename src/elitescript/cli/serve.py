@@ -26,6 +26,7 @@ from elitescript.services.robots import journal_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
 from elitescript.services.station import Note, Station
 from elitescript.services.table import NAMES, port_numbers
+from elitescript.worlds.line_bindings import parse_bindings
 
 ROBOTS_MAX: Final = 32
 ALL: Final = "all"
@@ -35,12 +36,13 @@ ALL: Final = "all"
 def serve(options: argparse.Namespace) -> int:
     """Serve until a signal comes; return the exit code."""
     configs = robot_configs(options)
+    lines = line_bindings(options.serial, len(configs))
     numbers = [port_numbers(options.instance, chosen_ports(options.port), robot=index) for index in range(len(configs))]
     _check_host(options)
     out, err = PatientStream(sys.stdout), PatientStream(sys.stderr)
     try:
         log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
-        asyncio.run(_serve(options, configs, numbers, log))
+        asyncio.run(_serve(options, configs, numbers, lines, log))
     finally:
         out.close()
         err.close()
@@ -48,13 +50,17 @@ def serve(options: argparse.Namespace) -> int:
 
 
 async def _serve(
-    options: argparse.Namespace, configs: list[KernelConfig], numbers: list[dict[str, int]], log: Log
+    options: argparse.Namespace,
+    configs: list[KernelConfig],
+    numbers: list[dict[str, int]],
+    lines: dict[str, str],
+    log: Log,
 ) -> None:
     stop = asyncio.Event()
     _on_signals(stop)
     is_lockstep = options.lockstep is not None
     stations = [
-        Station(config.robot_id, make_link(options, config, index), log.take, is_lockstep=is_lockstep)
+        Station(config.robot_id, make_link(options, config, index), log.take, is_lockstep=is_lockstep, lines=lines)
         for index, config in enumerate(configs)
     ]
     server = Server(stations, options.host, numbers, options.instance)
@@ -126,6 +132,17 @@ def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
             )
         )
     return configs
+
+
+def line_bindings(texts: list[str], robots: int) -> dict[str, str]:
+    """What is on the robot's serial ports.
+
+    Raises:
+        UsageError: a binding that makes no sense, or several robots that would share a port.
+    """
+    if texts and robots > 1:
+        raise UsageError(f"--serial {texts[0]}: {robots} robots cannot share a serial port; serve one robot")
+    return parse_bindings(texts)
 
 
 def chosen_ports(texts: list[str]) -> dict[str, int]:

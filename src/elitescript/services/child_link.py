@@ -23,7 +23,7 @@ from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged, Warned
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Input
-from elitescript.messages.outputs import CloseChannel, OpenChannel, Output
+from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import PERIOD_S
@@ -335,7 +335,7 @@ class ChildLink:
         self._silence = self._silence_from_now()
         self._outputs.add(output)
         for request in output.requests:
-            if isinstance(request, OpenChannel):
+            if isinstance(request, OpenChannel | OpenLine):
                 self._channels.add(request.channel)
             elif isinstance(request, CloseChannel):
                 self._channels.discard(request.channel)

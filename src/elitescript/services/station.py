@@ -58,6 +58,7 @@ class Station:
         link: the way to the robot.
         is_lockstep: time waits for RTSI clients; see `services.lockstep`.
         listen: hears every event of the robot and every note; must not block.
+        lines: what is on the robot's serial ports; see `worlds.line_bindings`.
     """
 
     __slots__ = (
@@ -80,11 +81,19 @@ class Station:
         "waits_for",
     )
 
-    def __init__(self, name: str, link: RobotLink, listen: Listen, *, is_lockstep: bool = False) -> None:
+    def __init__(
+        self,
+        name: str,
+        link: RobotLink,
+        listen: Listen,
+        *,
+        is_lockstep: bool = False,
+        lines: Mapping[str, str] | None = None,
+    ) -> None:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
-        self.broker = Broker(self.post)
+        self.broker = Broker(self.post, lines)
         self.output: Output
         self.reading_ns = 0
         self.waits_for = ""

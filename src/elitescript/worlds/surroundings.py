@@ -44,6 +44,9 @@ class Surroundings:
     def begin(self, robot: RobotPort) -> None:
         """Belong to a robot from now on."""
 
+    def lead_outside(self, channels: Channels) -> None:
+        """Let what is not declared here be reached through other channels."""
+
     def signal_changed(self, name: str, value: Value) -> None:
         """A signal of the robot has changed in the tick that runs."""
 

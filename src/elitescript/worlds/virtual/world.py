@@ -142,6 +142,9 @@ class World(Surroundings):
         for device in self.devices:
             self.agenda.attempt(device.started, device)
 
+    def lead_outside(self, channels: Channels) -> None:
+        self.network.outside = channels
+
     def signal_changed(self, name: str, value: Value) -> None:
         self.signals.changed(name, value)
 
