@@ -181,7 +181,7 @@ def _parser() -> argparse.ArgumentParser:
         help="signal or global at the start, e.g. standard_digital_in[3]=true; may be repeated",
     )
     run.add_argument(
-        "--world", metavar="FILE.toml", help="what is around the robot: devices, wires, safety limits, inputs at the start"
+        "--world", metavar="FILE.toml", help="what is around the robot: devices, wires, safety limits, inputs"
     )
     run.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
     add_serial(run)

@@ -9,7 +9,7 @@ import signal
 import sys
 import time
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.cli import jsonlines
 from elitescript.cli.report import JsonReport, Report, TextReport
@@ -24,9 +24,12 @@ from elitescript.services.jail import is_complete
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.robots import journal_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
-from elitescript.services.station import Note, Station
+from elitescript.services.station import DEVICE, Note, Station
 from elitescript.services.table import NAMES, port_numbers
 from elitescript.worlds.line_bindings import parse_bindings
+
+if TYPE_CHECKING:
+    from elitescript.worlds.virtual.world import World
 
 ROBOTS_MAX: Final = 32
 ALL: Final = "all"
@@ -35,14 +38,15 @@ ALL: Final = "all"
 
 def serve(options: argparse.Namespace) -> int:
     """Serve until a signal comes; return the exit code."""
-    configs = robot_configs(options)
+    worlds: list[World | None] = []
+    configs = robot_configs(options, worlds)
     lines = line_bindings(options.serial, len(configs))
     numbers = [port_numbers(options.instance, chosen_ports(options.port), robot=index) for index in range(len(configs))]
     _check_host(options)
     out, err = PatientStream(sys.stdout), PatientStream(sys.stderr)
     try:
         log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
-        asyncio.run(_serve(options, configs, numbers, lines, log))
+        asyncio.run(_serve(options, configs, worlds, numbers, lines, log))
     finally:
         out.close()
         err.close()
@@ -52,6 +56,7 @@ def serve(options: argparse.Namespace) -> int:
 async def _serve(
     options: argparse.Namespace,
     configs: list[KernelConfig],
+    worlds: list[World | None],
     numbers: list[dict[str, int]],
     lines: dict[str, str],
     log: Log,
@@ -60,7 +65,14 @@ async def _serve(
     _on_signals(stop)
     is_lockstep = options.lockstep is not None
     stations = [
-        Station(config.robot_id, make_link(options, config, index), log.take, is_lockstep=is_lockstep, lines=lines)
+        Station(
+            config.robot_id,
+            make_link(options, config, index),
+            log.take,
+            is_lockstep=is_lockstep,
+            lines=lines,
+            world=worlds[index],
+        )
         for index, config in enumerate(configs)
     ]
     server = Server(stations, options.host, numbers, options.instance)
@@ -89,8 +101,12 @@ def is_in_process(options: argparse.Namespace) -> bool:
     return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
 
 
-def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
+def robot_configs(options: argparse.Namespace, worlds: list[World | None]) -> list[KernelConfig]:
     """The robots that the options ask for.
+
+    Args:
+        options: of the command line.
+        worlds: gets what is beside each robot.
 
     Raises:
         UsageError: an option that makes no sense.
@@ -98,6 +114,7 @@ def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
     from elitescript.models.model import load_model
     from elitescript.worlds.cell import Cell, load_cell
     from elitescript.worlds.surroundings import REAL
+    from elitescript.worlds.virtual.faults import fault_text
 
     if not 1 <= options.robots <= ROBOTS_MAX:
         raise UsageError(f"--robots must be from 1 to {ROBOTS_MAX}, got {options.robots}")
@@ -109,10 +126,11 @@ def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
         raise UsageError(f"--set {min(presets)}: there is no such signal")
     if options.task_dir is not None and not Path(options.task_dir).is_dir():
         raise UsageError(f"--task-dir {options.task_dir}: there is no such folder")
-    cell = Cell() if options.world is None else load_cell(options.world, network=REAL)
     configs = []
     for index, model in enumerate(models):
         name = load_model(model).name
+        cell = Cell() if options.world is None else load_cell(options.world, network=REAL)
+        worlds.append(cell.world)
         configs.append(
             KernelConfig(
                 model=name,
@@ -128,6 +146,7 @@ def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
                 safety=cell.take("safety", None),
                 plant=cell.take("plant", None),
                 signals=tuple({**cell.signals, **signals}.items()),
+                faults=() if cell.world is None else tuple(map(fault_text, cell.world.faults)),
                 strict=options.strict,
             )
         )
@@ -269,10 +288,11 @@ class Log:
             details = {**what.details, "t": seconds(station.output.tick)}
             head = {"type": "serve", "robot": what.robot, "what": what.kind, "level": level, "text": what.text}
             self._record({**head, **details})
-        elif what.is_problem:
+        elif what.is_problem or what.kind == DEVICE:
             tag = f"{what.robot}: " if self._are_several else ""
-            self._err.write(f"{tag}{seconds(station.output.tick):10.3f} s  {what.text}\n")
-            self._err.flush()
+            stream = self._err if what.is_problem else self._out
+            stream.write(f"{tag}{seconds(station.output.tick):10.3f} s  {what.text}\n")
+            stream.flush()
 
     def end(self) -> None:
         """Everything is closed."""

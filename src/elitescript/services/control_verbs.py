@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 
 from elitescript.controller.signal_view import signal_write
 from elitescript.errors import UsageError
-from elitescript.messages.inputs import Do, Input
+from elitescript.messages.inputs import AddFault, Do, Input
 from elitescript.messages.machine import AskSafety, ResumeTask, SetSpeedScale, WriteSignal
 from elitescript.messages.outputs import Output
 from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
@@ -162,6 +162,28 @@ def _popup(request: Request) -> Order:
     return _dashboard_order("popup -c", request)
 
 
+def _disturb(request: Request) -> Order:
+    """`disturb KIND on=PLACE NAME=VALUE...`, or `disturb end`."""
+    from ast import literal_eval
+
+    from elitescript.worlds.virtual.faults import fault_from, fault_text
+
+    kind, *words = request.arguments
+    if kind == "end" and not words:
+        return Order((AddFault(request.origin, ""),), "nothing goes wrong any more", failure="disturb")
+    settings: dict[str, Any] = {"kind": kind}
+    for word in words:
+        name, equals, text = word.partition("=")
+        if not equals:
+            raise UsageError(f"disturb takes KIND on=PLACE NAME=VALUE..., not {word!r}")
+        try:
+            settings[name] = literal_eval(text)
+        except (ValueError, SyntaxError):
+            settings[name] = text
+    fault = fault_from(settings)
+    return Order((AddFault(request.origin, fault_text(fault)),), str(fault), failure="disturb")
+
+
 def _control(word: str) -> Callable[[Request], Order]:
     return _as_dashboard(f"remoteControl -{word}")
 
@@ -218,6 +240,7 @@ _ROWS: Final = (
     Verb("unlock", "", "End a protective stop.", _as_dashboard("unlockProtectiveStop")),
     Verb("violation", "[REASON]", "Break a safety limit.", _safety("violate", "safety violation")),
     Verb("fault", "[REASON]", "Have the safety system fail.", _safety("fail", "safety fault")),
+    Verb("disturb", "KIND on=PLACE...|end", "Let something go wrong on a connection or serial line.", _disturb),
     Verb("restart", "", "Restart the safety system after a fault or a violation.", _as_dashboard("safety -r")),
     Verb("power", "on|off", "Power of the arm.", _power),
     Verb("brakes", "", "Release the brakes.", _as_dashboard("brakeRelease")),

@@ -10,7 +10,7 @@ import asyncio
 import contextlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
@@ -25,7 +25,13 @@ from elitescript.services.robot_link import RobotLink
 from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
 from elitescript.services.tcp import Listener, bind
 
+if TYPE_CHECKING:
+    from elitescript.services.served_world import ServedWorld
+    from elitescript.worlds.virtual.world import World
+
 RTSI: Final = "rtsi"
+DEVICE: Final = "device"
+"""Kind of the notes that are words of virtual devices."""
 PENDING_MAX: Final = 10_000
 """Inputs that may wait while time stands still."""
 REPORT_TICKS: Final = 10 * TICKS_PER_S
@@ -59,6 +65,7 @@ class Station:
         is_lockstep: time waits for RTSI clients; see `services.lockstep`.
         listen: hears every event of the robot and every note; must not block.
         lines: what is on the robot's serial ports; see `worlds.line_bindings`.
+        world: virtual devices beside the robot.
     """
 
     __slots__ = (
@@ -72,6 +79,7 @@ class Station:
         "_relief",
         "_stepped",
         "_task",
+        "_world",
         "broker",
         "link",
         "listeners",
@@ -89,6 +97,7 @@ class Station:
         *,
         is_lockstep: bool = False,
         lines: Mapping[str, str] | None = None,
+        world: World | None = None,
     ) -> None:
         self.name = name
         self.link = link
@@ -108,6 +117,11 @@ class Station:
         self._stepped: list[asyncio.Future[Output]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
+        self._world: ServedWorld | None = None
+        if world is not None:
+            from elitescript.services.served_world import ServedWorld
+
+            self._world = ServedWorld(world, lambda text, is_problem: self.note(DEVICE, text, is_problem=is_problem))
 
     # ---------------------------------------------------------------- what clients call
 
@@ -190,7 +204,9 @@ class Station:
         """Bring the robot up, with one tick, so that there is something to show."""
         await self.link.open()
         self.output = await self.link.tick(())
-        self.broker.carry_out(self.output.requests)
+        if self._world is not None:
+            self._world.begin(self.output)
+        self._carry_out(self.output)
 
     async def open(self) -> None:
         """Accept clients, and let time pass from now on."""
@@ -294,7 +310,7 @@ class Station:
 
     def _taken(self) -> list[Input]:
         inputs, self._pending = self._pending, []
-        return inputs
+        return inputs if self._world is None else inputs + self._world.inputs(self.output.tick + 1)
 
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
@@ -303,13 +319,21 @@ class Station:
         for listener in self.listeners.values():
             if listener.clients:
                 listener.publish(output)
-        self.broker.carry_out(output.requests)
+        self._carry_out(output)
         self._hear(output)
         if self._stepped:
             waiters, self._stepped = self._stepped, []
             for waiter in waiters:
                 if not waiter.done():
                     waiter.set_result(output)
+
+    def _carry_out(self, output: Output) -> None:
+        """Do what programs ask of their connections; virtual devices see the tick."""
+        if self._world is None:
+            self.broker.carry_out(output.requests)
+        else:
+            self.broker.carry_out(self._world.take(output.requests))
+            self._world.heard(output)
 
     def _hear(self, output: Output) -> None:
         for event in output.events:

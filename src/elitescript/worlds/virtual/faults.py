@@ -6,8 +6,9 @@ documentation prints and what `faulty_channels` does follow it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Final, NamedTuple
 
 from elitescript.errors import UsageError
 from elitescript.messages.timing import ticks_for
@@ -256,6 +257,53 @@ class Fault:
 
     def __str__(self) -> str:
         return f"{self.kind} on {'port ' if isinstance(self.on, int) else ''}{self.on}"
+
+
+def fault_text(fault: Fault) -> str:
+    """A fault as one line of text, for `fault_of`.
+
+    Raises:
+        UsageError: its reply is bytes, which a text cannot hold.
+    """
+    import json
+
+    if isinstance(fault.reply, bytes):
+        raise UsageError("reply: must be a text to be sent to a served robot")
+    settings = {field.name: getattr(fault, field.name) for field in fields(Fault)}
+    return json.dumps({name: value for name, value in settings.items() if value is not None})
+
+
+def fault_of(text: str) -> Fault:
+    """The fault that a text says, see `fault_text`.
+
+    Raises:
+        UsageError: it says none.
+    """
+    import json
+
+    try:
+        settings = json.loads(text)
+    except ValueError as error:
+        raise UsageError(f"{text[:200]!r} is no fault: {error}") from None
+    if not isinstance(settings, dict):
+        raise UsageError(f"{text[:200]!r} is no fault: it must be an object")
+    return fault_from(settings)
+
+
+def fault_from(settings: Mapping[str, Any]) -> Fault:
+    """A fault from its settings by name.
+
+    Raises:
+        UsageError: one is not known, is missing or makes no sense.
+    """
+    known = [field.name for field in fields(Fault)]
+    for key in settings:
+        if key not in known:
+            raise UsageError(f"{key}: is not known; there are {', '.join(known)}")
+    for key in ("kind", "on"):
+        if key not in settings:
+            raise UsageError(f"{key}: is missing")
+    return Fault(**settings)
 
 
 def check_together(faults: list[Fault]) -> None:

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Final
 
+from elitescript.errors import UsageError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.timing import ticks_for
@@ -110,7 +111,15 @@ class FaultyChannels:
         return self._inner.is_real
 
     def add(self, fault: Fault) -> None:
-        """One more fault, from now on or from its time on if that is later."""
+        """One more fault, from now on or from its time on if that is later.
+
+        Raises:
+            UsageError: a reconnect where nothing is disconnected.
+        """
+        if fault.kind == "reconnect" and not any(
+            active.fault.kind == "disconnect" and active.place == place_of(fault.on) for active in self._active
+        ):
+            raise UsageError(f"kind: reconnect on {fault.on!r} has no disconnect before it, at that place")
         self._add(fault)
 
     def clear(self) -> None:

@@ -15,7 +15,7 @@ from typing import Any, Final, NamedTuple
 from elitescript.errors import UsageError
 from elitescript.worlds.surroundings import REAL, VIRTUAL
 from elitescript.worlds.virtual.device import Device
-from elitescript.worlds.virtual.faults import Fault, check_together
+from elitescript.worlds.virtual.faults import Fault, check_together, fault_from
 from elitescript.worlds.virtual.world import World
 
 WORLD_KEYS: Final = ("seed", "network")
@@ -75,7 +75,7 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "") -
             raise UsageError(f"[[{section}]] must be a list of tables: write [[{section}]] on a line of its own")
         for number, row in enumerate(rows, 1):
             try:
-                made = _made(section, row, folder, files)
+                made = _made(section, number, row, folder, files)
                 if isinstance(made, Fault):
                     faults.append(made)
                 else:
@@ -102,7 +102,7 @@ def _empty_world(options: object, tables: Mapping[str, Any], network: str) -> Wo
     return World(seed=options.get("seed", 0), network=options.get("network", usual))
 
 
-def _made(section: str, row: Mapping[str, Any], folder: Path, files: dict[Path, Any]) -> Any:
+def _made(section: str, number: int, row: Mapping[str, Any], folder: Path, files: dict[Path, Any]) -> Any:
     """What one row declares."""
     kind = KINDS[section]
     settings = dict(row)
@@ -116,25 +116,15 @@ def _made(section: str, row: Mapping[str, Any], folder: Path, files: dict[Path, 
     else:
         found = _loaded(kind.declared)
     if found is Fault:
-        _check_fault_keys(settings)
+        return fault_from(settings)
+    if named is None and kind.is_reachable:
+        settings.setdefault("name", f"{section} {number}")
     try:
         return found(**settings)
     except UsageError:
         raise
     except Exception as error:
         raise UsageError(f"{CLASS_KEY}: {named} cannot be made: {type(error).__name__}: {error}") from error
-
-
-def _check_fault_keys(settings: Mapping[str, Any]) -> None:
-    from dataclasses import fields
-
-    known = [field.name for field in fields(Fault)]
-    for key in settings:
-        if key not in known:
-            raise UsageError(f"{key}: is not known; there are {', '.join(known)}")
-    for key in ("kind", "on"):
-        if key not in settings:
-            raise UsageError(f"{key}: is missing")
 
 
 def _loaded(name: str) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -92,6 +92,8 @@ class World(Surroundings):
         self.channels: Channels = self._faulty
         self.devices: list[Device] = []
         self._robot: RobotPort | None = None
+        self.on_device_failure: Callable[[DeviceError], None] | None = None
+        """Told when the code of a device has failed; as long as it is None the run ends with the error."""
         for device in (*devices, *wires):
             self.add(device)
 
@@ -116,6 +118,11 @@ class World(Surroundings):
         now = replace(fault, at_s=max(fault.at_s, self.agenda.time_s))
         check_together([*self._faults, now])
         self.add_fault(now)
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """What goes wrong, or will."""
+        return tuple(self._faults)
 
     def add_fault(self, fault: Fault) -> None:
         """Let something go wrong at its time."""
@@ -169,7 +176,10 @@ class World(Surroundings):
         owner.leave()
         author = owner.author
         self.network.drop(owner, f"{author.title} has failed")
-        raise DeviceError(describe(author, error)) from error
+        failure = DeviceError(describe(author, error))
+        if self.on_device_failure is None:
+            raise failure from error
+        self.on_device_failure(failure)
 
 
 def describe(device: Device, error: Exception) -> str:
