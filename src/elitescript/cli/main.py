@@ -89,6 +89,10 @@ def _dispatch(options: argparse.Namespace) -> int:
         from elitescript.cli.replay import replay
 
         return replay(options)
+    if options.command == "devices":
+        from elitescript.cli.devices import devices
+
+        return devices(options)
     if options.command == "doctor":
         from elitescript.cli.doctor import doctor
 
@@ -137,7 +141,7 @@ def _parser() -> argparse.ArgumentParser:
     import argparse
 
     from elitescript import __version__
-    from elitescript.cli.serving_options import add_ctl, add_doctor, add_replay, add_serial, add_serve
+    from elitescript.cli.serving_options import add_ctl, add_devices, add_doctor, add_replay, add_serial, add_serve
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 
     parser = argparse.ArgumentParser(
@@ -232,6 +236,7 @@ def _parser() -> argparse.ArgumentParser:
 
     add_serve(subparsers, firmware)
     add_ctl(subparsers)
+    add_devices(subparsers)
     add_replay(subparsers)
     add_doctor(subparsers)
 

@@ -12,6 +12,7 @@ from typing import Any, Final, NamedTuple
 
 from elitescript.errors import UsageError
 from elitescript.messages.timing import ticks_for
+from elitescript.worlds.line_bindings import PORTS
 
 TCP: Final = "tcp"
 LINE: Final = "line"
@@ -331,7 +332,9 @@ def place_of(on: object) -> tuple[str, str, int]:
     elif isinstance(on, str) and on.strip():
         head, colon, tail = on.strip().rpartition(":")
         if not tail.isdecimal() or (head and not colon):
-            return LINE, on.strip(), 0
+            if on.strip() not in PORTS:
+                raise UsageError(f"on: the robot has no serial port {on!r}; its ports: {', '.join(PORTS)}")
+            return LINE, PORTS[on.strip()], 0
         address, port = head, int(tail)
     else:
         raise UsageError(f"on: write a port, such as 5000 or '192.168.1.20:5000', or a serial line, not {on!r}")

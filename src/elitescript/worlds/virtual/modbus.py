@@ -18,7 +18,7 @@ from elitescript.modbus.pdu import (
 from elitescript.modbus.slave import RtuSlave, Slave, TcpSlave
 from elitescript.worlds.virtual.device import Device, check_number, check_text
 from elitescript.worlds.virtual.network import Link
-from elitescript.worlds.virtual.serial import BAUD_MAX, LineDevice
+from elitescript.worlds.virtual.serial import BAUD_MAX, LineDevice, line_device
 from elitescript.worlds.virtual.tcp import LATENCY_MAX_S, TcpConnection, TcpServer
 
 if TYPE_CHECKING:
@@ -160,6 +160,8 @@ class ModbusDevice(Device):
         if self.port:
             check_number("port", self.port, 1, 65535, is_whole=True)
         check_text("line", self.line)
+        if self.line:
+            self.line = line_device("line", self.line)
         check_text("address", self.address)
         check_number("unit", self.unit, 1 if self.line else ANY_UNIT, 247 if self.line else 255, is_whole=True)
         check_number("baud", self.baud, 0, BAUD_MAX, "bit/s", is_whole=True)

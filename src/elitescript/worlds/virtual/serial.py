@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.line import LineSettings
+from elitescript.worlds.line_bindings import PORTS
 from elitescript.worlds.virtual.device import Device, check_number, check_text
 from elitescript.worlds.virtual.lines import Answer, LineBuffer, check_lines, encoded
 from elitescript.worlds.virtual.network import Link, Peer
@@ -17,11 +18,22 @@ if TYPE_CHECKING:
 BAUD_MAX: Final = 10_000_000
 
 
+def line_device(key: str, line: str) -> str:
+    """The device that the name of a line means.
+
+    Raises:
+        UsageError: the robot has no such line; the text begins with the name of the setting.
+    """
+    if line not in PORTS:
+        raise UsageError(f"{key}: the robot has no serial port {line!r}; its ports: {', '.join(PORTS)}")
+    return PORTS[line]
+
+
 class LineDevice(Device):
     """What every device on a serial line is.
 
     Attributes:
-        line: name of the line: `tool`, or a device of the control box such as `/dev/ttymxc0`.
+        line: name of the line: `tool`, `box`, or a device of the control box such as `/dev/ttyS2`.
         baud: bits per second that it understands, or 0 for any. At another speed both sides get rubbish.
         latency_s: time that it thinks before what it sends goes out.
         settings: of the line while a program has it open, else None.
@@ -35,8 +47,7 @@ class LineDevice(Device):
 
     def check(self) -> None:
         check_text("line", self.line)
-        if not self.line:
-            raise UsageError("line: names the serial line, such as tool or /dev/ttymxc0")
+        self.line = line_device("line", self.line)
         check_number("baud", self.baud, 0, BAUD_MAX, "bit/s", is_whole=True)
         check_number("latency_s", self.latency_s, 0.0, LATENCY_MAX_S, "s")
 
