@@ -6,7 +6,7 @@ from ast import literal_eval
 from collections.abc import Callable, Iterable
 
 from elitescript.errors import UsageError
-from elitescript.worlds.memory_channels import Link, MemoryChannels, Peer
+from elitescript.worlds.virtual.network import Link, Peer, VirtualNetwork
 
 Act = Callable[[Link], None]
 
@@ -91,9 +91,9 @@ def _bytes(literal: str) -> bytes:
     return value
 
 
-def network(servers: Iterable[PageServer], ports: Iterable[int]) -> MemoryChannels:
+def network(servers: Iterable[PageServer], ports: Iterable[int]) -> VirtualNetwork:
     """A network with servers on ports."""
-    return MemoryChannels({port: server.accept for port, server in zip(ports, servers, strict=True)})
+    return VirtualNetwork({port: server.accept for port, server in zip(ports, servers, strict=True)})
 
 
 def written(data: bytes | bytearray) -> str:
