@@ -179,7 +179,8 @@ def test_what_a_device_does_in_no_time_reaches_the_robot_in_the_next_tick():
         def started(self):
             self.cell.watch("standard_digital_out[0]", lambda level: self.cell.set("standard_digital_in[0]", level))
 
-    body = "set_standard_digital_out(0, True)\ntextmsg(get_standard_digital_in(0))\nsync()\ntextmsg(get_standard_digital_in(0))"
+    read = "textmsg(get_standard_digital_in(0))"
+    body = f"set_standard_digital_out(0, True)\n{read}\nsync()\n{read}"
     assert run(body, Mirror()).log == ["False", "True"]
 
 

@@ -22,6 +22,7 @@ from elitescript.worlds.virtual.network import VirtualNetwork
 from elitescript.worlds.virtual.signals import RobotSignals
 
 _HOME: Final = str(Path(__file__).parents[2])
+_LIBRARY: Final = str(Path(traceback.__file__).parent)
 
 
 class World(Surroundings):
@@ -193,5 +194,5 @@ def describe(device: Device, error: Exception) -> str:
 def place_in(error: Exception) -> str:
     """File and line where code that is not ours has failed; empty if none has."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if not frame.filename.startswith((_HOME, "<frozen"))]
+    own = [frame for frame in frames if not frame.filename.startswith((_HOME, _LIBRARY, "<"))]
     return f"{own[-1].filename}:{own[-1].lineno}" if own else ""
