@@ -20,6 +20,7 @@ from elitescript.commands.page import CHAPTERS, chapters, kind_of, source_of
 from elitescript.commands.registry import Command, Param
 from elitescript.controller import safety
 from elitescript.messages.signals import SIGNALS, Signal
+from tools.devices_page import devices_page
 from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, anchor, cell
 from tools.ports_page import ports_page
@@ -254,6 +255,7 @@ def _range(signal: Signal) -> str:
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "commands.md": commands_page,
     "dashboard.md": dashboard_page,
+    "devices.md": devices_page,
     "errors.md": errors_page,
     "interpreter.md": interpreter_page,
     "ports.md": ports_page,
