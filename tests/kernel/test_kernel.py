@@ -10,7 +10,17 @@ from elitescript.kernel import Kernel, KernelConfig
 from elitescript.kernel.kernel import HANDLERS
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Popup, RobotModeChanged, TextMessage, Warned
-from elitescript.messages.inputs import AddLog, ClosePopup, Do, Input, Reboot, RunUnit, SetRemote, ShowPopup
+from elitescript.messages.inputs import (
+    AddLog,
+    ChannelOpened,
+    ClosePopup,
+    Do,
+    Input,
+    Reboot,
+    RunUnit,
+    SetRemote,
+    ShowPopup,
+)
 from elitescript.messages.machine import (
     AskSafety,
     PauseTask,
@@ -22,6 +32,7 @@ from elitescript.messages.machine import (
     StopTask,
     WriteSignal,
 )
+from elitescript.messages.outputs import CloseChannel
 from tests.kernel.machine import FOREVER, READY, Session, program
 
 
@@ -268,6 +279,16 @@ class TestTheController:
         snapshot = session.last.snapshot
         assert (snapshot.robot.robot_mode, snapshot.robot.safety_mode) == (RobotMode.POWER_OFF, SafetyMode.NORMAL)
         assert snapshot.popup == ""
+
+    def test_serial_ports_outlive_a_program_and_end_with_a_reboot(self):
+        session = Session(READY)
+        session.start("tool_serial_config(True, 9600, 0, 1)", name="a")
+        session.send(ChannelOpened(1, True))
+        session.run(0.1)
+        assert session.last.requests == ()
+        session.start("textmsg(tool_serial_mode())", name="b")
+        assert session.texts == ["RS485"]
+        assert CloseChannel(1) in session.send(Reboot("ctl")).requests
 
     def test_the_same_inputs_give_the_same_outputs(self):
         def outputs():
