@@ -14,8 +14,8 @@ Act = Callable[[Link], None]
 class PageServer:
     """A server or a serial device as a page describes it, a row for each thing that it does.
 
-    `after 0.5 send "text"` and `after 0.5 close` count from the moment when the connection or line is open; `on "question" send
-    "answer"` answers every time that the question has come. Texts are written as in Python.
+    `after 0.5 send "text"` and `after 0.5 close` count from the moment when the connection or line is open; `on
+    "question" send "answer"` answers every time that the question has come. Texts are written as in Python.
 
     Args:
         line: of its block in the page.
