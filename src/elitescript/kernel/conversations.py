@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Final, Generic, TypeVar
 
 from elitescript.errors import ProgramError, ScriptError
+from elitescript.kernel.interpreter_logs import InterpreterLogs
 from elitescript.messages.inputs import Interpret, InterpreterWord, Query
 from elitescript.protocol.interpreter import (
     CLEARED,
@@ -51,13 +52,15 @@ class Conversations:
     Args:
         host: runs statements and queries.
         reply: sends an answer.
+        logs: of interpreter mode; none if None.
     """
 
-    __slots__ = ("_host", "_queries", "_reply", "_statements")
+    __slots__ = ("_host", "_logs", "_queries", "_reply", "_statements")
 
-    def __init__(self, host: ScriptHost, reply: Reply) -> None:
+    def __init__(self, host: ScriptHost, reply: Reply, logs: InterpreterLogs | None = None) -> None:
         self._host = host
         self._reply = reply
+        self._logs = logs
         self._statements: _Turns[Interpret | InterpreterWord] = _Turns(self._say, STATEMENT_WORK, QUEUE_LIMIT)
         self._queries: _Turns[Query] = _Turns(self._ask, QUERY_WORK, QUEUE_MAX)
         host.interpreter.answers = self
@@ -65,14 +68,15 @@ class Conversations:
     def interpret(self, item: Interpret) -> None:
         """A statement of interpreter mode; the answer may come in a later tick."""
         if not self._statements.put(item, len(item.text)):
-            self._reply(item.origin, discarded(TOO_MANY, item.text))
+            self._tell(item.origin, discarded(TOO_MANY, item.text))
 
     def word(self, item: InterpreterWord) -> None:
         """A word that does not wait until statements are executed; `abort` not even until they are compiled."""
         if item.word == "abort":
+            self._log(item.origin, item.word)
             self._host.abort_move()
         elif not self._statements.put(item, 0):
-            self._reply(item.origin, discarded(TOO_MANY, item.word))
+            self._tell(item.origin, discarded(TOO_MANY, item.word))
 
     def query(self, item: Query) -> None:
         """A query; the answer comes in this tick or a later one."""
@@ -85,10 +89,12 @@ class Conversations:
         self._queries.go_on()
 
     def _say(self, item: Interpret | InterpreterWord) -> None:
-        if isinstance(item, Interpret):
-            self._host.interpreter.submit(item.origin, item.text)
-        else:
+        if isinstance(item, InterpreterWord):
             self._obey(item)
+        elif item.problem:
+            self._tell(item.origin, not_compiled(item.problem, item.text))
+        else:
+            self._host.interpreter.submit(item.origin, item.text)
 
     def _obey(self, item: InterpreterWord) -> None:
         statements = self._host.interpreter
@@ -99,22 +105,36 @@ class Conversations:
             "stateunexecuted": statements.unexecuted,
         }
         if item.word == "skipbuffer":
+            self._log(item.origin, item.word)
             statements.skip()
         elif item.word == "state":
-            self._reply(item.origin, session_state(statements.is_running))
+            self._tell(item.origin, session_state(statements.is_running))
         elif item.word in numbers:
-            self._reply(item.origin, state_of(numbers[item.word], item.word))
+            self._tell(item.origin, state_of(numbers[item.word], item.word))
 
     def accepted(self, origin: str, number: int, text: str) -> None:
         """See `runtime.interpreter.Answers`."""
-        self._reply(origin, acknowledged(number, text))
+        self._tell(origin, acknowledged(number, text))
 
     def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
         """See `runtime.interpreter.Answers`."""
         if reason == interpreter.COMPILE_ERROR:
-            self._reply(origin, not_compiled(trace, text))
+            self._tell(origin, not_compiled(trace, text))
         else:
-            self._reply(origin, discarded(REASONS[reason], text))
+            self._tell(origin, discarded(REASONS[reason], text))
+
+    def executed(self, number: int, step: str, text: str) -> None:
+        """See `runtime.interpreter.Answers`."""
+        if self._logs is not None:
+            self._logs.execution.add(f"{step}: {number}: {text}")
+
+    def _tell(self, origin: str, text: str) -> None:
+        self._log(origin, text)
+        self._reply(origin, text)
+
+    def _log(self, origin: str, text: str) -> None:
+        if self._logs is not None:
+            self._logs.received.add(f"{origin.partition('/')[0]}  {text}")
 
     def _ask(self, item: Query) -> None:
         def answer(value: str | None) -> None:

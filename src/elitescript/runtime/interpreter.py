@@ -4,10 +4,12 @@ Statements are numbered from 1 in each program and run in the order in which the
 place of the call. They read and change the variables of the function that has made the call and the program globals.
 What else they define, functions and variables, is visible to later statements and to the program until it is cleared.
 
+An exception that a statement does not catch ends the session and is raised by the call.
+
 Evidence: queue, numbers, words and clearing are *documented* (manual 2.14, interpreter mode). *Assumed*: how many
 statements run in a tick, that names which are neither local nor global can be used until they are cleared, what is
-thrown away when a session ends with `clearOnEnd=False` (nothing), and that the number of the last cleared statement is
-that of the last one that was accepted by then.
+thrown away when a session ends with `clearOnEnd=False` (nothing), and what counts as cleared: statements that are
+thrown away before they begin, and those whose definitions are forgotten.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 from elitescript.errors import ProgramError, ScriptStateError
 from elitescript.language.compiler import Statement, compile_statement
 from elitescript.language.source import SourceFile
+from elitescript.runtime.alarms import summary_of
 from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.strand import is_stop
 
 if TYPE_CHECKING:
     from elitescript.runtime.program import Program
@@ -43,14 +47,24 @@ CLEARED_AT_END: Final = "cleared at end"
 CLEARED: Final = "cleared"
 
 
+BEGUN: Final = "begun"
+DONE: Final = "done"
+FAILED: Final = "failed"
+STOPPED: Final = "stopped"
+SKIPPED: Final = "skipped"
+
+
 class Answers(Protocol):
-    """Tells clients what has become of their statements."""
+    """Hears what becomes of statements."""
 
     def accepted(self, origin: str, number: int, text: str) -> None:
         """It will run, under that number."""
 
     def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
-        """It will not run; `reason` is one of the constants above."""
+        """It will not run; `reason` is one of the first six constants above."""
+
+    def executed(self, number: int, step: str, text: str) -> None:
+        """It has begun, or is over; `step` is one of the last five. The text of a failure says why it failed."""
 
 
 class NoAnswers:
@@ -62,6 +76,9 @@ class NoAnswers:
         """Nobody listens."""
 
     def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
+        """Nobody listens."""
+
+    def executed(self, number: int, step: str, text: str) -> None:
         """Nobody listens."""
 
 
@@ -84,7 +101,7 @@ class Interpreter:
         is_running: whether a session runs.
         last_accepted: number of the last statement that was accepted.
         last_executed: number of the one that is being executed or was last.
-        last_cleared: number of the last one that was cleared.
+        last_cleared: number of the last one that was cleared: thrown away before it began, or forgotten.
     """
 
     __slots__ = (
@@ -95,7 +112,7 @@ class Interpreter:
         "_program",
         "_queue",
         "_scheduler",
-        "_skipped",
+        "_skips_held",
         "answers",
         "is_running",
         "last_accepted",
@@ -109,7 +126,7 @@ class Interpreter:
         self._program: Program | None = None
         self._queue: deque[_Waiting] = deque()
         self._held: deque[tuple[str, str]] = deque()
-        self._skipped = 0
+        self._skips_held = 0
         self._is_clearing = False
         self._is_ending = False
         self.answers: Answers = NoAnswers()
@@ -133,8 +150,14 @@ class Interpreter:
             self._accept(self._program, origin, text)
 
     def skip(self) -> None:
-        """Throw away every statement that waits now; each is still counted until its turn would come."""
-        self._skipped = len(self._queue)
+        """Throw away every statement that has come so far and has not begun, also those that are not answered yet.
+
+        Those are accepted when their turn to be answered comes, and thrown away then.
+        """
+        self._skips_held = len(self._held)
+        if self._drop_queue():
+            # A clearing statement was among them: nobody is to wait for its execution.
+            self._release_held()
 
     @property
     def unexecuted(self) -> int:
@@ -151,7 +174,7 @@ class Interpreter:
         if "start_thread" in statement.calls:
             self.answers.discarded(origin, COMPILE_ERROR, text, "a statement may not start threads")
             return
-        self._is_clearing = "clear_interpreter" in statement.calls
+        self._is_clearing = _clears(statement)
         self.last_accepted += 1
         self._queue.append(_Waiting(origin, self.last_accepted, text, statement))
         self.answers.accepted(origin, self.last_accepted, text)
@@ -172,10 +195,12 @@ class Interpreter:
     def end_program(self) -> None:
         """The program is over, and so is the session."""
         self._discard_queue(CLEARED_AT_END)
+        self.last_cleared = self.last_accepted
         self._program = None
         held, self._held = self._held, deque()
         for origin, text in held:
             self.answers.discarded(origin, INVALID_STATE, text)
+        self._skips_held = 0
         self._is_clearing = self.is_running = False
 
     # ---------------------------------------------------------------- what programs call
@@ -185,6 +210,7 @@ class Interpreter:
 
         Raises:
             ScriptStateError: not the main thread, or a session runs already.
+            BaseException: whatever a statement has raised.
         """
         program, scheduler = self._program, self._scheduler
         strand = scheduler.current
@@ -201,6 +227,7 @@ class Interpreter:
         assert frame is not None
         names = _Names(frame, program)
         tick, count = scheduler.now, 0
+        is_stopped = False
         try:
             while not self._is_ending:
                 if scheduler.now != tick:
@@ -214,11 +241,14 @@ class Interpreter:
                 else:
                     count += 1
                     self._execute(program, waiting, names)
+        except BaseException as error:
+            is_stopped = is_stop(error)
+            raise
         finally:
             self.is_running = False
-        if clears_at_end:
-            self._discard_queue(CLEARED_AT_END)
-            self._forget(program)
+            if clears_at_end and not is_stopped:
+                self._discard_queue(CLEARED_AT_END)
+                self._forget(program)
 
     def end(self) -> None:
         """End the session after the statement that runs; without one there is nothing to end."""
@@ -233,17 +263,23 @@ class Interpreter:
             self._forget(self._program)
 
     def _next(self) -> _Waiting | None:
-        while self._skipped and self._queue:
-            self._skipped -= 1
-            if "clear_interpreter" in self._queue.popleft().statement.calls:
-                # It is not going to be executed, and nobody is to wait for that.
-                self._release_held()
         return self._queue.popleft() if self._queue else None
 
     def _execute(self, program: Program, waiting: _Waiting, names: _Names) -> None:
-        self.last_executed = waiting.number
-        program.execute(waiting.statement, names)
-        if "clear_interpreter" in waiting.statement.calls:
+        number, text = waiting.number, waiting.text
+        self.last_executed = number
+        self.answers.executed(number, BEGUN, text)
+        try:
+            program.execute(waiting.statement, names)
+        except BaseException as error:
+            if is_stop(error):
+                self.answers.executed(number, STOPPED, text)
+            else:
+                self.answers.executed(number, FAILED, summary_of(error))
+            raise
+        self.answers.executed(number, DONE, text)
+        if _clears(waiting.statement) and not self._queue:
+            # It may have come to its end without having cleared anything.
             self._release_held()
 
     def _forget(self, program: Program) -> None:
@@ -256,12 +292,28 @@ class Interpreter:
         self._is_clearing = False
         while self._held and not self._is_clearing and self._program is not None:
             self._accept(self._program, *self._held.popleft())
+            if self._skips_held:
+                self._skips_held -= 1
+                if self._drop_queue():
+                    self._is_clearing = False
+
+    def _drop_queue(self) -> bool:
+        """Throw away what waits without a word to its clients; whether one of them clears."""
+        queue, self._queue = self._queue, deque()
+        for waiting in queue:
+            self.last_cleared = waiting.number
+            self.answers.executed(waiting.number, SKIPPED, waiting.text)
+        return any(_clears(waiting.statement) for waiting in queue)
 
     def _discard_queue(self, reason: str) -> None:
         queue, self._queue = self._queue, deque()
-        skipped, self._skipped = self._skipped, 0
-        for waiting in list(queue)[skipped:]:
+        for waiting in queue:
+            self.last_cleared = waiting.number
             self.answers.discarded(waiting.origin, reason, waiting.text)
+
+
+def _clears(statement: Statement) -> bool:
+    return "clear_interpreter" in statement.calls
 
 
 class _Names:
