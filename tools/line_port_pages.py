@@ -19,7 +19,6 @@ from elitescript.protocol import dashboard, dashboard_answers, interpreter, quer
 from elitescript.protocol.dashboard_verbs import VERBS
 from tools.markdown import NOTICE, cell, code
 
-
 WIDTH = 118
 """Characters of a line of prose."""
 INTERPRETER_NOTES = (

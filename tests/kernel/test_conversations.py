@@ -126,7 +126,7 @@ class TestMany:
     def test_queries_are_taken_a_few_in_a_tick_and_all_are_answered(self):
         talk = Talk()
         talk.send(*(Query("query#1", str(number), "1 + 1") for number in range(300)))
-        assert 0 < len(talk.replies) < 5
+        assert 0 < len(talk.replies) < 30
         talk.run(1.0)
         assert talk.replies == [f"{number} success : 2" for number in range(300)]
 

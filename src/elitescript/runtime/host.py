@@ -202,11 +202,6 @@ class ScriptHost:
         finally:
             self._scheduler.end_tick()
 
-    def knows(self, name: str) -> bool:
-        """Whether a program finds something under that name without defining it."""
-        program = self._program or self._new_program({})
-        return name in program.builtins
-
     def fail(self, alarm: Alarm) -> None:
         """End the program as `stop` does, with an alarm that it can neither catch nor outlive."""
         if self._program is not None and self._main is not None and not self._ending:
