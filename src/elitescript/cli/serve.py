@@ -53,7 +53,8 @@ def _run(
     numbers: list[dict[str, int]],
     on_signals: Callable[[asyncio.Event], None],
 ) -> int:
-    out, err = PatientStream(sys.stdout), PatientStream(sys.stderr)
+    out = PatientStream(sys.stdout, told_to_programs) if options.json else PatientStream(sys.stdout)
+    err = PatientStream(sys.stderr)
     try:
         log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
         asyncio.run(_serve(options, configs, numbers, log, on_signals))
@@ -216,6 +217,13 @@ def _threadsafe(stop: asyncio.Event) -> Callable[[], None]:
             loop.call_soon_threadsafe(stop.set)
 
     return set_stop
+
+
+def told_to_programs(count: int) -> str:
+    """The line in the place of lines that were left out."""
+    text = f"{count} lines are missing here: they came faster than they could be printed"
+    record = {"type": "serve", "what": "missing", "level": "problem", "text": text, "count": count}
+    return jsonlines.line(record) + "\n"
 
 
 class Log:
