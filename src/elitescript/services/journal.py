@@ -6,7 +6,7 @@ One JSON text a line:
     {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
-    {"told": 1190, "events": [...]}                what clients were told at that tick in the place of a robot that is gone
+    {"told": 1190, "events": [...]}                what clients were told at that tick while there was no robot
     {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from that picture
     {"end": 2000}                                  the session ended before that tick
 
