@@ -92,12 +92,10 @@ class Conversations:
         self._queries.go_on()
 
     def _say(self, item: Interpret | InterpreterWord) -> None:
-        if isinstance(item, InterpreterWord):
-            self._obey(item)
-        elif item.problem:
-            self._tell(item.origin, not_compiled(item.problem, item.text))
+        if isinstance(item, Interpret):
+            self._host.interpreter.submit(item.origin, item.text, item.problem)
         else:
-            self._host.interpreter.submit(item.origin, item.text)
+            self._obey(item)
 
     def _obey(self, item: InterpreterWord) -> None:
         statements = self._host.interpreter

@@ -82,6 +82,12 @@ class NoAnswers:
         """Nobody listens."""
 
 
+class _Held(NamedTuple):
+    origin: str
+    text: str
+    problem: str
+
+
 class _Waiting(NamedTuple):
     origin: str
     number: int
@@ -125,7 +131,7 @@ class Interpreter:
         self._limit = limit
         self._program: Program | None = None
         self._queue: deque[_Waiting] = deque()
-        self._held: deque[tuple[str, str]] = deque()
+        self._held: deque[_Held] = deque()
         self._skips_held = 0
         self._is_clearing = False
         self._is_ending = False
@@ -135,19 +141,22 @@ class Interpreter:
 
     # ---------------------------------------------------------------- what clients send
 
-    def submit(self, origin: str, text: str) -> None:
+    def submit(self, origin: str, text: str, problem: str = "") -> None:
         """Take a statement: answer it, and have it run when its turn comes.
 
         After `clear_interpreter()` was accepted, further statements wait unanswered until it has been executed.
+
+        Args:
+            origin: who sent it.
+            text: the statement.
+            problem: why it cannot be one, whatever it says; empty if it can.
         """
-        if self._program is None:
-            self.answers.discarded(origin, INVALID_STATE, text)
-        elif len(self._queue) + len(self._held) >= self._limit:
+        if len(self._queue) + len(self._held) >= self._limit:
             self.answers.discarded(origin, TOO_MANY, text)
         elif self._is_clearing:
-            self._held.append((origin, text))
+            self._held.append(_Held(origin, text, problem))
         else:
-            self._accept(self._program, origin, text)
+            self._accept(_Held(origin, text, problem))
 
     def skip(self) -> None:
         """Throw away every statement that has come so far and has not begun, also those that are not answered yet.
@@ -164,11 +173,18 @@ class Interpreter:
         """Accepted statements that have not begun."""
         return len(self._queue)
 
-    def _accept(self, program: Program, origin: str, text: str) -> None:
+    def _accept(self, held: _Held) -> None:
+        program, (origin, text, problem) = self._program, held
+        if problem:
+            self.answers.discarded(origin, COMPILE_ERROR, text, problem)
+            return
+        if program is None:
+            self.answers.discarded(origin, INVALID_STATE, text)
+            return
         try:
             statement = compile_statement(SourceFile(FILE, text), program.has_global)
         except ProgramError as error:
-            first = next(problem for problem in error.problems if problem.is_error)
+            first = next(found for found in error.problems if found.is_error)
             self.answers.discarded(origin, COMPILE_ERROR, text, f"line 1, column {first.column}, {first.text}")
             return
         if "start_thread" in statement.calls:
@@ -197,11 +213,9 @@ class Interpreter:
         self._discard_queue(CLEARED_AT_END)
         self.last_cleared = self.last_accepted
         self._program = None
-        held, self._held = self._held, deque()
-        for origin, text in held:
-            self.answers.discarded(origin, INVALID_STATE, text)
+        self.is_running = False
+        self._release_held()
         self._skips_held = 0
-        self._is_clearing = self.is_running = False
 
     # ---------------------------------------------------------------- what programs call
 
@@ -290,8 +304,8 @@ class Interpreter:
     def _release_held(self) -> None:
         """Answer the statements that were held back, up to the next one that clears."""
         self._is_clearing = False
-        while self._held and not self._is_clearing and self._program is not None:
-            self._accept(self._program, *self._held.popleft())
+        while self._held and not self._is_clearing:
+            self._accept(self._held.popleft())
             if self._skips_held:
                 self._skips_held -= 1
                 if self._drop_queue():
