@@ -312,6 +312,27 @@ class TestWords:
         talk.start(*HOST)
         assert talk.word("state") == "state: 0: running: state"
 
+    @pytest.mark.parametrize(
+        ("motion", "is_aborted"),
+        [
+            ("movej([1, -1.5, -1.5, -1.5, 1.5, 0], v=0.1)", True),
+            ("movel(pose_trans(get_target_tcp_pose(), [0, 0, -0.1, 0, 0, 0]), v=0.02)", True),
+            ("p = get_target_tcp_pose(); movec(pose_trans(p, [0.02, 0.02, 0, 0, 0, 0]), "
+             "pose_trans(p, [0, 0.04, 0, 0, 0, 0]), v=0.01)", False),
+            ("movep(pose_trans(get_target_tcp_pose(), [0, 0, -0.1, 0, 0, 0]), v=0.02)", False),
+            ("sleep(3)", False),
+        ],
+    )  # fmt: skip
+    def test_abort_ends_movej_and_movel_and_nothing_else(self, motion, is_aborted):
+        talk = Talk("movej([0, -1.3, -1.6, -1.6, 1.5, 0])", *HOST)
+        talk.run(4.0)
+        assert talk.say(motion, "textmsg('next')")[-1] == "ack: 2: textmsg('next')"
+        talk.run(0.5)
+        assert talk.word("stateunexecuted") == "state: 1: stateunexecuted"
+        talk.word("abort")
+        talk.run(1.0)
+        assert (talk.texts, talk.of(Alarm)) == ((["next"] if is_aborted else []), [])
+
     def test_abort_ends_the_move_and_the_program_goes_on(self):
         talk = Talk("movej([1, -1.5, -1.5, -1.5, 1.5, 0], v=0.1)", "textmsg('on')")
         talk.run(1.0)
