@@ -15,7 +15,7 @@ from tests.cli.test_serve import line_with, ports_in, start, stop
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals")
 
-HANGS = b'def hang():\n  textmsg("now")\n  sync()\n  x = sum(range(10**12))\nend\n'
+HANGS = b'def hang():\n  textmsg("now")\n  sleep(0.3)\n  x = sum(range(10**12))\nend\n'
 
 
 def hung(place: Path, *options: str) -> subprocess.Popen[str]:
@@ -53,6 +53,17 @@ def test_a_second_signal_ends_it_at_once_and_says_why(tmp_path: Path, options: t
         _, err = process.communicate(timeout=20)
         assert "ended at once by a second signal: a call in line 4 of the program <primary#1>" in err
         assert process.returncode == -signal.SIGKILL
+    finally:
+        process.kill()
+
+
+def test_a_second_signal_that_comes_soon_is_not_forgotten(tmp_path: Path) -> None:
+    process = hung(tmp_path, "--in-process")
+    try:
+        process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGTERM)
+        _, err = process.communicate(timeout=20)
+        assert "ended at once by a second signal" in err
     finally:
         process.kill()
 

@@ -22,10 +22,10 @@ from typing import Final
 STOPS: Final = (signal.SIGINT, signal.SIGTERM)
 HEARD: Final = b"\0"
 """What the process itself writes when one of its handlers runs: it reacts."""
-HINT_S: Final = 1.0
-"""After so long, people are told why the first signal has not ended the process, and what to do."""
-CLOSING_S: Final = 1.0
-"""A second signal that comes sooner, to a process that is closing, is one key pressed too long."""
+PATIENCE_S: Final = 1.0
+"""What the process has to react to the first signal. After that, people are told why it has not ended, and a second
+signal kills; one that comes sooner counts only if the process has not reacted by then: it may be a key pressed too
+long."""
 TRACE_S: Final = 0.3
 """How long the process has to say where it is."""
 
@@ -88,28 +88,26 @@ def _watch(process: int, told: int, traced: int, name: str) -> None:
     """The other process: read signals until the first one is gone or has to be killed."""
     for number in (*STOPS, signal.SIGHUP, signal.SIGQUIT):
         signal.signal(number, signal.SIG_IGN)
-    first_s: float | None = None
-    is_heard = is_hinted = False
+    until_s: float | None = None
+    is_heard = is_urged = has_waited = False
     while True:
-        if first_s is not None and not is_hinted and not select.select([told], [], [], HINT_S)[0]:
-            is_hinted = True
-            _say(name, f"still busy: {_where(process, traced)}; once more (Ctrl-C) ends it at once")
-            continue
-        data = os.read(told, 64)
-        if not data:
+        left_s = None if until_s is None or has_waited else max(until_s - time.monotonic(), 0.0)
+        if not select.select([told], [], [], left_s)[0]:
+            has_waited = True
+            if not is_urged or is_heard:
+                is_urged = False
+                _say(name, f"still busy: {_where(process, traced)}; once more (Ctrl-C) ends it at once")
+        elif not (data := os.read(told, 64)):
             return
-        for byte in data:
-            now_s = time.monotonic()
-            if byte == HEARD[0]:
-                is_heard = True
-            elif byte not in STOPS:
-                continue
-            elif first_s is None:
-                first_s = now_s
-            elif not is_heard or now_s - first_s > CLOSING_S:
-                _say(name, f"ended at once by a second signal: {_where(process, traced)}")
-                os.kill(process, signal.SIGKILL)
-                return
+        else:
+            is_heard = is_heard or HEARD in data
+            for _ in range(sum(data.count(number) for number in STOPS)):
+                is_urged = until_s is not None
+                until_s = until_s or time.monotonic() + PATIENCE_S
+        if has_waited and is_urged:
+            _say(name, f"ended at once by a second signal: {_where(process, traced)}")
+            os.kill(process, signal.SIGKILL)
+            return
 
 
 def _where(process: int, traced: int) -> str:
