@@ -7,6 +7,7 @@ import select
 import signal
 import socket
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,9 +19,17 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals")
 HANGS = b'def hang():\n  textmsg("now")\n  sleep(0.3)\n  x = sum(range(10**12))\nend\n'
 
 
-def hung(place: Path, *options: str) -> subprocess.Popen[str]:
-    """A server in that state."""
-    process = start(place, "--power-on", *options)
+@pytest.fixture
+def process(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[subprocess.Popen[str]]:
+    """A server with the options of the test."""
+    process = start(tmp_path, "--power-on", *request.param)
+    yield process
+    process.kill()
+    process.wait()
+
+
+def hang(process: subprocess.Popen[str]) -> None:
+    """Have it hear no signal."""
     ports = ports_in(line_with(process, "ready"))
     with socket.create_connection(("127.0.0.1", ports["primary"])) as peer:
         peer.sendall(HANGS)
@@ -30,7 +39,6 @@ def hung(place: Path, *options: str) -> subprocess.Popen[str]:
             # The state comes ten times a second.
             while peer.recv(4096):
                 pass
-    return process
 
 
 def said(process: subprocess.Popen[str], words: str) -> bool:
@@ -43,43 +51,37 @@ def said(process: subprocess.Popen[str], words: str) -> bool:
     return False
 
 
-@pytest.mark.parametrize("options", [("--in-process",), ("--lockstep", "rtsi")])
-def test_a_second_signal_ends_it_at_once_and_says_why(tmp_path: Path, options: tuple[str, ...]) -> None:
-    process = hung(tmp_path, *options)
-    try:
-        process.send_signal(signal.SIGINT)
-        assert said(process, "elitescript serve: still busy: a call in line 4 of the program <primary#1> does not come")
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=20)
-        assert "ended at once by a second signal: a call in line 4 of the program <primary#1>" in err
-        assert process.returncode == -signal.SIGKILL
-    finally:
-        process.kill()
+IN_PROCESS = pytest.mark.parametrize("process", [("--in-process",)], indirect=True)
 
 
-def test_a_second_signal_that_comes_soon_is_not_forgotten(tmp_path: Path) -> None:
-    process = hung(tmp_path, "--in-process")
-    try:
-        process.send_signal(signal.SIGINT)
-        process.send_signal(signal.SIGTERM)
-        _, err = process.communicate(timeout=20)
-        assert "ended at once by a second signal" in err
-    finally:
-        process.kill()
-
-
-def test_one_signal_is_enough_where_the_process_hears_it(tmp_path: Path) -> None:
-    process = start(tmp_path, "--in-process")
-    line_with(process, "ready")
-    code, out = stop(process, signal.SIGTERM)
-    assert code == 0
-    assert out.endswith("stopped\n")
-
-
-def test_a_key_pressed_too_long_does_not_kill(tmp_path: Path) -> None:
-    process = start(tmp_path, "--in-process")
-    line_with(process, "ready")
+@pytest.mark.parametrize("process", [("--in-process",), ("--lockstep", "rtsi")], indirect=True)
+def test_a_second_signal_ends_it_at_once_and_says_why(process: subprocess.Popen[str]) -> None:
+    hang(process)
     process.send_signal(signal.SIGINT)
+    assert said(process, "elitescript serve: still busy: a call in line 4 of the program <primary#1> does not come")
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert "ended at once by a second signal: a call in line 4 of the program <primary#1>" in err
+    assert process.returncode == -signal.SIGKILL
+
+
+@IN_PROCESS
+def test_a_second_signal_that_comes_soon_is_not_forgotten(process: subprocess.Popen[str]) -> None:
+    hang(process)
+    process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGTERM)
+    _, err = process.communicate(timeout=20)
+    assert "ended at once by a second signal" in err
+
+
+@IN_PROCESS
+@pytest.mark.parametrize("presses", [1, 2])
+def test_a_process_that_hears_ends_by_itself_also_if_a_key_is_pressed_too_long(
+    process: subprocess.Popen[str], presses: int
+) -> None:
+    line_with(process, "ready")
+    for _ in range(presses - 1):
+        process.send_signal(signal.SIGINT)
     code, out = stop(process)
     assert code == 0
     assert out.endswith("stopped\n")
