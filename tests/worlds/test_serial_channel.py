@@ -103,6 +103,30 @@ def test_what_the_system_does_not_take_waits(channel, terminal):
     assert sum(event.size for event in events) == len(data)
 
 
+def test_closing_waits_until_what_was_sent_has_left(channel, terminal):
+    channel.poll()
+    data = bytes(1000) * 30
+    channel.send(data)
+    assert channel.unsent
+    assert not channel.has_left
+    received = []
+    reader = Thread(target=lambda: received.append(terminal.read(len(data))))
+    reader.start()
+    channel.close()
+    reader.join(10)
+    assert received == [data]
+    assert channel.is_over
+
+
+def test_closing_does_not_wait_for_ever(channel, terminal, monkeypatch):
+    monkeypatch.setattr(serial_channel, "CLOSING_S", 0.0)
+    channel.poll()
+    channel.send(bytes(100_000))
+    channel.close()
+    assert channel.is_over
+    assert channel.has_left
+
+
 def test_a_device_that_goes_closes_the_channel(channel, terminal):
     channel.poll()
     terminal.hang_up()
