@@ -271,3 +271,35 @@ class TestPrograms:
         tool_serial_config(False, 115200, 0, 1)
         """
         assert self.said(terminal, body, answer) == [f"[{a}, {a}]" for a in range(5)]
+
+    def test_a_device_that_is_plugged_in_again(self, terminal, tmp_path):
+        place, other = tmp_path / "port", Terminal()
+        place.symlink_to(terminal.name)
+        heard = []
+
+        def play():
+            heard.append(terminal.read(5))
+            terminal.hang_up()
+            place.unlink()
+            place.symlink_to(other.name)
+            heard.append(other.read(5))
+            other.write(b"x")
+
+        player = Thread(target=play)
+        player.start()
+        body = """
+        tool_serial_config(True, 115200, 0, 1)
+        tool_serial_write("first")
+        textmsg(tool_serial_read(1, True, 0), tool_serial_is_open(), tool_serial_mode())
+        while not tool_serial_config(True, 115200, 0, 1):
+          sleep(0.02)
+        end
+        tool_serial_write("again")
+        textmsg(tool_serial_read(1, True, 0))
+        tool_serial_config(False, 115200, 0, 1)
+        """
+        run = VirtualRobot(lines={"tool": str(place)}).run(program(body), until_s=20)
+        player.join(10)
+        other.close()
+        assert run.log == ["[]FalseCLOSE", "[120]"]
+        assert heard == [b"first", b"again"]
