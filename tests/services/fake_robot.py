@@ -23,6 +23,8 @@ class FakeRobot:
         self.heard: list[tuple[int, Input]] = []
         self.says: dict[int, dict[str, Any]] = {}
         """Events, requests and replies by tick."""
+        self.refuses = ""
+        """If not empty, requests to the machine are refused for this reason."""
         self.on_tick: Callable[[int], None] = lambda tick: None
         self._output = output(0, task_state=TaskState.STOPPED, **changes)
         self._tick = -1
@@ -36,7 +38,10 @@ class FakeRobot:
         snapshot = self._output.snapshot
         for item in inputs:
             if isinstance(item, Do):
-                snapshot = self._done(snapshot, item.request)
+                if not self.refuses:
+                    snapshot = self._done(snapshot, item.request)
+                if item.is_answered:
+                    replies.append(Reply(item.origin, refused(self.refuses) if self.refuses else done()))
             elif isinstance(item, PlayTask):
                 replies.append(Reply(item.origin, done()))
             elif isinstance(item, GetVariable):

@@ -17,7 +17,7 @@ from elitescript.cli.settings import parse_joints, parse_settings
 from elitescript.cli.terminal import PatientStream, TaggedStream
 from elitescript.cli.writable import Writable
 from elitescript.errors import UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.events import Event
 from elitescript.messages.timing import seconds
 from elitescript.services.jail import is_complete
@@ -35,6 +35,9 @@ ALL: Final = "all"
 def serve(options: argparse.Namespace) -> int:
     """Serve until a signal comes; return the exit code."""
     configs = robot_configs(options)
+    for config in {config.model: config for config in configs}.values():
+        # What cannot be a robot is told before a port is open or a process started.
+        Kernel(config)
     numbers = [port_numbers(options.instance, chosen_ports(options.port), robot=index) for index in range(len(configs))]
     _check_host(options)
     out, err = PatientStream(sys.stdout), PatientStream(sys.stderr)

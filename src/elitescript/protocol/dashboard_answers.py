@@ -143,12 +143,12 @@ def release_brakes(asked: Asked) -> Answer:
 
 
 def unlock(asked: Asked) -> Answer:
-    """Ask for the end of a protective stop; the robot knows whether it may end yet."""
+    """Ask for the end of a protective stop; the robot knows whether it may end, and what else stops it."""
     text = "Protective stop unlocking..."
-    if asked.snapshot.robot.safety_mode is not SafetyMode.PROTECTIVE_STOP:
+    if asked.snapshot.robot.safety_mode in (*MAY_MOVE, SafetyMode.RECOVERY):
         return Answer(text)
-    request = _do(asked, AskSafety("unlock_protective_stop", "asked for on the dashboard"))
-    return Answer(text, (request,), failure="Failed to unlock protective stop")
+    request = Do(asked.origin, AskSafety("unlock_protective_stop", "asked for on the dashboard"), is_answered=True)
+    return Answer(text, (request,), failure="Failed")
 
 
 def restart_safety(asked: Asked) -> Answer:

@@ -5,7 +5,7 @@ only the user can enter; elsewhere a TCP port of this computer, whose number and
 
 A request is `{"verb": …, "arguments": […], "values": {…}}` (on TCP also `"token"`), its answer
 `{"ok": true, "text": …, "result": {…}}` or `{"ok": false, "error": …}`. Requests of one connection are answered in
-their order; an order is answered when a tick has seen it.
+their order; an order is answered when the robot has done or refused it.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.errors import UsageError
-from elitescript.messages.outputs import Output
-from elitescript.services.control_verbs import VERBS, Order, Request, Verb, outcome_text
+from elitescript.messages.timing import PERIOD_S
+from elitescript.services.control_verbs import VERBS, Request, Verb, outcome_text
 from elitescript.services.station import Station
 
 LINE_MAX: Final = 64 * 1024
 ANSWER_TIMEOUT_S: Final = 6.0
 """For a tick; in lockstep time may stand still."""
 REPLY_TICKS: Final = 1000
-"""Within which the robot answers an order that it may refuse."""
+"""Within which the robot answers an order."""
 _HAS_UNIX: Final = hasattr(asyncio, "start_unix_server")
 
 
@@ -156,26 +156,30 @@ class ControlChannel:
             if verb.name == "state":
                 result |= {"left_out": station.left_out, "waits_for": station.waits_for}
             return {"ok": True, "result": result}
-        order = verb.order(request)
+        order, awaited = verb.order(request).answered(request.origin)
         if not order.inputs:
             return {"ok": True, "text": order.text}
         station.post(list(order.inputs))
         try:
-            output = await asyncio.wait_for(station.next_output(), ANSWER_TIMEOUT_S)
-            if order.failure:
-                return {"ok": True, "text": await self._outcome(order, request.origin, output)}
+            return {"ok": True, "text": outcome_text(order, await self._answers(awaited))}
         except TimeoutError:
             waits = f": time waits for {station.waits_for}" if station.waits_for else ""
             return {"ok": True, "text": f"{order.text} (asked for; the robot has not answered yet{waits})"}
-        return {"ok": True, "text": order.text}
 
-    async def _outcome(self, order: Order, origin: str, output: Output) -> str:
+    async def _answers(self, awaited: tuple[str, ...]) -> list[str]:
+        """What the robot says to each of these origins; waits for one tick at least.
+
+        Raises:
+            TimeoutError: no tick comes.
+            UsageError: ticks come, but no answer.
+        """
+        answers: dict[str, str] = {}
         for _ in range(REPLY_TICKS):
-            for reply in output.replies:
-                if reply.origin == origin:
-                    return outcome_text(order, reply.text)
             output = await asyncio.wait_for(self._station.next_output(), ANSWER_TIMEOUT_S)
-        raise UsageError(f"{order.failure}: the robot has not answered")
+            answers |= {reply.origin: reply.text for reply in output.replies if reply.origin in awaited}
+            if len(answers) == len(awaited):
+                return [answers[origin] for origin in awaited]
+        raise UsageError(f"the robot has not answered for {REPLY_TICKS * PERIOD_S:g} s of its time")
 
 
 def _clients(station: Station) -> dict[str, Any]:

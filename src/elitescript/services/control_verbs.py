@@ -6,8 +6,8 @@ command, the verb is that command, with its refusals and the robot's own answer.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, replace
 from typing import Any, Final, NamedTuple
 
 from elitescript.controller.signal_view import signal_write
@@ -29,7 +29,18 @@ class Order(NamedTuple):
     text: str = ""
     """Said when it is done."""
     failure: str = ""
-    """If not empty the robot answers, and this begins the text of its refusal."""
+    """If not empty the robot answers the input, and this begins the text of its refusal."""
+
+    def answered(self, origin: str) -> tuple[Order, tuple[str, ...]]:
+        """The same order, with an origin of its own for each request to the machine; and which origins get a reply."""
+        inputs: list[Input] = []
+        awaited = [origin] if self.failure else []
+        for number, item in enumerate(self.inputs, 1):
+            if isinstance(item, Do):
+                item = replace(item, origin=f"{origin}.{number}", is_answered=True)
+                awaited.append(item.origin)
+            inputs.append(item)
+        return self._replace(inputs=tuple(inputs)), tuple(awaited)
 
 
 class Request(NamedTuple):
@@ -61,16 +72,19 @@ class Verb(NamedTuple):
         return f"{self.name} {self.argument}".strip()
 
 
-def outcome_text(order: Order, answer: str) -> str:
-    """What to say after the robot's own answer to an order.
+def outcome_text(order: Order, answers: Iterable[str]) -> str:
+    """What to say after the robot's own answers to an order, in the order of its inputs.
 
     Raises:
-        UsageError: the robot refuses.
+        UsageError: the robot refuses one of them; the first refusal is told.
     """
-    outcome = read_outcome(answer)
-    if not outcome.is_done:
-        raise UsageError(f"{order.failure}: {outcome.detail}")
-    return order.text + outcome.detail
+    text = order.text
+    for answer in answers:
+        outcome = read_outcome(answer)
+        if not outcome.is_done:
+            raise UsageError(f"{order.failure}: {outcome.detail}" if order.failure else outcome.detail)
+        text += outcome.detail
+    return text
 
 
 def _as_dashboard(line: str) -> Callable[[Request], Order]:
@@ -215,7 +229,7 @@ _ROWS: Final = (
     Verb("release", "", "Release the emergency stop.", _press("emergency_stop", False, "emergency stop released")),
     Verb("safeguard", "[open|closed]", "Open or close the safeguard.", _safeguard),
     Verb("protective", "[REASON]", "Stop protectively.", _safety("stop_protectively", "protective stop")),
-    Verb("unlock", "", "End a protective stop.", _as_dashboard("unlockProtectiveStop")),
+    Verb("unlock", "", "End a protective stop.", _safety("unlock_protective_stop", "protective stop unlocked")),
     Verb("violation", "[REASON]", "Break a safety limit.", _safety("violate", "safety violation")),
     Verb("fault", "[REASON]", "Have the safety system fail.", _safety("fail", "safety fault")),
     Verb("restart", "", "Restart the safety system after a fault or a violation.", _as_dashboard("safety -r")),
