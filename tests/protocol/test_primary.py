@@ -355,10 +355,9 @@ class TestUploads:
         connection = connect()
         run(connection, [0])
         (log,) = connection.receive(b"set speed 2\n", output(1))
-        assert isinstance(log, AddLog)
-        message = told(connection, 1)
-        assert (message["kind"], message["line"], message["text"]) == (10, 1, log.text)
-        assert "takes a fraction from 0 to 1" in message["text"]
+        assert log == AddLog(
+            ME, f"{ME}: `set speed` takes a fraction from 0 to 1, such as 0.50, not 2", is_warning=True
+        )
 
 
 class TestSilence:
@@ -406,15 +405,73 @@ class TestSilence:
 
 class TestControl:
     @pytest.mark.parametrize("stream", [f"{PROGRAM}\n", "stop task\n", "halt()\n", "sec a():\n x = 1\nend\n"])
-    def test_local_control_refuses_with_a_message(self, stream):
+    def test_local_control_refuses_with_a_warning(self, stream):
         connection = connect()
         run(connection, [0])
         (log,) = connection.receive(stream.encode(), output(1, is_remote=False))
         assert isinstance(log, AddLog)
-        message = told(connection, 1)
-        assert (message["kind"], message["line"]) == (10, 0)
-        assert message["text"] == log.text
-        assert "local control" in message["text"]
+        assert log.is_warning
+        assert f"{ME}: refused: the robot is in local control; switch it" in log.text
+
+    def test_a_warning_reaches_every_client_as_a_robot_error(self):
+        connection = connect()
+        run(connection, [0])
+        connection.publish(output(1, events=(Warned(1, "refused: the robot is in local control"),)))
+        message = client.robot_message(next(m for m in connection.take() if m[4] == 20))
+        assert (message["kind"], message["level"], message["text"]) == (6, 1, "refused: the robot is in local control")
+
+
+class TestGarbage:
+    @pytest.mark.parametrize("port", [PRIMARY, SECONDARY, REALTIME])
+    @pytest.mark.parametrize(
+        ("data", "told"),
+        [
+            (bytes(5000), r"5000 characters in 1 line that are no script, beginning with '\x00"),
+            (bytes(5000) + b"\n", "5000 characters in 1 line "),
+            (b"\0\n" * 200, "200 characters in 200 lines "),
+            (b"\x16\x03\x01\x02" * 100, "400 characters in 1 line "),
+            (b"\xff\xfe" * 100 + b"\n", "200 characters in 1 line "),
+        ],
+    )
+    def test_a_burst_is_one_warning_with_a_count(self, port, data, told):
+        connection = connect(port)
+        inputs = connection.receive(data, output(0))
+        for tick in range(1, 200):
+            connection.publish(output(tick))
+            inputs += connection.due()
+        assert [(type(item), item.is_warning) for item in inputs] == [(AddLog, True)]
+        assert told in inputs[0].text
+        assert inputs[0].text.startswith(f"{ME} sent ")
+
+    def test_what_is_script_runs_between_it(self):
+        connection = connect()
+        inputs = connection.receive(b"\0\0\nhalt()\n\x01\n", output(0))
+        for tick in range(1, 100):
+            connection.publish(output(tick))
+            inputs += connection.due()
+        assert inputs[0] == RunUnit(ME, "line", "halt()")
+        assert "3 characters in 2 lines" in inputs[1].text
+        assert len(inputs) == 2
+
+    def test_one_that_never_ends_is_told_every_second(self):
+        connection = connect()
+        inputs = []
+        for tick in range(1000):
+            inputs += connection.receive(b"\0\n", output(tick))
+            connection.publish(output(tick))
+            inputs += connection.due()
+        assert [item.text.split(" characters")[0] for item in inputs] == [f"{ME} sent 251"] * 3
+
+    def test_it_is_told_when_the_client_goes(self):
+        connection = connect()
+        connection.receive(b"\0\n", output(0))
+        (log,) = connection.closed()
+        assert "1 character in 1 line" in log.text
+        assert connect().closed() == []
+
+    @pytest.mark.parametrize("line", ["textmsg('\x1b')", "x = 1", "\tx = 1", "'\ufffd'", ")"])
+    def test_what_may_be_script_is_left_to_the_language(self, line):
+        assert connect().receive(line.encode() + b"\n", output(0)) == [RunUnit(ME, "line", line)]
 
     def test_remote_control_is_what_the_last_tick_says(self):
         connection = connect()

@@ -195,7 +195,8 @@ class Kernel:
         self._host.confirm_popup()
 
     def _add_log(self, item: AddLog) -> None:
-        self._emit(TextMessage(self._controller.tick, item.text, "", 0))
+        tick = self._controller.tick
+        self._emit(Warned(tick, item.text) if item.is_warning else TextMessage(tick, item.text, "", 0))
 
     def _set_remote(self, item: SetRemote) -> None:
         self._is_remote = item.is_remote

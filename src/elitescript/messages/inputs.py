@@ -102,6 +102,8 @@ class AddLog:
 
     origin: str
     text: str
+    is_warning: bool = False
+    """Whether something was refused or lost."""
 
 
 @dataclass(frozen=True, slots=True)

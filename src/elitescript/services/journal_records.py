@@ -147,9 +147,9 @@ def _fits(question: list[Any], answer: Any) -> bool:
     value = answer[1]
     if verb == "read":
         try:
-            return len(b64decode(value, validate=True)) <= question[3]
+            return bool(len(b64decode(value, validate=True)) <= question[3])
         except ValueError:
             return False
     if verb == "write":
         return [type(item) for item in value] == [int, int]
-    return verb != "names" or all([type(item) is str for item in value])
+    return bool(verb != "names") or all(type(item) is str for item in value)
