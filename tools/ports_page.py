@@ -29,15 +29,19 @@ def ports_page() -> str:
         "What `elitescript serve` opens. `--port NAME=NUMBER` moves one, `--instance N` all of them by",
         f"{PORTS_PER_INSTANCE} * N; further robots of one `serve` have the next instances.",
         "",
-        "| name | port | what it serves | evidence |",
-        "|---|---:|---|---|",
+        "| name | port | what it serves | firmware | evidence |",
+        "|---|---:|---|---|---|",
     ]
     for row in SERVICES:
         name = f"[`{row.name}`]({_PAGES[row.name]})" if row.name in _PAGES else f"`{row.name}`"
-        lines.append(f"| {name} | {row.number} | {cell(row.summary)} | {cell(row.evidence)} |")
+        since = f"{row.since[0]}.{row.since[1]} and later" if any(row.since) else "all"
+        lines.append(f"| {name} | {row.number} | {cell(row.summary)} | {since} | {cell(row.evidence)} |")
     backlog, most = tcp.SAMPLE_BACKLOG // 1024, tcp.BACKLOG_MAX // 1024
     stalled_s = tcp.STALLED_TICKS // TICKS_PER_S
     lines += [
+        "",
+        "With an older `--firmware` a port stays closed, and the `ready` line says so (*assumed*: what a controller of",
+        "that firmware does there is not known).",
         "",
         "## What every port promises (*assumed*)",
         "",

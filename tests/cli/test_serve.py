@@ -182,6 +182,19 @@ def test_wrong_options_are_told_as_by_run_before_anything_starts(
     assert words in served
 
 
+def test_a_port_that_the_firmware_does_not_have_cannot_be_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["serve", "--firmware", "2.10", "--port", "interpreter=0"]) == 2
+    assert "--port interpreter=0: firmware 2.10 does not have that port" in capsys.readouterr().err
+
+
+def test_the_ready_line_says_which_ports_the_firmware_does_not_have(place: Path) -> None:
+    process = start(place, "--in-process", "--firmware", "2.10", "--instance", "7")
+    ready = line_with(process, "ready")
+    stop(process)
+    assert ready.endswith(" (firmware 2.10 has no interpreter, query)\n")
+    assert not {"interpreter", "query"} & ports_in(ready.partition(" (")[0]).keys()
+
+
 def test_a_firmware_that_is_not_known_is_told_by_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as caught:
         main(["serve", "--firmware", "1.0"])

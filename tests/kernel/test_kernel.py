@@ -262,6 +262,13 @@ class TestSafety:
         assert [(reply.origin, reply.text) for reply in late.replies] == [("dashboard#2/8", "done")]
         assert late.snapshot.robot.safety_mode is SafetyMode.NORMAL
 
+    def test_a_restart_of_the_safety_system_takes_the_power_in_every_state(self):
+        session = Session(READY)
+        session.do(AskSafety("restart_safety"))
+        session.run(0.5)
+        robot = session.last.snapshot.robot
+        assert (robot.safety_mode, robot.robot_mode) == (SafetyMode.NORMAL, RobotMode.POWER_OFF)
+
     def test_an_unknown_action_or_point_is_a_warning(self):
         session = Session()
         session.do(AskSafety("dance"))

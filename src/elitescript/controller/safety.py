@@ -7,7 +7,9 @@ its limits, reduced mode, or none of these.
 Evidence: names and numbers of the states are *documented* (vendor's SDK), and so is that they are seen by clients;
 that a protective stop can be unlocked, and that the safety system can be restarted, is *documented* too (dashboard and
 primary interface). What a stop does to the task and to the power, and what outranks what, is *assumed*: it follows the
-stop categories of IEC 60204-1 as collaborative arms apply them.
+stop categories of IEC 60204-1 as collaborative arms apply them. A restart takes the power of the arm in every state,
+also in `NORMAL` (*assumed*: the board that starts anew is the one that switches it), and ends a task; clients wait for
+`NORMAL` alone, which comes at once unless an input still asks for a stop.
 """
 
 from __future__ import annotations

@@ -47,6 +47,7 @@ HAS_ARM: Final = ALL_MODES - {
     RobotMode.DISCONNECTED,
     RobotMode.CONFIRM_SAFETY,
     RobotMode.UPDATING,
+    RobotMode.WAITING_CALIBRATION,
 }
 MAY_POWER: Final = ALL_SAFETY - EMERGENCY - BROKEN
 MAY_MOVE: Final = frozenset({SafetyMode.NORMAL, SafetyMode.REDUCED})

@@ -110,7 +110,7 @@ _ROWS: Final = (
         "safety",
         "-r",
         "",
-        "Restart the safety board after a fault or a violation.",
+        "Restart the safety board after a fault or a violation; the arm is off afterwards.",
         "Restarting safety board",
         _CLIENT,
         to.restart_safety,

@@ -47,7 +47,12 @@ COMMANDS: Final[tuple[PlainCommand, ...]] = (
         False,
         "protective stopped is false, 5 s",
     ),
-    PlainCommand("restart safetyboard", lambda _: AskSafety("restart_safety"), False, "safety mode normal, 30 s"),
+    PlainCommand(
+        "restart safetyboard",
+        lambda _: AskSafety("restart_safety"),
+        False,
+        "safety mode normal, 30 s; the arm is off (*assumed*)",
+    ),
     PlainCommand("set speed", SetSpeedScale, True, "target speed fraction in percent, 3 s"),
 )
 

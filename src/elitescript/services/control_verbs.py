@@ -232,7 +232,12 @@ _ROWS: Final = (
     Verb("unlock", "", "End a protective stop.", _safety("unlock_protective_stop", "protective stop unlocked")),
     Verb("violation", "[REASON]", "Break a safety limit.", _safety("violate", "safety violation")),
     Verb("fault", "[REASON]", "Have the safety system fail.", _safety("fail", "safety fault")),
-    Verb("restart", "", "Restart the safety system after a fault or a violation.", _as_dashboard("safety -r")),
+    Verb(
+        "restart",
+        "",
+        "Restart the safety system after a fault or a violation; the arm is off afterwards.",
+        _as_dashboard("safety -r"),
+    ),
     Verb("power", "on|off", "Power of the arm.", _power),
     Verb("brakes", "", "Release the brakes.", _as_dashboard("brakeRelease")),
     Verb("load", "TASK", "Load a task of the task folder.", _load),
