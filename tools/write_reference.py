@@ -162,7 +162,7 @@ def safety_page() -> str:
         "",
         "A restart of the safety system (`restart_safety`; `safety -r` on the dashboard, `restart safetyboard` on port",
         "30001, `elitescript ctl restart`) ends violations and faults. It takes the power of the arm in every state,",
-        "also in NORMAL, and ends a task with an alarm (*assumed*); a stop button that is still pressed stays in force.",
+        "also in NORMAL, and ends a task with an alarm (*assumed*); a stop button that is pressed still counts.",
         "",
         "## States",
         "",
