@@ -229,7 +229,7 @@ def set_dyn_collision_force_min_ratio(robot: Robot, ratio: Annotated[float, Numb
     """Stored without effect, see `set_collision_detect_enabled`; the vendor's SDK 1.4 calls it.
 
     Args:
-        ratio: sensitivity, which the clients of that SDK give as 10 to 100 percent; whether the script passes percent or
-            a fraction is not known, and both are taken (*assumed*).
+        ratio: sensitivity; clients of that SDK give 10 to 100 percent. Whether the script passes percent or a fraction
+            is not known, and both are taken (*assumed*).
     """
     robot.request(SetOption("dyn_collision_force_min_ratio", ratio))
