@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from elitescript.controller.modes import REALISTIC
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol import dashboard, dashboard_answers, interpreter, query
@@ -31,8 +32,11 @@ def dashboard_page() -> str:
         f"- `status`, and `help` and `usage` of one command, have at most {dashboard_answers.REPLY_LIMIT} bytes:",
         "  clients take one read.",
         "- `robotControl -on` with the power on, `brakeRelease` with the brakes released, `unlockProtectiveStop`",
-        "  without a protective stop and `closeSafetyDialog` without a dialog have their usual reply, and nothing",
+        "  while the arm may move and `closeSafetyDialog` without a dialog have their usual reply, and nothing",
         "  happens.",
+        f"- Powering on takes {REALISTIC.power_on_s + REALISTIC.boot_s:g} s ({REALISTIC.power_on_s:g} s POWER_ON, then"
+        f" {REALISTIC.boot_s:g} s BOOTING),",
+        f"  releasing the brakes {REALISTIC.release_s:g} s (*assumed*); clients wait 30 s for each.",
         "- `stop` stops a program that came from a port too, and `play` goes on with a paused one.",
         "",
         "Evidence: *client*, the vendor's client compares the reply with this text; *documented*, the vendor describes",
@@ -85,6 +89,9 @@ def interpreter_page() -> str:
         "A program that calls `interpreter_mode()` stands still while statements from this port run in its place. A",
         f"line is a statement, or several parted by `;`, of at most {interpreter.LINE_LIMIT} bytes; at most",
         f"{interpreter.QUEUE_LIMIT} wait.",
+        "",
+        "A statement that raises an exception which it does not catch ends the session and the program, with the alarm",
+        "of that exception (*assumed*): what waited is discarded, and a client has to start the program again.",
         "",
         "| reply | when | evidence |",
         "|---|---|---|",

@@ -17,7 +17,17 @@ import pytest
 from elitescript.errors import UsageError
 from elitescript.messages.enums import RobotMode
 from elitescript.messages.inputs import ClosePopup, Do
-from elitescript.messages.machine import AskSafety, SetSpeedScale, WriteSignal
+from elitescript.messages.machine import (
+    AskSafety,
+    PauseTask,
+    PowerOff,
+    PowerOn,
+    ReleaseBrakes,
+    ResumeTask,
+    SetSpeedScale,
+    StopTask,
+    WriteSignal,
+)
 from elitescript.services import control
 from elitescript.services.control import ControlChannel, address_of, ask, runtime_folder
 from elitescript.services.control_verbs import Order, outcome_text
@@ -84,7 +94,13 @@ def test_the_state_is_that_of_the_robot() -> None:
         ("violation", ["test"], AskSafety("violate", "test")),
         ("fault", [], AskSafety("fail", "asked for by ctl")),
         ("unlock", [], AskSafety("unlock_protective_stop", "asked for by ctl")),
-        ("restart", [], AskSafety("restart_safety", "asked for on the dashboard")),
+        ("restart", [], AskSafety("restart_safety", "asked for by ctl")),
+        ("power", ["on"], PowerOn()),
+        ("power", ["off"], PowerOff()),
+        ("brakes", [], ReleaseBrakes()),
+        ("pause", [], PauseTask()),
+        ("resume", [], ResumeTask()),
+        ("stop", [], StopTask()),
     ],
 )
 def test_verbs_become_requests(verb: str, arguments: list[str], request_made: Any) -> None:
@@ -115,8 +131,8 @@ def test_refusals_say_why() -> None:
         async with controlled() as (_, channel):
             for verb, arguments, why in (
                 ("popup", ["confirm"], "no message window is open"),
-                ("pause", [], "no task is running"),
-                ("play", [], "no task is loaded"),
+                ("load", ["/etc/passwd"], "the path must lead into its folder"),
+                ("power", ["maybe"], "power takes on or off"),
                 ("speed", ["2"], "from 0 to 1"),
                 ("get", ["nonsense"], "no signal is called 'nonsense'"),
                 ("jump", [], "there is no verb 'jump'"),

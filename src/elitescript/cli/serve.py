@@ -253,6 +253,7 @@ class Log:
             return
         robots_text = "; ".join(_ports_text(station) for station in server.stations)
         self._out.write(f"ready on {host}: {robots_text}\n")
+        self._out.write(f"ctl at {', '.join(server.control_addresses)}\n")
         self._out.flush()
 
     def take(self, station: Station, what: Event | Note) -> None:

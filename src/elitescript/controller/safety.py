@@ -134,7 +134,7 @@ TRANSITIONS: Final[dict[tuple[SafetyMode, str], SafetyMode | None]] = {
     (mode, action): after for action, row in _ROWS.items() for mode, after in row.items()
 }
 
-SWITCH_ON: Final = "power on and release the brakes, which starting a program does by itself"
+SWITCH_ON: Final = "power on and release the brakes (`elitescript run` does both when it starts a program)"
 """The way back to an arm that may move, after its power has gone off."""
 
 WHAT_TO_DO: Final[dict[SafetyMode, str]] = {
@@ -152,7 +152,7 @@ WHAT_TO_DO: Final[dict[SafetyMode, str]] = {
 RESTART_HINTS: Final = (
     "look for the cause before the arm is switched on again",
     "release the stop, or restart the safety system after a violation or a fault",
-    "start the program again: that powers on and releases the brakes; it begins at its first line",
+    f"{SWITCH_ON}; then start the program again, from its first line",
 )
 """What to try after a stop that has taken the power."""
 
