@@ -8,7 +8,7 @@ from typing import Any
 from elitescript.controller.modes import REALISTIC
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.protocol import dashboard, dashboard_answers, interpreter, query
+from elitescript.protocol import dashboard, dashboard_answers, dashboard_guards, interpreter, query
 from elitescript.protocol.dashboard_verbs import VERBS
 from tools.markdown import NOTICE, cell, code
 
@@ -50,7 +50,7 @@ def dashboard_page() -> str:
         "## When a command is refused",
         "",
         "The reply is the text below, a colon and the reason. Commands that are not listed are never refused. Under",
-        f'local control the reason is "{dashboard_answers.LOCAL}".',
+        f'local control the reason is "{dashboard_guards.LOCAL}".',
         "",
         "| command | text | robot modes that take it | safety modes that take it | task states that take it |",
         "|---|---|---|---|---|",
@@ -59,9 +59,9 @@ def dashboard_page() -> str:
         if row.guard is not None:
             guard = row.guard
             states = (
-                _states(guard.modes, dashboard_answers.ALL_MODES, RobotMode),
-                _states(guard.safety, dashboard_answers.ALL_SAFETY, SafetyMode),
-                _states(guard.tasks, dashboard_answers.ALL_TASKS, TaskState),
+                _states(guard.modes, dashboard_guards.ALL_MODES, RobotMode),
+                _states(guard.safety, dashboard_guards.ALL_SAFETY, SafetyMode),
+                _states(guard.tasks, dashboard_guards.ALL_TASKS, TaskState),
             )
             lines.append(f"| `{cell(row.usage)}` | {guard.failure} | {' | '.join(states)} |")
     return "\n".join(lines) + "\n"

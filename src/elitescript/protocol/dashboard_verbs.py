@@ -12,7 +12,8 @@ from typing import Final, NamedTuple
 
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.protocol import dashboard_answers as to
-from elitescript.protocol.dashboard_answers import Answer, Asked, Guard
+from elitescript.protocol.dashboard_answers import Answer, Asked
+from elitescript.protocol.dashboard_guards import HAS_ARM, MAY_MOVE, MAY_POWER, Guard
 from elitescript.protocol.lines import shown
 
 
@@ -57,11 +58,11 @@ _PLAYING: Final = frozenset({TaskState.PLAYING})
 _BOOTED: Final = frozenset({RobotMode.IDLE, RobotMode.RUNNING})
 _RUNNING: Final = frozenset({RobotMode.RUNNING})
 
-_POWER_ON: Final = Guard("Failed to power on", modes=to.HAS_ARM, safety=to.MAY_POWER)
-_BRAKES: Final = Guard("Failed to release the brakes", modes=_BOOTED, safety=to.MAY_POWER)
+_POWER_ON: Final = Guard("Failed to power on", modes=HAS_ARM, safety=MAY_POWER)
+_BRAKES: Final = Guard("Failed to release the brakes", modes=_BOOTED, safety=MAY_POWER)
 _LOAD: Final = Guard("Failed to load task", tasks=_STOPPED)
 _CONFIGURE: Final = Guard("Failed to load configuration", tasks=_STOPPED)
-_PLAY: Final = Guard("Failed to start task", modes=_RUNNING, safety=to.MAY_MOVE, tasks=_STOPPED | _PAUSED)
+_PLAY: Final = Guard("Failed to start task", modes=_RUNNING, safety=MAY_MOVE, tasks=_STOPPED | _PAUSED)
 _PAUSE: Final = Guard("Failed to pause task", tasks=_PLAYING)
 _SET: Final = Guard("Failed to set variable", tasks=_STOPPED)
 
