@@ -421,6 +421,16 @@ class TestControl:
         assert (message["kind"], message["level"], message["text"]) == (6, 1, "refused: the robot is in local control")
 
 
+def burst(data, port=PRIMARY):
+    """What the robot is given when these bytes come, then silence, and the client goes."""
+    connection = connect(port)
+    inputs = connection.receive(data, output(0))
+    for tick in range(1, 2 * SILENCE_TICKS):
+        connection.publish(output(tick))
+        inputs += connection.due()
+    return inputs + connection.closed()
+
+
 class TestGarbage:
     @pytest.mark.parametrize("port", [PRIMARY, SECONDARY, REALTIME])
     @pytest.mark.parametrize(
@@ -428,30 +438,40 @@ class TestGarbage:
         [
             (bytes(5000), r"5000 characters in 1 line that are no script, beginning with '\x00"),
             (bytes(5000) + b"\n", "5000 characters in 1 line "),
-            (b"\0\n" * 200, "200 characters in 200 lines "),
+            (b"\0\n" * 40, "40 characters in 40 lines "),
             (b"\x16\x03\x01\x02" * 100, "400 characters in 1 line "),
             (b"\xff\xfe" * 100 + b"\n", "200 characters in 1 line "),
         ],
     )
     def test_a_burst_is_one_warning_with_a_count(self, port, data, told):
-        connection = connect(port)
-        inputs = connection.receive(data, output(0))
-        for tick in range(1, 200):
-            connection.publish(output(tick))
-            inputs += connection.due()
+        inputs = burst(data, port)
         assert [(type(item), item.is_warning) for item in inputs] == [(AddLog, True)]
         assert told in inputs[0].text
         assert inputs[0].text.startswith(f"{ME} sent ")
 
+    @pytest.mark.parametrize("seed", range(8))
+    def test_random_bytes_are_one_warning(self, seed):
+        assert len(burst(b"\x80" + random.Random(seed).randbytes(5000))) == 1
+
+    @pytest.mark.parametrize(
+        "data",
+        [
+            b"GET / HTTP/1.1\r\nHost: 127.0.0.1:30001\r\nUser-Agent: curl/8.5 (Linux)\r\nAccept: */*\r\n\r\n",
+            b"SSH-2.0-OpenSSH_9.6\r\n",
+            b"\x00\x05V\x00\x01\x00\x03v",
+        ],
+    )
+    def test_other_protocols_are_one_warning(self, data):
+        assert len(burst(data)) == 1
+
     def test_what_is_script_runs_between_it(self):
-        connection = connect()
-        inputs = connection.receive(b"\0\0\nhalt()\n\x01\n", output(0))
-        for tick in range(1, 100):
-            connection.publish(output(tick))
-            inputs += connection.due()
-        assert inputs[0] == RunUnit(ME, "line", "halt()")
-        assert "3 characters in 2 lines" in inputs[1].text
-        assert len(inputs) == 2
+        first, second, third, log = burst(b"\0\0\nhalt()\n\x01\nstop task\nx\ny = 1\n")
+        assert (first, second, third) == (
+            RunUnit(ME, "line", "halt()"),
+            Do(ME, StopTask()),
+            RunUnit(ME, "line", "y = 1"),
+        )
+        assert "4 characters in 3 lines" in log.text
 
     def test_one_that_never_ends_is_told_every_second(self):
         connection = connect()

@@ -8,15 +8,33 @@ REPORT_TICKS: Final = 250
 """A burst that does not end is told this often, 1 s. *Assumed.*"""
 SHOWN_CHARACTERS: Final = 16
 
-_BLANK: Final = "\t\n\f\r"
 _DAMAGED: Final = "\ufffd"
 """Stands for bytes that are not UTF-8."""
+_NO_TEXT: Final = frozenset(map(chr, range(32))) - {"\t", "\n", "\f", "\r"} | {"\x7f"}
+_OTHER_PROTOCOLS: Final = ("HTTP/1.0", "HTTP/1.1")
+"""Ends of the first line of a request of a web browser."""
 
 
 def is_garbage(line: str) -> bool:
-    """Whether a line outside programs is no text: it has a NUL, or begins with what is no character of a text."""
-    start = line.lstrip(_BLANK + " ")[:1]
-    return "\0" in line or start == _DAMAGED or "" < start < " " or start == "\x7f"
+    """Whether a line outside programs cannot be script.
+
+    It has a NUL, or bytes that are not UTF-8 besides control characters, or it begins with one of them. A line of text
+    may be meant as script whatever it says, unless it is the beginning of a request or greeting of another protocol.
+    """
+    found = _NO_TEXT.intersection(line)
+    start = line.strip()[:1]
+    if "\0" in found or start == _DAMAGED or start in _NO_TEXT or (found and _DAMAGED in line):
+        return True
+    return line.startswith("SSH-") or line.rstrip().endswith(_OTHER_PROTOCOLS)
+
+
+def is_statement(line: str) -> bool:
+    """Whether a line in the middle of garbage is meant as script all the same: text with a call or an assignment."""
+    if _DAMAGED in line or _NO_TEXT.intersection(line) or not ("(" in line or "=" in line):
+        return False
+    word, colon, _ = line.partition(": ")
+    # `User-Agent: browser (system)` is a line of a web browser.
+    return not (colon and word.replace("-", "").isalpha())
 
 
 class Burst:
@@ -34,6 +52,10 @@ class Burst:
     def is_empty(self) -> bool:
         """Whether there is nothing to tell."""
         return not self._lines
+
+    def takes(self, line: str) -> bool:
+        """Whether a line belongs to it: garbage, and in the middle of garbage also what makes no statement."""
+        return is_garbage(line) or (not self.is_empty and not is_statement(line))
 
     def add(self, line: str, tick: int) -> None:
         """Another line of it."""

@@ -20,8 +20,8 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import TICKS_PER_S, ticks_for
 from elitescript.protocol.connection import Connection, ProtocolError
-from elitescript.protocol.garbage import Burst, is_garbage
-from elitescript.protocol.primary_commands import request_of
+from elitescript.protocol.garbage import Burst
+from elitescript.protocol.primary_commands import is_command, request_of
 from elitescript.protocol.primary_messages import (
     TERMINATOR,
     WARNING,
@@ -216,6 +216,8 @@ class PrimaryConnection(Connection):
                 self._ready += self._splitter.silence()
                 self._due += self._read()
             if not self._burst.is_empty and not self._ready:
+                if rest := self._splitter.drop_line():
+                    self._burst.add(rest, output.tick)
                 self._due.append(self._warning(self._burst.take(self.origin)))
         if self._burst.is_due(output.tick):
             self._due.append(self._warning(self._burst.take(self.origin)))
@@ -272,7 +274,7 @@ class PrimaryConnection(Connection):
         """What a piece of the stream asks for; nothing if it is garbage."""
         if isinstance(found, Refusal):
             return [self._refusal(found)]
-        if found.kind == "line" and is_garbage(found.text):
+        if found.kind == "line" and self._burst.takes(found.text) and not is_command(found.text):
             self._burst.add(found.text, self._tick)
             return []
         return [self._run(found)]

@@ -75,6 +75,12 @@ def request_of(line: str) -> MachineRequest | None:
     return None
 
 
+def is_command(line: str) -> bool:
+    """Whether a line begins like a plain command."""
+    words = line.split()
+    return any(words[: len(own)] == own for own in (command.words.split() for command in COMMANDS))
+
+
 def _fraction(words: str, text: str) -> float:
     try:
         value = float(text)
