@@ -28,9 +28,11 @@ from elitescript.messages.machine import (
     StopTask,
     WriteSignal,
 )
+from elitescript.messages.outputs import Reply
 from elitescript.services import control
-from elitescript.services.control import ControlChannel, address_of, ask, runtime_folder
+from elitescript.services.control import Answers, ControlChannel, address_of, ask, runtime_folder
 from elitescript.services.control_verbs import Order, outcome_text
+from tests.protocol.snapshots import output
 from tests.services.fake_robot import FakeRobot
 from tests.services.served import Scene, run, serving
 
@@ -177,6 +179,20 @@ def test_the_first_refusal_of_several_answers_is_told() -> None:
     for answers in (["refused: first", "done"], ["done", "refused: first"], ["refused: first", "refused: second"]):
         with pytest.raises(UsageError, match=r"^first$"):
             outcome_text(two, answers)
+
+
+def test_answers_are_taken_from_ticks_that_come_in_a_row() -> None:
+    async def test() -> None:
+        answers = Answers(("ctl#1/1.1", "ctl#1/1.2"))
+        assert answers.take(output(1))
+        assert answers.take(output(2, replies=(Reply("ctl#1/1.2", "refused: x"), Reply("rtsi#1", "done"))))
+        assert not answers.finished.done()
+        assert not answers.take(output(3, replies=(Reply("ctl#1/1.1", "done"),)))
+        assert not answers.take(output(4))
+        await answers.finished
+        assert answers.texts == ["done", "refused: x"]
+
+    run(test())
 
 
 def test_a_robot_that_never_answers_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.errors import UsageError
+from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S
 from elitescript.services.control_verbs import VERBS, Request, Verb, outcome_text
 from elitescript.services.station import Station
@@ -66,7 +67,7 @@ class ControlChannel:
         instance: which one this is on this computer.
     """
 
-    __slots__ = ("_count", "_path", "_server", "_station", "_token", "_writers")
+    __slots__ = ("_count", "_expected", "_path", "_server", "_station", "_token", "_writers")
 
     def __init__(self, station: Station, instance: int) -> None:
         self._station = station
@@ -74,6 +75,7 @@ class ControlChannel:
         self._server: asyncio.Server | None = None
         self._token = ""
         self._count = 0
+        self._expected: set[asyncio.Future[None]] = set()
         self._writers: set[asyncio.StreamWriter] = set()
 
     @property
@@ -103,6 +105,8 @@ class ControlChannel:
         """Listen no more."""
         if self._server is not None:
             self._server.close()
+            for expected in self._expected:
+                expected.cancel()
             for writer in self._writers:
                 writer.transport.abort()
             self._path.unlink(missing_ok=True)
@@ -159,27 +163,55 @@ class ControlChannel:
         order, awaited = verb.order(request).answered(request.origin)
         if not order.inputs:
             return {"ok": True, "text": order.text}
+        answers = Answers(awaited)
         station.post(list(order.inputs))
+        station.follow(answers.take)
+        self._expected.add(answers.finished)
         try:
-            return {"ok": True, "text": outcome_text(order, await self._answers(awaited))}
+            await asyncio.wait_for(answers.finished, ANSWER_TIMEOUT_S)
+            return {"ok": True, "text": outcome_text(order, answers.texts)}
         except TimeoutError:
             waits = f": time waits for {station.waits_for}" if station.waits_for else ""
             return {"ok": True, "text": f"{order.text} (asked for; the robot has not answered yet{waits})"}
+        finally:
+            self._expected.discard(answers.finished)
 
-    async def _answers(self, awaited: tuple[str, ...]) -> list[str]:
-        """What the robot says to each of these origins; waits for one tick at least.
 
-        Raises:
-            TimeoutError: no tick comes.
-            UsageError: ticks come, but no answer.
-        """
-        answers: dict[str, str] = {}
-        for _ in range(REPLY_TICKS):
-            output = await asyncio.wait_for(self._station.next_output(), ANSWER_TIMEOUT_S)
-            answers |= {reply.origin: reply.text for reply in output.replies if reply.origin in awaited}
-            if len(answers) == len(awaited):
-                return [answers[origin] for origin in awaited]
-        raise UsageError(f"the robot has not answered for {REPLY_TICKS * PERIOD_S:g} s of its time")
+class Answers:
+    """What the robot says to several requests. Outputs may come in a row, before anybody else has a turn.
+
+    Args:
+        origins: of the requests; without any, the next output is all that counts.
+
+    Attributes:
+        finished: done when all of them are answered.
+    """
+
+    __slots__ = ("_origins", "_texts", "_ticks_left", "finished")
+
+    def __init__(self, origins: tuple[str, ...]) -> None:
+        self._origins = origins
+        self._texts: dict[str, str] = {}
+        self._ticks_left = REPLY_TICKS
+        self.finished: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+
+    @property
+    def texts(self) -> list[str]:
+        """The answers in the order of the origins."""
+        return [self._texts[origin] for origin in self._origins]
+
+    def take(self, output: Output) -> bool:
+        """Look at an output; whether the next one is wanted too."""
+        if self.finished.done():
+            return False
+        self._texts |= {reply.origin: reply.text for reply in output.replies if reply.origin in self._origins}
+        self._ticks_left -= 1
+        if len(self._texts) == len(self._origins):
+            self.finished.set_result(None)
+        elif not self._ticks_left:
+            seconds = f"{REPLY_TICKS * PERIOD_S:g} s"
+            self.finished.set_exception(UsageError(f"the robot has not answered for {seconds} of its time"))
+        return not self.finished.done()
 
 
 def _clients(station: Station) -> dict[str, Any]:

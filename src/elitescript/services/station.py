@@ -63,6 +63,7 @@ class Station:
     __slots__ = (
         "_cycle",
         "_failure",
+        "_followers",
         "_is_lockstep",
         "_is_standing",
         "_listen",
@@ -97,6 +98,7 @@ class Station:
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
+        self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
 
@@ -136,6 +138,10 @@ class Station:
         waiter: asyncio.Future[Output] = asyncio.get_running_loop().create_future()
         self._stepped.append(waiter)
         return await waiter
+
+    def follow(self, take: Callable[[Output], bool]) -> None:
+        """Call `take` with every output from the next one on, without a gap, until it returns False."""
+        self._followers.append(take)
 
     @property
     def overruns(self) -> int:
@@ -296,6 +302,8 @@ class Station:
                 listener.publish(output)
         self.broker.carry_out(output.requests)
         self._hear(output)
+        if self._followers:
+            self._followers = [take for take in self._followers if take(output)]
         if self._stepped:
             waiters, self._stepped = self._stepped, []
             for waiter in waiters:
