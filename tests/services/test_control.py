@@ -160,6 +160,17 @@ def test_what_the_robot_refuses_is_no_success(verb: str, arguments: list[str]) -
     run(test())
 
 
+def test_a_task_that_cannot_start_says_why() -> None:
+    robot = FakeRobot()
+    robot.play_answer = "refused: no task is loaded"
+
+    async def test() -> None:
+        async with controlled(robot) as (_, channel):
+            assert await order(channel, "play") == {"ok": False, "error": "not started: no task is loaded"}
+
+    run(test())
+
+
 def test_each_signal_of_a_set_is_asked_for_and_answered_by_itself() -> None:
     async def test() -> None:
         async with controlled() as (scene, channel):

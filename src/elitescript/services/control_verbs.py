@@ -157,7 +157,7 @@ def _power(request: Request) -> Order:
 
 
 def _play(request: Request) -> Order:
-    return Order((PlayTask(request.origin),), "task started", "cannot start the task")
+    return Order((PlayTask(request.origin),), "task started", "not started")
 
 
 def _load(request: Request) -> Order:
