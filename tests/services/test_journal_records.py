@@ -26,14 +26,14 @@ def refusal(*records: Any) -> str:
 
 
 def test_lines_in_their_order_pass():
-    assert len(read(TICK, DIGEST, {"tick": 4, "in": []}, {"end": 5})) == 4
+    assert len(read(TICK, DIGEST, {"told": 90, "events": []}, {"tick": 4, "in": []}, {"end": 5})) == 5
 
 
 @pytest.mark.parametrize(
     ("record", "why"),
     [
         ([], "no record"),
-        ({}, "one of the keys tick, digest, restart, end"),
+        ({}, "one of the keys tick, digest, told, restart, end"),
         ({"tick": "3", "in": []}, "tick must be a whole number, not str '3'"),
         ({"tick": True, "in": []}, "tick must be a whole number"),
         ({"tick": 3}, "in must be a list, not NoneType"),
@@ -42,6 +42,8 @@ def test_lines_in_their_order_pass():
         ({"digest": 3, "hash": 1, "ticks": ""}, "hash must be a text"),
         ({"digest": 3, "hash": "", "ticks": "1234"}, "8 digits for each tick"),
         ({"restart": 3, "reason": "x", "state": {}, "lost": []}, "state must be a list"),
+        ({"told": 3}, "events must be a list"),
+        ({"told": 3, "events": [["Dance"]]}, "Dance"),
         ({"end": None}, "end must be a whole number"),
     ],
 )

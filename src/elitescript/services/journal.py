@@ -6,6 +6,7 @@ One JSON text a line:
     {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
+    {"told": 1190, "events": [...]}                what clients were told at that tick while there was no robot
     {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from that picture
     {"end": 2000}                                  the session ended before that tick
 
@@ -27,7 +28,7 @@ from elitescript import __version__
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.messages.codec import Codec, to_text
-from elitescript.messages.events import Warned
+from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
@@ -133,6 +134,12 @@ class Journal:
                 "lost": [self._inputs.encode(item) for item in lost],
             }
         )
+
+    def told(self, tick: int, events: Sequence[Event]) -> None:
+        """Clients were told of something at a tick, in the place of a robot that is gone."""
+        self._mark()
+        event = self._codec.shape(Event)
+        self._write({"told": tick, "events": [event.encode(item) for item in events]})
 
     def take_warning(self, tick: int) -> tuple[Warned, ...]:
         """That nothing more is written, once."""

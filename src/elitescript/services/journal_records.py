@@ -7,6 +7,7 @@ from base64 import b64decode
 from typing import Any, Final
 
 from elitescript.messages.codec import Codec
+from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.shapes import CodecError, shown
 from elitescript.messages.snapshot import Snapshot
@@ -17,6 +18,7 @@ DIGEST_TICKS: Final = 250
 FIELDS: Final[dict[str, dict[str, type]]] = {
     "tick": {"tick": int, "in": list},
     "digest": {"digest": int, "hash": str, "ticks": str},
+    "told": {"told": int, "events": list},
     "restart": {"restart": int, "reason": str, "state": list, "lost": list},
     "end": {"end": int},
 }
@@ -58,9 +60,10 @@ class RecordReader:
         first_tick: of the session.
     """
 
-    __slots__ = ("_inputs", "_next_tick", "_picture", "_unmarked_tick")
+    __slots__ = ("_events", "_inputs", "_next_tick", "_picture", "_unmarked_tick")
 
     def __init__(self, codec: Codec, first_tick: int) -> None:
+        self._events = codec.shape(Event)
         self._inputs = codec.shape(Input)
         self._picture = codec.shape(Snapshot)
         self._next_tick = first_tick
@@ -91,6 +94,8 @@ class RecordReader:
         for key in ("in", "lost"):
             if key in record:
                 record[key] = [self._inputs.decode(item) for item in record[key]]
+        if "events" in record:
+            record["events"] = [self._events.decode(item) for item in record["events"]]
         if "state" in record:
             record["state"] = self._picture.decode(record["state"])
         if type(record.get("asked", [])) is not list:
@@ -99,6 +104,9 @@ class RecordReader:
             raise CodecError(f"ticks must have {_CHECK_SUM_DIGITS} digits for each tick")
 
     def _check_tick(self, kind: str, tick: int) -> None:
+        if kind == "told":
+            # Of clients' time, which goes on while there is no robot.
+            return
         if tick < self._next_tick - (kind == "digest"):
             raise RecordError(f"{kind} {tick} comes too late: the lines before reach up to tick {self._next_tick - 1}")
         if kind != "restart" and tick > self._unmarked_tick + DIGEST_TICKS:
