@@ -19,6 +19,7 @@ from elitescript.modbus.rtu_frames import RtuSplitter, rtu_frame
 from elitescript.robot import VirtualRobot
 from elitescript.worlds import serial_channel
 from elitescript.worlds.line_bindings import MISSING
+from elitescript.worlds.memory import MemoryWorld
 from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.serial_channel import SerialChannel
 from tests.runtime.line_bench import program
@@ -200,6 +201,10 @@ class TestChannels:
     def test_bindings_are_checked(self):
         with pytest.raises(UsageError, match="no serial port 'arm'"):
             RealChannels({"arm": "x"})
+
+    def test_a_robot_has_lines_or_a_world(self):
+        with pytest.raises(UsageError, match="lines are ports of this computer"):
+            VirtualRobot(lines={"tool": "socket://h:1"}, world=MemoryWorld())
 
     def test_a_port_holds_time_back(self, terminal):
         channels = RealChannels({"tool": terminal.name})
