@@ -19,8 +19,8 @@ from elitescript.language.compiler import CompiledUnit, Options, compile_unit
 from elitescript.language.options import SECONDARY
 from elitescript.language.source import SourceFile
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm, Event
-from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
+from elitescript.messages.events import Alarm, Event, SignalChanged
+from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask, WriteSignal
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
@@ -36,6 +36,7 @@ from elitescript.worlds.cell import Cell, load_cell
 from elitescript.worlds.interrupts import interrupts_passed_to
 from elitescript.worlds.program_file import source_of
 from elitescript.worlds.real_channels import RealChannels
+from elitescript.worlds.surroundings import Surroundings
 
 IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
@@ -59,6 +60,7 @@ class VirtualRobot:
         task_dir: folder that stands for the robot's task folder; if None, a program that comes from a file
             gets that file's folder, and a program text gets an empty folder in memory.
         world: everything outside, instead of `task_dir`.
+        lines: what is on the robot's serial ports, as `{"tool": "/dev/ttyUSB0", "box": "socket://127.0.0.1:7000"}`.
         strict: refuse what a Python 3 controller refuses, instead of warning.
         epoch_s: controller clock at tick 0, seconds since 1970.
         work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
@@ -81,7 +83,8 @@ class VirtualRobot:
         joints: Six | None = None,
         speed: float = 1.0,
         task_dir: str | Path | None = None,
-        world: World | None = None,
+        world: World | Surroundings | None = None,
+        lines: Mapping[str, str] | None = None,
         strict: bool = False,
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
@@ -95,8 +98,11 @@ class VirtualRobot:
         self.profile = profile(firmware)
         self._options = Options(strict=strict)
         self._on_event = on_event
-        self._fixed_world = world
-        self._channels: Channels = RealChannels() if world is None else world.channels
+        self._surroundings = world if isinstance(world, Surroundings) else None
+        self._fixed_world = None if isinstance(world, Surroundings) else world
+        self._channels: Channels = RealChannels(lines) if world is None else world.channels
+        if lines and world is not None:
+            raise UsageError("lines are ports of this computer; a world has its own: give one of them")
         self._task_dir = None if task_dir is None else Path(task_dir)
         surroundings = Cell() if cell is None else load_cell(cell)
         fittings = Fittings(
@@ -113,6 +119,8 @@ class VirtualRobot:
             self.model, self.profile, fittings, on_event=self._event, on_end=self._program_ended
         )
         self.signals = Signals(self.controller)
+        if self._surroundings is not None:
+            self._surroundings.begin(_RobotPort(self.controller))
         self._run: Run | None = None
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
@@ -317,6 +325,8 @@ class VirtualRobot:
             for event in channels.arrivals(controller.tick):
                 self._host.channel_event(event)
             controller.run_tick()
+            if self._surroundings is not None:
+                self._surroundings.settle()
             if self._listener_error is not None:
                 error, self._listener_error = self._listener_error, None
                 raise error
@@ -408,6 +418,8 @@ class VirtualRobot:
             run.globals = self._host.monitor()
 
     def _event(self, event: Event) -> None:
+        if self._surroundings is not None and isinstance(event, SignalChanged):
+            self._surroundings.signal_changed(event.name, event.value)
         if self._run is not None and not self._run.is_over:
             self._run.add(event)
         if self._on_event is None or self._listener_error is not None:
@@ -418,3 +430,21 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
+
+
+class _RobotPort:
+    """The robot as its surroundings see it."""
+
+    __slots__ = ("_controller",)
+
+    def __init__(self, controller: Controller) -> None:
+        self._controller = controller
+
+    def read(self, name: str, index: int) -> Value:
+        return self._controller.read(name, index)
+
+    def write(self, request: WriteSignal) -> None:
+        self._controller.put(self._controller.tick, request)
+
+    def emit(self, event: Event) -> None:
+        self._controller.emit(event)

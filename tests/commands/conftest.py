@@ -134,6 +134,59 @@ class FakeSockets:
         return value
 
 
+class FakeLines:
+    """Serial ports that are open and answer as a test says.
+
+    Attributes:
+        asked: every call, in order.
+        answer: what a slave says, as values; None if it does not answer.
+        is_open: what `enable` and `is_open` return.
+    """
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[Any, ...]] = []
+        self.received = b"abc"
+        self.answer: tuple[int, ...] | None = (1, 2)
+        self.opens = True
+
+    def _ask(self, *what: Any) -> None:
+        self.asked.append(what)
+
+    def enable(self, device: str, settings: Any, *, is_modbus: bool, is_daemons: bool = False) -> bool:
+        self._ask("enable", device, settings, is_modbus, is_daemons)
+        return self.opens
+
+    def disable(self, device: str) -> None:
+        self._ask("disable", device)
+
+    def is_open(self, device: str) -> bool:
+        self._ask("is_open", device)
+        return self.opens
+
+    def mode(self, device: str) -> str:
+        self._ask("mode", device)
+        return "RS485"
+
+    def read(self, device: str, count: int, timeout_s: float) -> bytes:
+        self._ask("read", device, count, timeout_s)
+        return self.received[:count]
+
+    def write(self, device: str, data: bytes) -> int | None:
+        self._ask("write", device, data)
+        return len(data) if self.opens else None
+
+    def flush(self, device: str) -> None:
+        self._ask("flush", device)
+
+    def read_slave(self, *what: Any) -> tuple[int, ...] | None:
+        self._ask("read_slave", *what)
+        return self.answer
+
+    def write_slave(self, *what: Any) -> bool:
+        self._ask("write_slave", *what)
+        return self.answer is not None
+
+
 class FakeRobot:
     """The robot that a command sees; `asked` holds what it wanted, in order."""
 
@@ -147,6 +200,7 @@ class FakeRobot:
         self.micro_lines: list[MicroLine] = []
         self.task_files: dict[str, bytes] = {}
         self.sockets = FakeSockets()
+        self.lines = FakeLines()
         self._random = random.Random(7)
 
     def _ask(self, *what: Any) -> None:

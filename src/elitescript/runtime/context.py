@@ -13,6 +13,8 @@ from elitescript.messages.motion import (
     DriveRequest,
     MicroLine,
     MotionRequest,
+    MoveJ,
+    MoveL,
     MoveRequest,
     ServoJ,
     SpeedJ,
@@ -29,6 +31,8 @@ from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
 if TYPE_CHECKING:
     from elitescript.runtime.connection import Receiver
     from elitescript.runtime.interpreter import Interpreter
+    from elitescript.runtime.line import Line
+    from elitescript.runtime.lines import Lines
     from elitescript.runtime.sockets import Sockets
     from elitescript.runtime.watchdogs import Watchdogs
 
@@ -53,8 +57,12 @@ class TaskPort(Protocol):
 
     movers: dict[int, list[Strand]]
     """Who waits for which move: its own thread, and threads that brake it."""
+    abortable: set[int]
+    """Those of them that `abort` of interpreter mode ends."""
     connections: dict[int, Receiver]
-    """Every open TCP connection by its channel."""
+    """Who listens to each open channel."""
+    lines: dict[str, Line]
+    """The serial ports that were configured, by device."""
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
         """Start a thread of the program."""
@@ -92,6 +100,7 @@ class Context:
 
     __slots__ = (
         "_generator",
+        "_lines",
         "_partial_line",
         "_port",
         "_sockets",
@@ -123,6 +132,7 @@ class Context:
         self._warned: set[str] = set()
         self._partial_line = ""
         self._sockets: Sockets | None = None
+        self._lines: Lines | None = None
         self.micro_lines: list[MicroLine] = []
 
     # ---------------------------------------------------------------- the caller
@@ -163,6 +173,16 @@ class Context:
 
             self._sockets = Sockets(self._world.channels, self.scheduler, self._port.connections, self.warn_once)
         return self._sockets
+
+    @property
+    def lines(self) -> Lines:
+        """The serial ports of the robot."""
+        if self._lines is None:
+            from elitescript.runtime.lines import Lines
+
+            port = self._port
+            self._lines = Lines(self._world.channels, self.scheduler, port.connections, port.lines, self.warn_once)
+        return self._lines
 
     def close_sockets(self) -> None:
         """Close every connection; the program is over."""
@@ -234,6 +254,8 @@ class Context:
         movers = self._port.movers
         strand.cancel = lambda: machine.cancel_move(move)
         movers.setdefault(move, []).append(strand)
+        if isinstance(request, MoveJ | MoveL):
+            self._port.abortable.add(move)
         try:
             while not machine.is_move_done(move):
                 self.scheduler.wait(reason)
@@ -241,6 +263,7 @@ class Context:
             movers[move].remove(strand)
             if not movers[move]:
                 del movers[move]
+                self._port.abortable.discard(move)
             strand.cancel = None
 
     def request(self, request: MachineRequest) -> None:

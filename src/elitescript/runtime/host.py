@@ -16,7 +16,7 @@ from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
 from elitescript.runtime.alarms import summary_of
-from elitescript.runtime.context import MOVE_END, POPUP
+from elitescript.runtime.context import POPUP
 from elitescript.runtime.interpreter import Interpreter
 from elitescript.runtime.program import Program
 from elitescript.runtime.queries import Queries
@@ -30,6 +30,7 @@ from elitescript.runtime.world import NoWorld, World
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
     from elitescript.runtime.connection import Receiver
+    from elitescript.runtime.line import Line
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -57,7 +58,9 @@ class ScriptHost:
         alarm: what ended it, if an alarm did.
         interpreter: statements of interpreter mode.
         movers: which strands wait for which move.
+        abortable: those of these moves that `abort_move` ends.
         connections: who listens to each open channel.
+        lines: the serial ports that were configured, by device.
         watchdogs: RTSI inputs that the program watches.
     """
 
@@ -74,9 +77,11 @@ class ScriptHost:
         "_secondaries",
         "_seed",
         "_world",
+        "abortable",
         "alarm",
         "connections",
         "interpreter",
+        "lines",
         "movers",
         "result",
         "watchdogs",
@@ -111,7 +116,9 @@ class ScriptHost:
         self.interpreter = Interpreter(self._scheduler, profile.interpreter_queue_limit)
         self.watchdogs = Watchdogs(machine, is_rtsi_input)
         self.movers: dict[int, list[Strand]] = {}
+        self.abortable: set[int] = set()
         self.connections: dict[int, Receiver] = {}
+        self.lines: dict[str, Line] = {}
         self.result = ""
         self.alarm: Alarm | None = None
 
@@ -168,10 +175,9 @@ class ScriptHost:
         self._queries.ask(text, answer)
 
     def abort_move(self) -> None:
-        """End the move that a thread waits for."""
-        for move, strands in list(self.movers.items()):
-            if any(strand.waits_for == MOVE_END for strand in strands):
-                self._machine.cancel_move(move)
+        """End the `movej` or `movel` that a thread waits for; other motions go on (*documented*)."""
+        for move in sorted(self.abortable):
+            self._machine.cancel_move(move)
 
     def pause(self) -> None:
         """Let no thread of the program go on. Virtual time does, and their waits last longer by it."""
@@ -201,11 +207,6 @@ class ScriptHost:
             self._end_program(self._program)
         finally:
             self._scheduler.end_tick()
-
-    def knows(self, name: str) -> bool:
-        """Whether a program finds something under that name without defining it."""
-        program = self._program or self._new_program({})
-        return name in program.builtins
 
     def fail(self, alarm: Alarm) -> None:
         """End the program as `stop` does, with an alarm that it can neither catch nor outlive."""
@@ -293,8 +294,7 @@ class ScriptHost:
 
     def channel_event(self, event: ChannelEvent) -> None:
         """Something has happened on a channel; the threads that wait for it go on at the next `run_tick`."""
-        connection = self.connections.get(event.channel)
-        if connection is not None:
+        if (connection := self.connections.get(event.channel)) is not None:
             connection.take(event)
 
     def _settle(self) -> bool:

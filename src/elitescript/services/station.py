@@ -22,7 +22,7 @@ from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
-from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
+from elitescript.services.table import PORTS_PER_INSTANCE, services_of
 from elitescript.services.tcp import Listener, bind
 
 RTSI: Final = "rtsi"
@@ -58,11 +58,13 @@ class Station:
         link: the way to the robot.
         is_lockstep: time waits for RTSI clients; see `services.lockstep`.
         listen: hears every event of the robot and every note; must not block.
+        lines: what is on the robot's serial ports; see `worlds.line_bindings`.
     """
 
     __slots__ = (
         "_cycle",
         "_failure",
+        "_followers",
         "_is_lockstep",
         "_is_standing",
         "_listen",
@@ -80,11 +82,19 @@ class Station:
         "waits_for",
     )
 
-    def __init__(self, name: str, link: RobotLink, listen: Listen, *, is_lockstep: bool = False) -> None:
+    def __init__(
+        self,
+        name: str,
+        link: RobotLink,
+        listen: Listen,
+        *,
+        is_lockstep: bool = False,
+        lines: Mapping[str, str] | None = None,
+    ) -> None:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
-        self.broker = Broker(self.post)
+        self.broker = Broker(self.post, lines)
         self.output: Output
         self.reading_ns = 0
         self.waits_for = ""
@@ -97,6 +107,7 @@ class Station:
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
+        self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
 
@@ -137,6 +148,10 @@ class Station:
         self._stepped.append(waiter)
         return await waiter
 
+    def follow(self, take: Callable[[Output], bool]) -> None:
+        """Call `take` with every output from the next one on, without a gap, until it returns False."""
+        self._followers.append(take)
+
     @property
     def overruns(self) -> int:
         """Ticks that began late."""
@@ -163,7 +178,7 @@ class Station:
             UsageError: a port cannot be had.
         """
         try:
-            for service in SERVICES:
+            for service in services_of(self.link.description.firmware):
                 number = numbers[service.name]
                 try:
                     bound = bind(host, number)
@@ -296,6 +311,8 @@ class Station:
                 listener.publish(output)
         self.broker.carry_out(output.requests)
         self._hear(output)
+        if self._followers:
+            self._followers = [take for take in self._followers if take(output)]
         if self._stepped:
             waiters, self._stepped = self._stepped, []
             for waiter in waiters:
