@@ -29,6 +29,7 @@ from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
 from elitescript.run import EndState, Run, SignalRecord
+from elitescript.runtime.host import RPC_TIMEOUT_S
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import Channels, World
 from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
@@ -65,6 +66,7 @@ class VirtualRobot:
         epoch_s: controller clock at tick 0, seconds since 1970.
         work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
             not known (*assumed*).
+        rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
         cell: a TOML file with these and other configurations, and with levels of signals at the start.
@@ -88,6 +90,7 @@ class VirtualRobot:
         strict: bool = False,
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
+        rpc_timeout_s: float = RPC_TIMEOUT_S,
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
@@ -111,6 +114,7 @@ class VirtualRobot:
             joints=joints,
             speed=speed,
             work_per_tick=work_per_tick,
+            rpc_timeout_s=rpc_timeout_s,
             contact=surroundings.take("contact", contact),
             safety=surroundings.take("safety", safety),
             plant=surroundings.take("plant", plant),

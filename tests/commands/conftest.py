@@ -208,6 +208,10 @@ class FakeRobot:
             raise self.refusal
         self.asked.append(what[0] if len(what) == 1 else what)
 
+    def remote_procedures(self, url: str) -> object:
+        self._ask("rpc", url)
+        return object()
+
     def read_task_file(self, path: str, size_max: int) -> bytes:
         if path not in self.task_files:
             raise InvalidValueError(f"the file {path!r} does not exist")

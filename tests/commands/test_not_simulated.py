@@ -15,7 +15,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
         "modbus_set_output_register('s', 70000)",
         "modbus_set_output_register('s', [1, -1])",
         "modbus_set_output_signal('s', [True, 0])",
-        "rpc_factory('xmlrpc', '127.0.0.1:9120')",
     ],
 )
 def test_good_calls_get_as_far_as_the_reason(script: Any, robot: Any, text: str) -> None:

@@ -208,6 +208,13 @@ class Robot(Protocol):
     def sockets(self) -> Sockets:
         """The program's TCP connections."""
 
+    def remote_procedures(self, url: str) -> object:
+        """An object whose methods are the procedures of an XML-RPC server.
+
+        Raises:
+            InvalidValueError: the URL makes no sense.
+        """
+
     @property
     def lines(self) -> Lines:
         """The serial ports of the robot."""

@@ -15,6 +15,7 @@ from elitescript.messages.profile import DEFAULT_FIRMWARE, Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.models.model import RobotModel
+from elitescript.runtime.host import RPC_TIMEOUT_S
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.wiring import EPOCH_S
 
@@ -56,6 +57,8 @@ class KernelConfig:
     signals: tuple[tuple[str, Value], ...] = ()
     """Levels at the start, by the names of `--set`."""
     work_per_tick: int = WORK_PER_TICK
+    rpc_timeout_s: float = RPC_TIMEOUT_S
+    """How long a remote procedure call waits for its answer; 0 and less wait for ever."""
     strict: bool = False
     """Refuse what a Python 3 controller refuses, instead of warning."""
 

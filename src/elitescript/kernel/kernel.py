@@ -108,6 +108,7 @@ class Kernel:
             joints=config.joints,
             speed=config.speed,
             work_per_tick=config.work_per_tick,
+            rpc_timeout_s=config.rpc_timeout_s,
             contact=config.contact,
             safety=config.safety,
             plant=config.plant,

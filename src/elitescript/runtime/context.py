@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from elitescript.runtime.interpreter import Interpreter
     from elitescript.runtime.line import Line
     from elitescript.runtime.lines import Lines
+    from elitescript.runtime.rpc import RemoteProcedures
     from elitescript.runtime.sockets import Sockets
     from elitescript.runtime.watchdogs import Watchdogs
 
@@ -79,6 +80,9 @@ class TaskPort(Protocol):
     interpreter: Interpreter
     """Interpreter mode."""
 
+    rpc_timeout_s: float
+    """How long a remote procedure call waits for its answer."""
+
     watchdogs: Watchdogs
     """RTSI inputs that the program watches."""
 
@@ -103,6 +107,7 @@ class Context:
         "_lines",
         "_partial_line",
         "_port",
+        "_procedures",
         "_sockets",
         "_warned",
         "_world",
@@ -131,6 +136,7 @@ class Context:
         self._port = port
         self._warned: set[str] = set()
         self._partial_line = ""
+        self._procedures: RemoteProcedures | None = None
         self._sockets: Sockets | None = None
         self._lines: Lines | None = None
         self.micro_lines: list[MicroLine] = []
@@ -184,10 +190,21 @@ class Context:
             self._lines = Lines(self._world.channels, self.scheduler, port.connections, port.lines, self.warn_once)
         return self._lines
 
-    def close_sockets(self) -> None:
+    def remote_procedures(self, url: str) -> object:
+        """See `commands.context.Robot.remote_procedures`."""
+        if self._procedures is None:
+            from elitescript.runtime.rpc import RemoteProcedures
+
+            channels, connections = self._world.channels, self._port.connections
+            self._procedures = RemoteProcedures(channels, self.scheduler, connections, self._port.rpc_timeout_s)
+        return self._procedures.handle(url)
+
+    def close_connections(self) -> None:
         """Close every connection; the program is over."""
         if self._sockets is not None:
             self._sockets.close_all()
+        if self._procedures is not None:
+            self._procedures.close_all()
 
     def read_task_file(self, path: str, size_max: int) -> bytes:
         """See `commands.context.Robot.read_task_file`."""
