@@ -22,7 +22,7 @@ from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
-from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
+from elitescript.services.table import PORTS_PER_INSTANCE, services_of
 from elitescript.services.tcp import Listener, bind
 
 if TYPE_CHECKING:
@@ -71,6 +71,7 @@ class Station:
     __slots__ = (
         "_cycle",
         "_failure",
+        "_followers",
         "_is_lockstep",
         "_is_standing",
         "_listen",
@@ -115,6 +116,7 @@ class Station:
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
+        self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
         self._world: ServedWorld | None = None
@@ -160,6 +162,10 @@ class Station:
         self._stepped.append(waiter)
         return await waiter
 
+    def follow(self, take: Callable[[Output], bool]) -> None:
+        """Call `take` with every output from the next one on, without a gap, until it returns False."""
+        self._followers.append(take)
+
     @property
     def overruns(self) -> int:
         """Ticks that began late."""
@@ -186,7 +192,7 @@ class Station:
             UsageError: a port cannot be had.
         """
         try:
-            for service in SERVICES:
+            for service in services_of(self.link.description.firmware):
                 number = numbers[service.name]
                 try:
                     bound = bind(host, number)
@@ -321,6 +327,8 @@ class Station:
                 listener.publish(output)
         self._carry_out(output)
         self._hear(output)
+        if self._followers:
+            self._followers = [take for take in self._followers if take(output)]
         if self._stepped:
             waiters, self._stepped = self._stepped, []
             for waiter in waiters:
