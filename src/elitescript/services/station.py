@@ -18,6 +18,7 @@ from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
+from elitescript.protocol.connection import Connection
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.lockstep import Gate, gate
@@ -123,7 +124,7 @@ class Station:
         if world is not None:
             from elitescript.services.served_world import ServedWorld
 
-            self._world = ServedWorld(world, lambda text, is_problem: self.note(DEVICE, text, is_problem=is_problem))
+            self._world = ServedWorld(world, self._say, self._connect)
 
     # ---------------------------------------------------------------- what clients call
 
@@ -334,6 +335,16 @@ class Station:
             for waiter in waiters:
                 if not waiter.done():
                     waiter.set_result(output)
+
+    def _say(self, text: str, is_problem: bool) -> None:
+        self.note(DEVICE, text, is_problem=is_problem)
+
+    def _connect(self, service: str, origin: str) -> Connection:
+        """A connection of a virtual device to a port."""
+        listener = self.listeners.get(service)
+        if listener is None:
+            raise UsageError(f"service: the robot has the ports {', '.join(self.listeners)}, not {service!r}")
+        return listener.connect(origin)
 
     def _carry_out(self, output: Output) -> None:
         """Do what programs ask of their connections; virtual devices see the tick."""
