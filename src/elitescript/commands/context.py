@@ -88,6 +88,17 @@ class Machine(Protocol):
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin as its configuration makes it: the driven or the applied one."""
 
+    def port_register(self, address: int, version: tuple[int, ...]) -> int:
+        """A register of the controller's own Modbus server, 0 to 65535.
+
+        Args:
+            address: of the register, 0 to 511.
+            version: of the controller: major, minor, bug fix.
+        """
+
+    def port_coil(self, address: int) -> bool:
+        """A coil of the controller's own Modbus server, 0 to 127."""
+
     def encoder_count(self, index: int) -> float:
         """What the counter of a conveyor encoder shows."""
 

@@ -315,6 +315,18 @@ class Controller:
         """One point of the signal image."""
         return self.signals.read(name, index)
 
+    def port_register(self, address: int, version: tuple[int, ...]) -> int:
+        """See `commands.context.Machine.port_register`."""
+        from elitescript.controller.port_access import port_image
+
+        return port_image(self, version).registers(address, 1)[0]
+
+    def port_coil(self, address: int) -> bool:
+        """See `commands.context.Machine.port_coil`."""
+        from elitescript.controller.port_access import port_image
+
+        return port_image(self, ()).coils(address, 1)[0]
+
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin."""
         return self.signals.tool_pin(index)

@@ -101,6 +101,11 @@ class SignalImage:
             }
         return self._domain_image
 
+    def is_tool_output(self, index: int) -> bool:
+        """Whether a tool pin can be driven."""
+        pin = self.tool_pins[index]
+        return pin.is_enabled and pin.is_output
+
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin: the driven one of an output, the applied one of an input."""
         name = TOOL_PIN_OUT if self.tool_pins[index].is_output else TOOL_PIN_IN
@@ -122,11 +127,23 @@ class SignalImage:
             ScriptError: out of range, or a tool pin that is no output; nothing has changed.
         """
         name, index, value = request.name, request.index, request.value
+        self.check(request, self.domain(name, index))
+        self._command(name, index, float(value) if SIGNALS[name].kind == "float" else value)
+
+    def check(self, request: WriteSignal, domain: AnalogDomain) -> None:
+        """Let a value pass that a point can take.
+
+        Args:
+            request: the point and its value.
+            domain: of the point, if it is an analog channel.
+
+        Raises:
+            ScriptError: out of range, or a tool pin that is no output.
+        """
+        name, index, value = request.name, request.index, request.value
         row = SIGNALS[name]
-        if row.kind == "float":
-            value = float(value)
         if name in _ANALOG:
-            self._check_analog(name, index, float(value))
+            _check_analog(name, index, float(value), domain)
         elif row.low is not None and row.high is not None and not row.low <= value <= row.high:
             raise ArgumentRangeError(
                 f"{signal_name(row, index)} must be in [{row.low:g}, {row.high:g}] {row.unit}".rstrip()
@@ -137,7 +154,6 @@ class SignalImage:
             )
         if name == TOOL_PIN_OUT:
             self._check_pin(index)
-        self._command(name, index, value)
 
     def set_analog_fraction(self, request: SetAnalogFraction) -> None:
         """Drive an analog output to a fraction of its range, clamped to [0, 1] (manual)."""
@@ -213,9 +229,9 @@ class SignalImage:
             self._apply(*key)
 
     def _check_pin(self, index: int) -> None:
-        pin = self.tool_pins[index]
-        if pin.is_enabled and pin.is_output:
+        if self.is_tool_output(index):
             return
+        pin = self.tool_pins[index]
         what = "is an input" if pin.is_enabled else "is disabled"
         raise ScriptStateError(
             f"I/O type error: tool pin {index} {what}",
@@ -223,18 +239,6 @@ class SignalImage:
             value=index,
             hint=f"set_tool_digital_io_config({index}, {int(pin.mode)}, True, True) makes it an output",
         )
-
-    def _check_analog(self, name: str, index: int, value: float) -> None:
-        domain = self.domain(name, index)
-        _, high = _RANGES[domain]
-        if not 0.0 <= value <= high:
-            raise ArgumentRangeError(
-                f"{signal_name(SIGNALS[name], index)} must be in [0, {high:g}] {_UNITS[domain]} "
-                f"({domain.name.lower()} domain), got {value:g}",
-                value=value,
-                limit=f"[0, {high:g}]",
-                unit=_UNITS[domain],
-            )
 
     def _command(self, name: str, index: int, value: Value) -> None:
         key = (name, index)
@@ -266,6 +270,18 @@ class SignalImage:
             values[index] = value
             self._image = None
             self._on_change(name, index, value)
+
+
+def _check_analog(name: str, index: int, value: float, domain: AnalogDomain) -> None:
+    _, high = _RANGES[domain]
+    if not 0.0 <= value <= high:
+        raise ArgumentRangeError(
+            f"{signal_name(SIGNALS[name], index)} must be in [0, {high:g}] {_UNITS[domain]} "
+            f"({domain.name.lower()} domain), got {value:g}",
+            value=value,
+            limit=f"[0, {high:g}]",
+            unit=_UNITS[domain],
+        )
 
 
 SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {

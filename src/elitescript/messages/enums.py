@@ -23,6 +23,12 @@ class RobotMode(IntEnum):
     UPDATING = 8
 
 
+POWERED = frozenset(
+    {RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE, RobotMode.BACK_DRIVE, RobotMode.RUNNING}
+)
+"""Modes in which the arm has power."""
+
+
 class SafetyMode(IntEnum):
     """What the safety system allows."""
 

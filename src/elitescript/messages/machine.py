@@ -19,6 +19,23 @@ class WriteSignal:
 
 
 @dataclass(frozen=True, slots=True)
+class WritePortCoils:
+    """Set coils of the controller's own Modbus server, upwards from an address: all of them or none."""
+
+    first: int
+    values: tuple[bool, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class WritePortRegisters:
+    """Set registers of the controller's own Modbus server, upwards from an address: all of them or none."""
+
+    first: int
+    values: tuple[int, ...]
+    """0 to 65535 each."""
+
+
+@dataclass(frozen=True, slots=True)
 class SetAnalogDomain:
     """Choose current or voltage for one analog channel."""
 
@@ -228,6 +245,8 @@ class AskSafety:
 
 MachineRequest = (
     WriteSignal
+    | WritePortCoils
+    | WritePortRegisters
     | SetAnalogDomain
     | SetAnalogFraction
     | SetRunstateChoice
