@@ -25,7 +25,7 @@ from elitescript.services.robot_link import RobotLink
 from elitescript.services.robots import journal_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
 from elitescript.services.station import Note, Station
-from elitescript.services.table import NAMES, port_numbers
+from elitescript.services.table import NAMES, port_numbers, spare_numbers
 
 ROBOTS_MAX: Final = 32
 ALL: Final = "all"
@@ -35,12 +35,14 @@ ALL: Final = "all"
 def serve(options: argparse.Namespace) -> int:
     """Serve until a signal comes; return the exit code."""
     configs = robot_configs(options)
-    numbers = [port_numbers(options.instance, chosen_ports(options.port), robot=index) for index in range(len(configs))]
+    chosen = chosen_ports(options.port)
+    numbers = [port_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
+    spares = [spare_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
     _check_host(options)
     out, err = PatientStream(sys.stdout), PatientStream(sys.stderr)
     try:
         log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
-        asyncio.run(_serve(options, configs, numbers, log))
+        asyncio.run(_serve(options, configs, numbers, spares, log))
     finally:
         out.close()
         err.close()
@@ -48,7 +50,11 @@ def serve(options: argparse.Namespace) -> int:
 
 
 async def _serve(
-    options: argparse.Namespace, configs: list[KernelConfig], numbers: list[dict[str, int]], log: Log
+    options: argparse.Namespace,
+    configs: list[KernelConfig],
+    numbers: list[dict[str, int]],
+    spares: list[dict[str, int]],
+    log: Log,
 ) -> None:
     stop = asyncio.Event()
     _on_signals(stop)
@@ -57,7 +63,7 @@ async def _serve(
         Station(config.robot_id, make_link(options, config, index), log.take, is_lockstep=is_lockstep)
         for index, config in enumerate(configs)
     ]
-    server = Server(stations, options.host, numbers, options.instance)
+    server = Server(stations, options.host, numbers, options.instance, spares)
     await server.open()
     try:
         log.ready(options.host, server, configs)

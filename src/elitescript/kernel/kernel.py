@@ -162,7 +162,7 @@ class Kernel:
 
     def _do(self, item: Do) -> None:
         request = item.request
-        is_answered = isinstance(request, AskSafety) and request.action == UNLOCK
+        is_answered = item.is_answered or (isinstance(request, AskSafety) and request.action == UNLOCK)
         if isinstance(request, StopTask):
             self._tasks.stop()
             if self._controller.task_state is TaskState.STOPPED:

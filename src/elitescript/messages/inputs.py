@@ -29,6 +29,8 @@ class Do:
 
     origin: str
     request: MachineRequest
+    is_answered: bool = False
+    """Whether the robot is to reply what came of it; if not, a refusal is a warning alone."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
@@ -154,21 +155,22 @@ class Station:
 
     # ---------------------------------------------------------------- life
 
-    def bind(self, host: str, numbers: Mapping[str, int]) -> None:
+    def bind(self, host: str, numbers: Mapping[str, int], spares: Mapping[str, int] | None = None) -> None:
         """Take all ports, or none; clients that connect wait until `open`.
 
         The robot's link must be open.
+
+        Args:
+            host: address to listen at.
+            numbers: of every service.
+            spares: what to take instead of a number that this user may not have.
 
         Raises:
             UsageError: a port cannot be had.
         """
         try:
             for service in SERVICES:
-                number = numbers[service.name]
-                try:
-                    bound = bind(host, number)
-                except OSError as error:
-                    raise UsageError(_why_not(service.name, host, number, error)) from error
+                bound = self._bound(service.name, host, numbers[service.name], (spares or {}).get(service.name))
                 connect = service.open(self.link.description)
                 self.listeners[service.name] = Listener(service, self, connect, bound)
         except BaseException:
@@ -176,6 +178,18 @@ class Station:
                 listener.release()
             self.listeners.clear()
             raise
+
+    def _bound(self, name: str, host: str, number: int, spare: int | None) -> socket.socket:
+        try:
+            return bind(host, number)
+        except PermissionError as error:
+            if spare is None:
+                raise UsageError(_why_not(name, host, number, error)) from error
+        except OSError as error:
+            raise UsageError(_why_not(name, host, number, error)) from error
+        text = f"port {number} ({name}) may not be had by this user: {name} is served at {spare}"
+        self.note("spare_port", text, is_problem=True, port=name, number=spare)
+        return self._bound(name, host, spare, None)
 
     async def boot(self) -> None:
         """Bring the robot up, with one tick, so that there is something to show."""
