@@ -8,6 +8,7 @@ import os
 import signal
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -22,10 +23,12 @@ from elitescript.messages.events import Event
 from elitescript.messages.timing import seconds
 from elitescript.services.jail import is_complete
 from elitescript.services.robot_link import RobotLink
-from elitescript.services.robots import journal_path, probe_jail, robot_link
+from elitescript.services.robots import numbered_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
+from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.station import Note, Station
 from elitescript.services.table import NAMES, port_numbers, spare_numbers
+from elitescript.worlds.state_file import StateFile
 
 ROBOTS_MAX: Final = 32
 ALL: Final = "all"
@@ -42,7 +45,9 @@ def serve(options: argparse.Namespace) -> int:
     out, err = PatientStream(sys.stdout), PatientStream(sys.stderr)
     try:
         log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
-        asyncio.run(_serve(options, configs, numbers, spares, log))
+        keepers = _keepers(options.state, len(configs))
+        configs = list(map(_remembering, configs, keepers))
+        asyncio.run(_serve(options, configs, keepers, numbers, spares, log))
     finally:
         out.close()
         err.close()
@@ -52,6 +57,7 @@ def serve(options: argparse.Namespace) -> int:
 async def _serve(
     options: argparse.Namespace,
     configs: list[KernelConfig],
+    keepers: list[StateKeeper | None],
     numbers: list[dict[str, int]],
     spares: list[dict[str, int]],
     log: Log,
@@ -60,8 +66,8 @@ async def _serve(
     _on_signals(stop)
     is_lockstep = options.lockstep is not None
     stations = [
-        Station(config.robot_id, make_link(options, config, index), log.take, is_lockstep=is_lockstep)
-        for index, config in enumerate(configs)
+        Station(config.robot_id, make_link(options, config, index), log.take, is_lockstep=is_lockstep, keeper=keeper)
+        for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
     ]
     server = Server(stations, options.host, numbers, options.instance, spares)
     await server.open()
@@ -80,8 +86,26 @@ def make_link(options: argparse.Namespace, config: KernelConfig, index: int) -> 
         task_dir=None if options.task_dir is None else Path(options.task_dir),
         in_process=is_in_process(options),
         is_jailed=not options.no_jail,
-        journal=None if options.journal is None else journal_path(Path(options.journal), index),
+        journal=None if options.journal is None else numbered_path(Path(options.journal), index),
     )
+
+
+def _keepers(path: str | None, count: int) -> list[StateKeeper | None]:
+    """What remembers for each robot.
+
+    Raises:
+        UsageError: somebody else uses a file.
+    """
+    if path is None:
+        return [None] * count
+    return [StateKeeper(StateFile(numbered_path(Path(path), index))) for index in range(count)]
+
+
+def _remembering(config: KernelConfig, keeper: StateKeeper | None) -> KernelConfig:
+    """A robot that begins with what is kept; what the command line sets counts more."""
+    if keeper is None:
+        return config
+    return replace(config, signals=tuple({**keeper.load(), **dict(config.signals)}.items()))
 
 
 def is_in_process(options: argparse.Namespace) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
-from elitescript.commands.quantities import Bool, Boolean, Either, Integer, Number, Seconds, Str, Vector, Whole
+from elitescript.commands.quantities import Bool, Boolean, Either, Integer, Number, Seconds, Str, Vector
 from elitescript.commands.registry import command
 from elitescript.errors import ArgumentRangeError, InvalidValueError, NotSimulatedError
 

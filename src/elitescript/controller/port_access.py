@@ -11,11 +11,18 @@ from typing import TYPE_CHECKING
 
 from elitescript.controller.io import TOOL_PIN_OUT
 from elitescript.messages.enums import AnalogDomain, RobotMode
-from elitescript.messages.machine import MachineRequest, SetAnalogDomain, WritePortCoils, WritePortRegisters, WriteSignal
+from elitescript.messages.machine import (
+    MachineRequest,
+    SetAnalogDomain,
+    WritePortCoils,
+    WritePortRegisters,
+    WriteSignal,
+)
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.state import ZERO_SIX, RobotState
-from elitescript.modbus.port_map import PortImage, View, coil_writes, register_writes
+from elitescript.modbus.port_image import PortImage, coil_writes, register_writes
+from elitescript.modbus.port_map import View
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

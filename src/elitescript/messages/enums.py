@@ -23,9 +23,7 @@ class RobotMode(IntEnum):
     UPDATING = 8
 
 
-POWERED = frozenset(
-    {RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE, RobotMode.BACK_DRIVE, RobotMode.RUNNING}
-)
+POWERED = frozenset({RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE, RobotMode.BACK_DRIVE, RobotMode.RUNNING})
 """Modes in which the arm has power."""
 
 

@@ -44,7 +44,8 @@ from elitescript.modbus.pdu import (
     request_of,
     written,
 )
-from elitescript.modbus.port_map import PortImage, View, check_writable_coils, check_writable_registers
+from elitescript.modbus.port_image import PortImage, check_writable_coils, check_writable_registers
+from elitescript.modbus.port_map import View
 from elitescript.modbus.tcp_frames import LENGTH_MAX, TcpFrame, TcpSplitter, tcp_frame
 from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.outcomes import read_outcome
@@ -207,9 +208,7 @@ class ModbusConnection(Connection):
     def _values(self, request: Request, output: Output) -> bytes:
         image, function = self._port.image(output), request.function
         read: Callable[[int, int], list[int] | list[bool]]
-        answer, read = (
-            (bits_read, image.coils) if function in _BIT_READS else (registers_read, image.registers)
-        )
+        answer, read = (bits_read, image.coils) if function in _BIT_READS else (registers_read, image.registers)
         try:
             return answer(function, read(request.address, request.quantity))
         except ArgumentRangeError as error:

@@ -23,6 +23,7 @@ from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
+from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
 from elitescript.services.tcp import Listener, bind
 
@@ -59,6 +60,7 @@ class Station:
         link: the way to the robot.
         is_lockstep: time waits for RTSI clients; see `services.lockstep`.
         listen: hears every event of the robot and every note; must not block.
+        keeper: remembers what the robot keeps; nobody does if None.
     """
 
     __slots__ = (
@@ -66,6 +68,7 @@ class Station:
         "_failure",
         "_is_lockstep",
         "_is_standing",
+        "_keeper",
         "_listen",
         "_news",
         "_pending",
@@ -81,7 +84,15 @@ class Station:
         "waits_for",
     )
 
-    def __init__(self, name: str, link: RobotLink, listen: Listen, *, is_lockstep: bool = False) -> None:
+    def __init__(
+        self,
+        name: str,
+        link: RobotLink,
+        listen: Listen,
+        *,
+        is_lockstep: bool = False,
+        keeper: StateKeeper | None = None,
+    ) -> None:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
@@ -93,6 +104,9 @@ class Station:
         self._listen = listen
         self._is_lockstep = is_lockstep
         self._is_standing = False
+        self._keeper = keeper
+        if keeper is not None:
+            keeper.tell = lambda text: self.note("state", text, is_problem=True)
         self._failure: Exception | None = None
         self._pending: list[Input] = []
         self._relief: asyncio.TimerHandle | None = None
@@ -229,6 +243,8 @@ class Station:
         if self._cycle is not None:
             self._cycle.close()
         await self.link.close()
+        if self._keeper is not None:
+            await self._keeper.close()
 
     # ---------------------------------------------------------------- time
 
@@ -310,6 +326,8 @@ class Station:
                 listener.publish(output)
         self.broker.carry_out(output.requests)
         self._hear(output)
+        if self._keeper is not None:
+            self._keeper.take(output.snapshot.signals)
         if self._stepped:
             waiters, self._stepped = self._stepped, []
             for waiter in waiters:
