@@ -118,7 +118,7 @@ def test_several_robots_have_their_own_ports_and_end_with_sigterm(place: Path) -
     record = json.loads(line_with(process, '"ready"'))
     assert [robot["model"] for robot in record["robots"]] == ["CS63", "CS612"]
     numbers = [number for robot in record["robots"] for number in robot["ports"].values()]
-    assert len(set(numbers)) == 16
+    assert len(set(numbers)) == 18
     for robot in record["robots"]:
         with socket.create_connection(("127.0.0.1", robot["ports"]["dashboard"])) as peer:
             reader = peer.makefile("rb")

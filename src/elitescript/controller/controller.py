@@ -317,9 +317,13 @@ class Controller:
 
     def port_register(self, address: int, version: tuple[int, ...]) -> int:
         """See `commands.context.Machine.port_register`."""
+        return self.port_registers(address, 1, version)[0]
+
+    def port_registers(self, first: int, count: int, version: tuple[int, ...]) -> list[int]:
+        """Registers of the controller's own Modbus server, upwards from an address."""
         from elitescript.controller.port_access import port_image
 
-        return port_image(self, version).registers(address, 1)[0]
+        return port_image(self, version).registers(first, count)
 
     def port_coil(self, address: int) -> bool:
         """See `commands.context.Machine.port_coil`."""

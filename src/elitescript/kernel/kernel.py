@@ -42,7 +42,7 @@ from elitescript.messages.inputs import (
     ShowPopup,
     VariablesArrived,
 )
-from elitescript.messages.machine import AskSafety, PowerOff, StopTask
+from elitescript.messages.machine import AskSafety, MachineRequest, PowerOff, StopTask, WritePortRegisters
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
@@ -178,7 +178,14 @@ class Kernel:
                 self._reply(item.origin, refused(why))
             return
         if is_answered:
-            self._reply(item.origin, done())
+            self._reply(item.origin, done(self._shown_after(request)))
+
+    def _shown_after(self, request: MachineRequest) -> str:
+        """What the answer to a request shows: registers as hexadecimal digits, four each."""
+        if not isinstance(request, WritePortRegisters) or not request.read_count:
+            return ""
+        words = self._controller.port_registers(request.read_first, request.read_count, self.description.firmware)
+        return "".join(f"{word:04x}" for word in words)
 
     def _run_unit(self, item: RunUnit) -> None:
         self._programs.run(item)

@@ -33,6 +33,9 @@ class WritePortRegisters:
     first: int
     values: tuple[int, ...]
     """0 to 65535 each."""
+    read_first: int = 0
+    read_count: int = 0
+    """Registers that the answer shows as they are right after; none if the count is 0."""
 
 
 @dataclass(frozen=True, slots=True)

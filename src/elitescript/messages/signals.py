@@ -5,7 +5,7 @@ commands and the pendant derive theirs from here.
 
 Evidence: counts and ranges are *documented* (manual 2.10, I/O and register chapters; the vendor's sheet of the Modbus
 server); that a tool pin has separate in and out images is *assumed*. That flags and registers outlast a restart of the
-controller is *assumed* from the manual: flags keep their value between programs, registers are in the system memory. The
+controller is *assumed* from the manual: flags keep their value between programs, registers are in system memory. The
 last rows are what a test does to the robot; no program reads them as signals.
 """
 

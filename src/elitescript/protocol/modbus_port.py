@@ -40,6 +40,7 @@ from elitescript.modbus.pdu import (
     Request,
     bits_read,
     exception,
+    registers_in,
     registers_read,
     request_of,
     written,
@@ -194,15 +195,29 @@ class ModbusConnection(Connection):
             if reply.origin != write.origin:
                 continue
             self._write = None
-            if not read_outcome(reply.text).is_done:
+            outcome = read_outcome(reply.text)
+            if not outcome.is_done:
                 self._refuse(write.frame, ILLEGAL_VALUE)
             elif write.request.function == READ_WRITE_REGISTERS:
-                self._answer(write.frame, self._values(write.request, output))
+                self._answer_shown(write, outcome.detail)
             else:
                 self._answer(write.frame, written(write.frame.pdu))
             return
         if any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
             self._write = None
+            self._refuse(write.frame, DEVICE_FAILURE)
+
+    def _answer_shown(self, write: _Write, digits: str) -> None:
+        """Answer function 23 with what the robot has read right after it wrote."""
+        count = write.request.quantity
+        try:
+            data = bytes.fromhex(digits)
+        except ValueError:
+            data = b""
+        if len(data) == 2 * count:
+            self._answer(write.frame, registers_read(READ_WRITE_REGISTERS, registers_in(data, 0, count)))
+        else:
+            # A robot that is not to be trusted any more.
             self._refuse(write.frame, DEVICE_FAILURE)
 
     def _values(self, request: Request, output: Output) -> bytes:
@@ -234,6 +249,8 @@ def _change(request: Request) -> MachineRequest:
         is_mixed = request.function == READ_WRITE_REGISTERS
         first = request.write_address if is_mixed else request.address
         check_writable_registers(first, len(request.values))
+        if is_mixed:
+            return WritePortRegisters(first, request.values, request.address, request.quantity)
         return WritePortRegisters(first, request.values)
     except ScriptError as error:
         raise DeviceError(ILLEGAL_ADDRESS, request.function) from error
