@@ -33,12 +33,13 @@ class StateKeeper:
         UsageError: somebody else uses the file.
     """
 
-    __slots__ = ("_file", "_kept", "_saved", "_signals", "_task", "tell")
+    __slots__ = ("_ending", "_file", "_kept", "_saved", "_signals", "_task", "tell")
 
     def __init__(self, file: StateFile, tell: Callable[[str], None] = lambda _text: None) -> None:
         file.hold()
         self._file = file
         self.tell = tell
+        self._ending = asyncio.Event()
         self._signals: Levels | None = None
         self._kept: dict[str, tuple[Value, ...]] = {}
         self._saved: dict[str, tuple[Value, ...]] = {}
@@ -65,32 +66,27 @@ class StateKeeper:
 
     async def close(self) -> None:
         """Write what is not written yet, and let the file go."""
-        if self._task is not None:
-            self._task.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await self._task
+        self._ending.set()
         try:
+            if self._task is not None:
+                await self._task
             await self._write()
         finally:
             self._file.release()
 
     async def _write_changes(self) -> None:
-        while self._kept != self._saved:
-            is_written = await self._write()
-            await asyncio.sleep(INTERVAL_S if is_written else RETRY_S)
+        while self._kept != self._saved and not self._ending.is_set():
+            pause_s = INTERVAL_S if await self._write() else RETRY_S
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._ending.wait(), pause_s)
 
     async def _write(self) -> bool:
-        """Write what is kept now; whether that went well. A write that has begun comes to its end."""
+        """Write what is kept now; whether that went well."""
         kept = self._kept
         if kept == self._saved:
             return True
-        write = asyncio.get_running_loop().run_in_executor(None, self._file.save, kept)
         try:
-            await asyncio.shield(write)
-        except asyncio.CancelledError:
-            with contextlib.suppress(UsageError):
-                await write
-            raise
+            await asyncio.get_running_loop().run_in_executor(None, self._file.save, kept)
         except UsageError as error:
             self.tell(str(error))
             return False
