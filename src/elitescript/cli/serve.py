@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import contextlib
 import os
 import signal
 import sys
@@ -45,9 +46,10 @@ def serve(options: argparse.Namespace) -> int:
     out, err = PatientStream(sys.stdout), PatientStream(sys.stderr)
     try:
         log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
-        keepers = _keepers(options.state, len(configs))
-        configs = list(map(_remembering, configs, keepers))
-        asyncio.run(_serve(options, configs, keepers, numbers, spares, log))
+        with contextlib.ExitStack() as held:
+            keepers = _keepers(options.state, len(configs), held)
+            configs = list(map(_remembering, configs, keepers))
+            asyncio.run(_serve(options, configs, keepers, numbers, spares, log))
     finally:
         out.close()
         err.close()
@@ -90,15 +92,19 @@ def make_link(options: argparse.Namespace, config: KernelConfig, index: int) -> 
     )
 
 
-def _keepers(path: str | None, count: int) -> list[StateKeeper | None]:
-    """What remembers for each robot.
+def _keepers(path: str | None, count: int, held: contextlib.ExitStack) -> list[StateKeeper | None]:
+    """What remembers for each robot; `held` lets the files go in the end.
 
     Raises:
         UsageError: somebody else uses a file.
     """
-    if path is None:
-        return [None] * count
-    return [StateKeeper(StateFile(numbered_path(Path(path), index))) for index in range(count)]
+    keepers: list[StateKeeper | None] = [None] * count
+    if path is not None:
+        for index in range(count):
+            file = StateFile(numbered_path(Path(path), index))
+            held.callback(file.release)
+            keepers[index] = StateKeeper(file)
+    return keepers
 
 
 def _remembering(config: KernelConfig, keeper: StateKeeper | None) -> KernelConfig:
