@@ -89,7 +89,7 @@ def modbus_page() -> str:
             f"`{coil.family}[{coil.point}]` to `[{last}]` | {coil.evidence} |"
         )
     kept = ", ".join(f"`{row.name}`" for row in SIGNALS.values() if row.is_kept)
-    return "\n".join(lines) + _PROMISES.format(paced=REQUESTS_PER_TICK, kept=kept, interval=f"{INTERVAL_S:g}")
+    return "\n".join(lines) + "\n" + _PROMISES.format(paced=REQUESTS_PER_TICK, kept=kept, interval=f"{INTERVAL_S:g}")
 
 
 def _span(first: int, size: int) -> str:
