@@ -59,6 +59,7 @@ class SignalImage:
         "_is_running",
         "_on_change",
         "_runstate",
+        "_stale",
         "_values",
         "tool_analog_mode",
         "tool_pins",
@@ -73,7 +74,8 @@ class SignalImage:
         self._runstate: dict[tuple[str, int], RunstateChoice] = {}
         self._freedrive_inputs: set[tuple[str, int]] = set()
         self._is_running = False
-        self._image: dict[str, tuple[Value, ...]] | None = None
+        self._image: dict[str, tuple[Value, ...]] = {name: tuple(values) for name, values in self._values.items()}
+        self._stale: set[str] = set()
         self.tool_pins: list[SetToolPin] = list(_DEFAULT_TOOL_PINS)
         self.tool_analog_mode = _DEFAULT_TOOL_ANALOG_MODE
 
@@ -84,8 +86,10 @@ class SignalImage:
     @property
     def image(self) -> Mapping[str, tuple[Value, ...]]:
         """Every family by name; what was returned once does not change."""
-        if self._image is None:
-            self._image = {name: tuple(values) for name, values in self._values.items()}
+        if self._stale:
+            # Families that have not changed stay the very same tuples: who compares two images sees that at a glance.
+            self._image = {**self._image, **{name: tuple(self._values[name]) for name in self._stale}}
+            self._stale.clear()
         return self._image
 
     def domain(self, name: str, index: int) -> AnalogDomain:
@@ -268,7 +272,7 @@ class SignalImage:
         values = self._values[name]
         if values[index] != value:
             values[index] = value
-            self._image = None
+            self._stale.add(name)
             self._on_change(name, index, value)
 
 
