@@ -159,7 +159,7 @@ class TestLink:
             after = await link.tick(())
             assert after.snapshot.robot.tick == after.tick == reported.tick + 1
             _, inputs = next((letter, data) for letter, data in children[1].told if letter == frames.TICK)
-            assert ["Do", "later", ["WriteSignal", "flag", 0, True]] in inputs
+            assert ["Do", "later", ["WriteSignal", "flag", 0, True], False] in inputs
             assert not any(item[1] == "poison" for item in inputs)
             assert link.restarts == 1
 
