@@ -57,6 +57,7 @@ class Exchange:
         "_slowest_ticks",
         "_splitter",
         "_transaction",
+        "_turns",
         "answered",
         "has_heard",
         "is_single",
@@ -78,6 +79,7 @@ class Exchange:
         self._chained: Signal | None = None
         """The sequential signal that is under way."""
         self._transaction = 0
+        self._turns = 0
         self._heard_tick = 0
         self._slowest_ticks = 0
         self._is_pressed = False
@@ -202,7 +204,7 @@ class Exchange:
         queue, flight = self._queue, self._flight
         if not queue or self._probe_size:
             return b""
-        window, transaction = self._window(), self._transaction
+        window, transaction = self._window(tick), self._transaction
         parts: list[bytes] = []
         held: list[Signal] = []
         while queue and len(flight) < window:
@@ -232,6 +234,8 @@ class Exchange:
             parts.append(transaction.to_bytes(2, "big"))
             parts.append(tail)
             signal.is_waiting = False
+            self._turns += 1
+            signal.turn = self._turns
             if signal.unit == BROADCAST:
                 signal.work(tick)
                 if window == 1:
@@ -247,11 +251,13 @@ class Exchange:
             self._probe_end = tick + max(PROBE_TICKS, PROBE_ROUNDS * self._slowest_ticks)
         return b"".join(parts)
 
-    def _window(self) -> int:
+    def _window(self, tick: int) -> int:
         """How many requests may be under way in this tick."""
         if self._is_pressed:
             self._is_pressed = False
-            if self.has_heard and not self.is_single and self.window == self._proven:
+            # Turns that are missed because the device is silent are no reason to ask it for more.
+            is_prompt = not self._flight or tick - next(iter(self._flight.values()))[2] <= self._slowest_ticks
+            if is_prompt and self.has_heard and not self.is_single and self.window == self._proven:
                 self.window = min(WINDOW_MAX, 2 * self.window)
         if self.window > self._proven and any(signal.is_once for signal, _, _ in self._flight.values()):
             return self._proven

@@ -239,6 +239,7 @@ class Link:
         """Queue the signals whose turn it is, by a grid of their frequency."""
         last, self._last_tick = self._last_tick, tick
         exchange = self.exchange
+        due: list[Signal] = []
         for hertz, signals in self.signals.items():
             if tick * hertz // TICKS_PER_S == last * hertz // TICKS_PER_S:
                 continue
@@ -247,7 +248,12 @@ class Link:
                     signal.missed += 1
                     exchange.press()
                 else:
-                    exchange.ask(signal)
+                    due.append(signal)
+        if exchange.has_waiting:
+            # There is not time for all of them: it is the turn of those that were asked for longest ago.
+            due.sort(key=_turn)
+        for signal in due:
+            exchange.ask(signal)
 
     def _send(self, tick: int) -> None:
         data = self.exchange.outgoing(tick, self._room)
@@ -345,3 +351,7 @@ class Link:
                 self._channels.send(self._channel, tcp_frame(number, signal.unit, signal.request))
         self._hang_up()
         self._is_reset = False
+
+
+def _turn(signal: Signal) -> int:
+    return signal.turn

@@ -93,6 +93,7 @@ class Signal:
         is_waiting: whether it is due and not sent.
         is_removed: whether nobody wants to know any more.
         missed: how often it was due again while it still waited.
+        turn: counts what was sent on its connection, when it was sent last.
     """
 
     __slots__ = (
@@ -117,6 +118,7 @@ class Signal:
         "outputs",
         "request",
         "tail",
+        "turn",
         "unit",
         "watchdog_ticks",
         "write_address",
@@ -163,6 +165,7 @@ class Signal:
         self.is_waiting = False
         self.is_removed = False
         self.missed = 0
+        self.turn = 0
         self.prepare(is_running=True)
 
     # ---------------------------------------------------------------- what it asks
