@@ -46,7 +46,9 @@ class Device:
 
 
 class Network:
-    """Implements the channels that a master uses; one device for each port, others refuse."""
+    """Implements `runtime.world.Channels`; one device for each port, others refuse."""
+
+    is_real = False
 
     def __init__(self) -> None:
         self.tick = 0
@@ -74,6 +76,9 @@ class Network:
         elif port not in self.dead:
             self._tell(1, ChannelOpened(channel, False, "connection refused"))
         return channel
+
+    def open_line(self, device: str, settings: Any) -> int:
+        return 0
 
     def send(self, channel: int, data: bytes) -> None:
         device = self.devices[self.ports[channel]]
@@ -108,13 +113,14 @@ class Network:
 
     def arrivals(self, tick: int) -> list[ChannelEvent]:
         """What has happened by a tick."""
+        self.tick = tick
         events = [event for due, event in self._due if due <= tick]
         self._due = [(due, event) for due, event in self._due if due > tick]
         return events
 
-    def next_tick(self) -> int | None:
+    def next_tick(self, tick: int) -> int | None:
         """When something happens."""
-        return min((due for due, _ in self._due), default=None)
+        return min((max(due, tick + 1) for due, _ in self._due), default=None)
 
 
 class Bench:
@@ -146,7 +152,7 @@ class Bench:
             due = self.tick + 1
             if self._leaps:
                 ours = self.master.next_tick(self.tick, is_running=self.is_running)
-                theirs = self.network.next_tick()
+                theirs = self.network.next_tick(self.tick)
                 dues = [at for at in (ours, theirs) if at is not None]
                 due = min([*dues, end]) if dues else end
             assert due > self.tick
