@@ -240,8 +240,8 @@ class TestErrors:
             ('modbus_add_signal("10.0.0.9", 256, 0, 3, "x")', "R102", "slave_number must be in [0, 255], got 256"),
             (
                 'modbus_add_rw_signal("10.0.0.9", 255, 0, 1, 0, 122, "x")',
-                "R102",
-                "write_register_count must be in [1, 121], got 122",
+                "R104",
+                "write_register_count must be <= 121, as more do not fit into a request, got 122",
             ),
             (
                 'modbus_add_rw_signal("10.0.0.9", 255, 65530, 9, 0, 1, "x")',

@@ -19,6 +19,8 @@ _INPUTS: Final = (0, 2)
 _ADDRESSES: Final = 65536
 _DATA_MAX: Final = 252
 """Bytes that fit behind a function code."""
+_WRITE_MAX: Final = 121
+"""Registers that function 23 can write."""
 _BROADCAST: Final = 0
 _ANY_SLAVE: Final = 255
 _LAST_SLAVE: Final = 247
@@ -100,7 +102,7 @@ def modbus_add_rw_signal(
     read_address: _Register,
     read_register_count: _RegisterCount,
     write_address: _Register,
-    write_register_count: Annotated[int, Integer(1, 121)],
+    write_register_count: _RegisterCount,
     signal_name: Str,
     issequential: Bool = False,
     port: _TcpPort = 502,
@@ -116,18 +118,22 @@ def modbus_add_rw_signal(
         read_address: first register to read.
         read_register_count: number of registers to read.
         write_address: first register to write; the ranges may overlap.
-        write_register_count: number of registers to write; MODBUS has no room for more in such a request.
+        write_register_count: number of registers to write; more than 121 do not fit into a request of MODBUS.
         signal_name: name of the signal; an older signal of that name is replaced.
         issequential: True updates the signals in the order in which they were added.
         port: TCP port of the device.
 
     Raises:
-        InvalidValueError: no address or name, or more registers than there are from an address on.
+        InvalidValueError: no address or name, more registers than there are from an address on, or too many to write.
         ScriptStateError: there are 200 signals already.
     """
     _check_names(IP, signal_name)
     _check_end("read_register_count", read_address, read_register_count)
     _check_end("write_register_count", write_address, write_register_count)
+    if write_register_count > _WRITE_MAX:
+        what, count = "write_register_count", write_register_count
+        text = f"{what} must be <= {_WRITE_MAX}, as more do not fit into a request, got {count}"
+        raise InvalidValueError(text, argument=what, value=count, limit=f"<= {_WRITE_MAX}")
     robot.modbus.add_read_write(
         IP,
         port,

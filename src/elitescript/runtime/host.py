@@ -15,7 +15,7 @@ from elitescript.errors import ScriptStateError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
-from elitescript.runtime.alarms import summary_of
+from elitescript.runtime.alarms import abandoned, summary_of
 from elitescript.runtime.background import Background
 from elitescript.runtime.context import MOVE_END, POPUP
 from elitescript.runtime.interpreter import Interpreter
@@ -374,17 +374,7 @@ class ScriptHost:
             self._queries.ended(strand)
 
     def _strand_abandoned(self, strand: Strand) -> None:
-        self._machine.emit(
-            Alarm(
-                self._machine.tick,
-                "R131",
-                "RuntimeError",
-                f"thread {strand.name!r} does not let itself be stopped; it is given up where it stands",
-                strand.line,
-                0,
-                strand.name,
-            )
-        )
+        self._machine.emit(abandoned(strand, self._machine.tick))
 
     def _failed(self, error: BaseException, program: Program) -> None:
         """An exception left a strand. What a stopped one raises on its way out is lost with it."""
