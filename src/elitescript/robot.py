@@ -378,6 +378,7 @@ class VirtualRobot:
         if self._trace is not None:
             self._trace.finish(self.controller)
             self._trace = None
+        self._host.background.close()
         state = self.controller.state()
         run.time_s = seconds(self.tick - run.start_tick)
         run.joints = state.q_target

@@ -142,6 +142,33 @@ class FakeSockets:
         return value
 
 
+class FakeModbus:
+    """Signals that work and stand at zero.
+
+    Attributes:
+        asked: every call, in order.
+    """
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[Any, ...]] = []
+        self.codes = (0, 0)
+
+    def status(self, name: str) -> int:
+        self.asked.append(("status", name))
+        return 0
+
+    def errors(self, name: str) -> tuple[int, int]:
+        self.asked.append(("errors", name))
+        return self.codes
+
+    def invalid_s(self, name: str) -> float:
+        self.asked.append(("invalid_s", name))
+        return 0.0
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        return lambda *what, **more: self.asked.append((name, *what, *more.values()))
+
+
 class FakeRobot:
     """The robot that a command sees; `asked` holds what it wanted, in order."""
 
@@ -155,6 +182,7 @@ class FakeRobot:
         self.micro_lines: list[MicroLine] = []
         self.task_files: dict[str, bytes] = {}
         self.sockets = FakeSockets()
+        self.modbus = FakeModbus()
         self._random = random.Random(7)
 
     def _ask(self, *what: Any) -> None:

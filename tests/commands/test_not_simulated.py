@@ -13,9 +13,6 @@ from elitescript.errors import ArgumentTypeError, NotSimulatedError
 @pytest.mark.parametrize(
     "text",
     [
-        "modbus_set_output_register('s', 70000)",
-        "modbus_set_output_register('s', [1, -1])",
-        "modbus_set_output_signal('s', [True, 0])",
         "serial_write('hello')",
         "serial_write(300)",
         "serial_write([1, 300])",

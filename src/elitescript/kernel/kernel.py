@@ -215,6 +215,7 @@ class Kernel:
         controller.request(AskSafety("restart_safety", "the controller was started anew"))
         self._popup = ""
         self._tasks.forget()
+        self._host.background.close()
 
     def _arrived(self, item: VariablesArrived) -> None:
         self._host.watchdogs.arrived(item.names, self._controller.tick)

@@ -27,8 +27,10 @@ from elitescript.runtime.strand import Stopped, Strand
 from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
 
 if TYPE_CHECKING:
+    from elitescript.runtime.background import Background
     from elitescript.runtime.connection import Receiver
     from elitescript.runtime.interpreter import Interpreter
+    from elitescript.runtime.modbus_signals import ModbusSignals
     from elitescript.runtime.sockets import Sockets
     from elitescript.runtime.watchdogs import Watchdogs
 
@@ -67,6 +69,9 @@ class TaskPort(Protocol):
 
     def thread_failed(self, error: BaseException) -> None:
         """An exception left a thread."""
+
+    background: Background
+    """What goes on whether a program runs or not."""
 
     interpreter: Interpreter
     """Interpreter mode."""
@@ -163,6 +168,11 @@ class Context:
 
             self._sockets = Sockets(self._world.channels, self.scheduler, self._port.connections, self.warn_once)
         return self._sockets
+
+    @property
+    def modbus(self) -> ModbusSignals:
+        """The MODBUS TCP signals of the controller."""
+        return self._port.background.modbus(self._world.channels)
 
     def close_sockets(self) -> None:
         """Close every connection; the program is over."""
