@@ -12,7 +12,7 @@ _PROMISES = """
 ## What a client may expect
 
 - Any unit is answered. Requests that are sent without waiting are answered in their order, up to {paced} in a tick of
-  4 ms for each client.
+  4 ms for each client, fewer for each where there are more than ten clients.
 - A read is answered at once, with the state of the last tick.
 - A write is answered when the robot has taken it, in its next tick. Whoever asks after that answer, on whatever
   connection, sees what was written. A client has one write under way at a time.

@@ -71,6 +71,7 @@ def test_a_level_belongs_to_the_domain_that_is_written_with_it() -> None:
         (WritePortRegisters(15, (1, 13)), r"register 16: the tool voltage"),
         (WritePortCoils(57, (True, True)), r"tool pin 2 is an input"),
         (WritePortCoils(30, (True,) * 4), r"coil 30 \(reserved\) cannot be written"),
+        (WritePortRegisters(256, (1,), 510, 3), r"there is no register 510 to 512"),
         (WritePortRegisters(16, (12, 0)), r"register 17 \(reserved\) cannot be written"),
     ],
 )

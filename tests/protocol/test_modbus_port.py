@@ -13,7 +13,7 @@ from elitescript.messages.inputs import Do, SetRemote
 from elitescript.messages.machine import SetRunstateChoice, WritePortRegisters
 from elitescript.messages.outputs import Reply
 from elitescript.protocol.connection import ProtocolError
-from elitescript.protocol.modbus_port import REQUESTS_PER_TICK
+from elitescript.protocol.modbus_port import REQUESTS_OF_ALL, REQUESTS_PER_TICK
 from elitescript.protocol.query import RESTARTED
 from tests.protocol import modbus_client as client
 from tests.protocol.line_peer import picture
@@ -146,6 +146,18 @@ def test_a_client_that_floods_takes_so_much_of_a_tick_and_no_more(peer: Peer) ->
         peer.site.tick()
     assert [transaction for transaction, _, _ in peer.answers] == list(range(300))
     assert not peer.connection.is_busy
+
+
+def test_many_clients_share_a_tick(site: Site) -> None:
+    peers = [site.connect() for _ in range(40)]
+    for peer in peers:
+        peer.send(b"".join(client.frame(number, client.read(3, 256, 1)) for number in range(30)))
+    assert {len(peer.answers) for peer in peers} == {REQUESTS_OF_ALL // 40}
+    for peer in peers[10:]:
+        peer.connection.closed()
+    site.peers = peers[:10]
+    site.tick()
+    assert {len(peer.answers) for peer in peers[:10]} == {REQUESTS_OF_ALL // 40 + REQUESTS_PER_TICK}
 
 
 def test_while_no_tick_comes_reads_go_on_up_to_a_write(peer: Peer) -> None:

@@ -21,7 +21,7 @@ from elitescript.messages.machine import (
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.state import ZERO_SIX, RobotState
-from elitescript.modbus.port_image import PortImage, coil_writes, register_writes
+from elitescript.modbus.port_image import PortImage, check_registers, coil_writes, register_writes
 from elitescript.modbus.port_map import View
 
 if TYPE_CHECKING:
@@ -96,6 +96,8 @@ def write_registers(controller: Controller, request: WritePortRegisters) -> None
     Raises:
         ScriptError: one of them cannot be set; nothing has changed.
     """
+    if request.read_count:
+        check_registers(request.read_first, request.read_count)
     parts = register_writes(request.first, request.values)
     _carry_out(controller, [part for part in parts if not _is_idle_pin(controller, part)])
 

@@ -33,7 +33,7 @@ class PortImage:
         Raises:
             ArgumentRangeError: there are none.
         """
-        _check(first, count, REGISTER_COUNT, "register")
+        check_registers(first, count)
         values = [0] * count
         end = first + count
         for row in REGISTERS:
@@ -106,6 +106,15 @@ def coil_writes(first: int, values: Sequence[bool]) -> list[MachineRequest]:
     return requests
 
 
+def check_registers(first: int, count: int) -> None:
+    """Let registers pass that are there.
+
+    Raises:
+        ArgumentRangeError: they are not.
+    """
+    _check(first, count, REGISTER_COUNT, "register")
+
+
 def check_writable_registers(first: int, count: int) -> None:
     """Let registers pass that can all be written.
 
@@ -113,7 +122,7 @@ def check_writable_registers(first: int, count: int) -> None:
         ArgumentRangeError: no such registers.
         InvalidValueError: one of them is not to be written.
     """
-    _check(first, count, REGISTER_COUNT, "register")
+    check_registers(first, count)
     for address in range(first, first + count):
         row = _REGISTER_ROWS.get(address)
         if row is None or row.write is None:

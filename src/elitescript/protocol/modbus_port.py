@@ -57,23 +57,38 @@ SPARE_NUMBER: Final = 5020
 """For whoever may not have the other one."""
 REQUESTS_PER_TICK: Final = 20
 """Of one client; the rest waits for the next tick."""
+REQUESTS_OF_ALL: Final = 200
+"""Of all clients of a robot in a tick, about 2 ms of work; many of them share it."""
+REQUESTS_MIN: Final = 2
+"""Of each client, however many there are."""
 
 _BIT_READS: Final = frozenset({READ_COILS, READ_DISCRETE_INPUTS})
 _WRITES: Final = frozenset({WRITE_COIL, WRITE_COILS, WRITE_REGISTER, WRITE_REGISTERS, READ_WRITE_REGISTERS})
 
 
 class ModbusPort:
-    """What the clients of one robot share: registers and coils of the last tick, worked out once.
+    """What the clients of one robot share: registers, coils and answers of the last tick, worked out once; and time.
 
     Args:
         description: the robot.
+
+    Attributes:
+        clients: how many there are.
     """
 
-    __slots__ = ("_image", "_version")
+    __slots__ = ("_image", "_output", "_replies", "_version", "clients")
 
     def __init__(self, description: RobotDescription) -> None:
         self._version = description.firmware
         self._image: PortImage | None = None
+        self._output: Output | None = None
+        self._replies: dict[str, str] = {}
+        self.clients = 0
+
+    @property
+    def share(self) -> int:
+        """Requests that each client may make in a tick."""
+        return max(REQUESTS_MIN, min(REQUESTS_PER_TICK, REQUESTS_OF_ALL // max(1, self.clients)))
 
     def image(self, output: Output) -> PortImage:
         """Registers and coils of a tick."""
@@ -81,6 +96,13 @@ class ModbusPort:
         if image is None or image.view.picture is not output.snapshot:
             image = self._image = PortImage(View(output.snapshot, self._version))
         return image
+
+    def reply(self, output: Output, origin: str) -> str | None:
+        """What the robot answers in a tick to a request of an origin; None if nothing."""
+        if output is not self._output:
+            self._output = output
+            self._replies = {reply.origin: reply.text for reply in output.replies}
+        return self._replies.get(origin)
 
 
 class _Write(NamedTuple):
@@ -114,7 +136,8 @@ class ModbusConnection(Connection):
         self._due: list[Input] = []
         self._count = 0
         self._tick = -1
-        self._left = REQUESTS_PER_TICK
+        self._left = 0
+        port.clients += 1
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         """See `Connection.receive`."""
@@ -148,8 +171,13 @@ class ModbusConnection(Connection):
 
     def read_on(self, output: Output) -> list[Input]:
         """See `Connection.read_on`."""
-        self._left = REQUESTS_PER_TICK
+        self._left = self._port.share
         return self._go_on(output)
+
+    def closed(self) -> list[Input]:
+        """See `Connection.closed`."""
+        self._port.clients -= 1
+        return []
 
     def _check_stream(self) -> None:
         """Close a connection that sends something else, once what came before is answered."""
@@ -162,7 +190,7 @@ class ModbusConnection(Connection):
     def _go_on(self, output: Output) -> list[Input]:
         """Take requests in their order, up to the first write or as many as a tick allows."""
         if output.tick != self._tick:
-            self._tick, self._left = output.tick, REQUESTS_PER_TICK
+            self._tick, self._left = output.tick, self._port.share
         while self._frames and self._write is None and self._left > 0:
             self._left -= 1
             inputs = self._take(self._frames.popleft(), output)
@@ -191,19 +219,17 @@ class ModbusConnection(Connection):
 
     def _settle(self, write: _Write, output: Output) -> None:
         """Look for the robot's answer to a write, and pass it on."""
-        for reply in output.replies:
-            if reply.origin != write.origin:
-                continue
+        text = self._port.reply(output, write.origin)
+        if text is not None:
             self._write = None
-            outcome = read_outcome(reply.text)
+            outcome = read_outcome(text)
             if not outcome.is_done:
                 self._refuse(write.frame, ILLEGAL_VALUE)
             elif write.request.function == READ_WRITE_REGISTERS:
                 self._answer_shown(write, outcome.detail)
             else:
                 self._answer(write.frame, written(write.frame.pdu))
-            return
-        if any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
+        elif any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
             self._write = None
             self._refuse(write.frame, DEVICE_FAILURE)
 
