@@ -32,8 +32,8 @@ _PROMISES = """
 
 The robot remembers {kept}
 when it is switched off (flags: *documented* between programs; the others: *assumed*, from the manual's words that
-registers are in system memory). `--state FILE` of `serve` and `run`, and `VirtualRobot(state=...)`, do so; without it
-every start is the same.
+registers are in system memory). `--state FILE` of `serve` and `run`, and `VirtualRobot(state_file=...)`, do so;
+without it every start is the same.
 
 `serve` writes the file at once after a change, but not more often than every {interval} s, and at the end; `run` at
 the end of the program. The file is JSON with the names that `--set` takes. It is replaced as a whole: a kill or a power

@@ -75,8 +75,8 @@ class VirtualRobot:
         safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
         cell: a TOML file with these and other configurations, and with levels of signals at the start.
-        state: a file with the registers, flags and general Modbus values that the robot remembers: read now, written
-            when a program ends. Nothing is remembered if None.
+        state_file: a file with the registers, flags and general Modbus values that the robot remembers: read now,
+            written when `run` or `advance` returns. Nothing is remembered if None.
         on_event: receives every event at the moment it happens.
 
     Raises:
@@ -100,7 +100,7 @@ class VirtualRobot:
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
         cell: str | Path | None = None,
-        state: str | Path | None = None,
+        state_file: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
@@ -129,7 +129,7 @@ class VirtualRobot:
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
-        self._state_file = None if state is None else _state_file(state)
+        self._state_file = None if state_file is None else _state_file(state_file)
         kept = {} if self._state_file is None else self._state_file.load()
         for name, value in {**kept, **surroundings.signals}.items():
             self.signals[name] = value
@@ -300,6 +300,11 @@ class VirtualRobot:
         if self._interrupted_as:
             self._finish(self._interrupted_as)
             self._interrupted_as = ""
+        self._remember()
+
+    def _remember(self) -> None:
+        if self._state_file is not None:
+            self._state_file.save(self.controller.signals.image)
 
     def _world_for(self, source_name: str) -> World:
         if self._fixed_world is not None:
@@ -397,8 +402,7 @@ class VirtualRobot:
             self._host.run_tick(self.tick)
             run.globals = self._host.monitor()
         self._rest(run)
-        if self._state_file is not None:
-            self._state_file.save(self.controller.signals.image)
+        self._remember()
 
     def _report_stuck(self) -> None:
         threads = self.threads()

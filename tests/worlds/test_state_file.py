@@ -335,7 +335,7 @@ def test_a_virtual_robot_begins_with_what_the_last_one_left(tmp_path: Path) -> N
         "  set_standard_digital_out(0, True)\nend\n"
     )
     for count in (1, 2, 3):
-        robot = VirtualRobot("CS66", state=path)
+        robot = VirtualRobot("CS66", state_file=path)
         assert robot.signals["general_register[0]"] == count - 1
         assert not robot.signals["standard_digital_out[0]"]
         robot.run(program).check()
@@ -343,9 +343,17 @@ def test_a_virtual_robot_begins_with_what_the_last_one_left(tmp_path: Path) -> N
     assert StateFile(path).load() == {"flag[0]": True, "general_register[0]": 3}
 
 
+def test_a_robot_that_is_stepped_remembers_too(tmp_path: Path) -> None:
+    path = tmp_path / "state.json"
+    robot = VirtualRobot("CS66", state_file=path)
+    robot.start("def p():\n  set_flag(7, True)\n  sleep(10)\nend\n")
+    robot.advance(0.1)
+    assert StateFile(path).load() == {"flag[7]": True}
+
+
 def test_two_robots_do_not_overwrite_each_other(tmp_path: Path) -> None:
     path = tmp_path / "state.json"
-    first, second = VirtualRobot("CS66", state=path), VirtualRobot("CS66", state=path)
+    first, second = VirtualRobot("CS66", state_file=path), VirtualRobot("CS66", state_file=path)
     first.run("def p():\n  set_flag(1, True)\nend\n").check()
     with pytest.raises(UsageError, match="somebody else has changed it"):
         second.run("def p():\n  set_flag(2, True)\nend\n")

@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
         strict=options.strict,
         epoch_s=EPOCH_S if options.epoch is None else parse_epoch(options.epoch),
         cell=options.cell,
-        state=options.state,
+        state_file=options.state,
         on_event=report.event,
     )
     for name, value in signals.items():
