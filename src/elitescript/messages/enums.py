@@ -21,6 +21,7 @@ class RobotMode(IntEnum):
     BACK_DRIVE = 6
     RUNNING = 7
     UPDATING = 8
+    WAITING_CALIBRATION = 9
 
 
 POWERED = frozenset({RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE, RobotMode.BACK_DRIVE, RobotMode.RUNNING})

@@ -24,7 +24,7 @@ from elitescript.services.cycle import Cycle
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
+from elitescript.services.table import PORTS_PER_INSTANCE, services_of
 from elitescript.services.tcp import Listener, bind
 
 RTSI: Final = "rtsi"
@@ -66,6 +66,7 @@ class Station:
     __slots__ = (
         "_cycle",
         "_failure",
+        "_followers",
         "_is_lockstep",
         "_is_standing",
         "_keeper",
@@ -112,6 +113,7 @@ class Station:
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
+        self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
 
@@ -152,6 +154,10 @@ class Station:
         self._stepped.append(waiter)
         return await waiter
 
+    def follow(self, take: Callable[[Output], bool]) -> None:
+        """Call `take` with every output from the next one on, without a gap, until it returns False."""
+        self._followers.append(take)
+
     @property
     def overruns(self) -> int:
         """Ticks that began late."""
@@ -183,7 +189,7 @@ class Station:
             UsageError: a port cannot be had.
         """
         try:
-            for service in SERVICES:
+            for service in services_of(self.link.description.firmware):
                 bound = self._bound(service.name, host, numbers[service.name], (spares or {}).get(service.name))
                 connect = service.open(self.link.description)
                 self.listeners[service.name] = Listener(service, self, connect, bound)
@@ -328,6 +334,8 @@ class Station:
         self._hear(output)
         if self._keeper is not None:
             self._keeper.take(output.snapshot.signals)
+        if self._followers:
+            self._followers = [take for take in self._followers if take(output)]
         if self._stepped:
             waiters, self._stepped = self._stepped, []
             for waiter in waiters:
