@@ -187,6 +187,33 @@ class FakeLines:
         return self.answer is not None
 
 
+class FakeModbus:
+    """Signals that work and stand at zero.
+
+    Attributes:
+        asked: every call, in order.
+    """
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[Any, ...]] = []
+        self.codes = (0, 0)
+
+    def status(self, name: str) -> int:
+        self.asked.append(("status", name))
+        return 0
+
+    def errors(self, name: str) -> tuple[int, int]:
+        self.asked.append(("errors", name))
+        return self.codes
+
+    def invalid_s(self, name: str) -> float:
+        self.asked.append(("invalid_s", name))
+        return 0.0
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        return lambda *what, **more: self.asked.append((name, *what, *more.values()))
+
+
 class FakeRobot:
     """The robot that a command sees; `asked` holds what it wanted, in order."""
 
@@ -201,6 +228,7 @@ class FakeRobot:
         self.task_files: dict[str, bytes] = {}
         self.sockets = FakeSockets()
         self.lines = FakeLines()
+        self.modbus = FakeModbus()
         self._random = random.Random(7)
 
     def _ask(self, *what: Any) -> None:

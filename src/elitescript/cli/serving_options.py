@@ -65,6 +65,12 @@ def add_serve(
     serve.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="signal at the start; may be repeated"
     )
+    serve.add_argument(
+        "--state",
+        metavar="FILE",
+        help="remember registers, flags and general Modbus values in this file over restarts, as the robot does; of "
+        "further robots in files with a number in their names (default: nothing is remembered)",
+    )
     serve.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
     add_serial(serve)
     serve.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
