@@ -41,6 +41,8 @@ class FakeMachine:
         self.joint_temperatures: Six = (31.0, 32.0, 33.0, 34.0, 35.0, 36.0)
         self.controller_temperature = 41.5
         self.image: dict[tuple[str, int], Value] = {}
+        self.port_registers: dict[int, int] = {}
+        self.port_coils: dict[int, bool] = {}
         self.tested: list[tuple[Six, Any]] = []
 
     def joints(self) -> JointState:
@@ -85,6 +87,12 @@ class FakeMachine:
 
     def read(self, name: str, index: int = 0) -> Value:
         return self.image.get((name, index), SIGNALS[name].default)
+
+    def port_register(self, address: int, version: tuple[int, ...]) -> int:
+        return version[address - 63] if 63 <= address <= 65 else self.port_registers.get(address, 0)
+
+    def port_coil(self, address: int) -> bool:
+        return self.port_coils.get(address, False)
 
     def tool_pin(self, index: int) -> bool:
         return bool(self.read("tool_digital_in", index))
