@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.services import tcp
+from elitescript.services import listener
 from elitescript.services.broker import CHANNELS_MAX
 from elitescript.services.control_verbs import VERBS
 from elitescript.services.cycle import CATCH_UP_TICKS
@@ -42,7 +42,7 @@ def ports_page() -> str:
         "## What every port promises (*assumed*)",
         "",
         "- A message is one write, without delay (`TCP_NODELAY`).",
-        f"- Up to {tcp.CLIENTS_MAX} clients for each port.",
+        f"- Up to {listener.CLIENTS_MAX} clients for each port.",
         "- What arrives counts from the next tick of 4 ms; what a tick gives leaves at once.",
         "- A client that reads too slowly misses packages of its stream when more than",
         f"  {backlog} KiB wait for it. It is cut off when {most} KiB wait, or when it has taken nothing for",

@@ -11,7 +11,7 @@ import pytest
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
 from elitescript.services.broker import CHANNELS_MAX, Broker
-from elitescript.services.tcp import bind
+from elitescript.services.listener import bind
 from tests.services.served import run
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from elitescript.messages.outputs import Output
 from elitescript.protocol.rtsi import RtsiConnection
-from elitescript.services import tcp
+from elitescript.services import listener, tcp
 from tests.protocol import rtsi_client
 from tests.services.served import Peer, Scene, run, serving
 
@@ -128,7 +128,7 @@ def test_a_disconnect_in_the_middle_of_a_package_is_the_end_of_one_client() -> N
 
 
 def test_too_many_clients_are_turned_away(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tcp, "CLIENTS_MAX", 3)
+    monkeypatch.setattr(listener, "CLIENTS_MAX", 3)
 
     async def test() -> None:
         async with serving() as scene:

@@ -51,6 +51,8 @@ ON_TIME_S: Final = 0.8 * PERIOD_S
 """Whoever calls again sooner than this has time to make up for, and does not wait."""
 BEHIND_TICKS: Final = 3
 """Ticks behind which no output is waited for."""
+BUSY_TICKS: Final = 25
+"""Ticks behind which a child gets nothing more to do for clients until it has caught up."""
 TRACE_S: Final = 0.05
 """How long a child that is given up may take to say where it is."""
 READING_MAX_S: Final = 0.25
@@ -173,6 +175,12 @@ class ChildLink:
         """What never changes about the robot; known once the link is open."""
         assert self._description is not None, "the link is not open"
         return self._description
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether there is a child that keeps up."""
+        is_begun = self._child is not None and self._is_describing and not self._end_reason
+        return is_begun and not (self._unanswered and self._next - self._unanswered[0].tick > BUSY_TICKS)
 
     @property
     def pid(self) -> int:

@@ -35,6 +35,10 @@ class RobotLink(Protocol):
     def description(self) -> RobotDescription:
         """What never changes about the robot; known once the link is open."""
 
+    @property
+    def is_ready(self) -> bool:
+        """Whether the robot does at once what clients ask for; otherwise that had better wait."""
+
     async def open(self) -> None:
         """Bring the robot up."""
 
@@ -60,6 +64,10 @@ class InProcessLink:
     @property
     def description(self) -> RobotDescription:
         return self.robot.description
+
+    @property
+    def is_ready(self) -> bool:
+        return True
 
     async def open(self) -> None:
         """Nothing has to be brought up."""
