@@ -32,16 +32,16 @@ WAITING_MAX: Final = 50_000
 """Inputs that wait; who sends more than the robot does is slowed down long before."""
 PRICES_NS: Final[dict[type, int]] = {
     RunUnit: 500_000,
-    Interpret: 250_000,
-    Query: 250_000,
+    Interpret: 100_000,
+    Query: 100_000,
     PlayTask: 500_000,
     LoadTask: 250_000,
     LoadConfiguration: 250_000,
     SetVariable: 50_000,
     GetVariable: 50_000,
 }
-"""What an input costs the robot, about: compiling is dear."""
-PRICE_NS: Final = 15_000
+"""What an input costs the robot, about (*measured*): compiling is dear."""
+PRICE_NS: Final = 10_000
 """Of every other input."""
 BYTE_PRICE_NS: Final = 50
 """Of every byte of a program, besides."""

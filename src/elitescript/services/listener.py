@@ -25,8 +25,8 @@ LEAVING_MAX: Final = 256
 """Of one service, with those who are about to leave."""
 BACKLOG: Final = 512
 """Clients that the operating system holds until they are accepted."""
-ACCEPTS_PER_TICK: Final = 4
-"""Of one service: a thousand a second."""
+ACCEPTS_PER_TICK: Final = 8
+"""Of one service: two thousand a second, as long as there is time for it."""
 BURST_TICKS: Final = TICKS_PER_S
 """Without a refusal, after which a burst of them is over."""
 REPORT_TICKS: Final = 10 * TICKS_PER_S
@@ -103,7 +103,7 @@ class Listener:
         if self._accepted:
             self._accepted = 0
             if self._turn is not None:
-                self._hub.shares.wait(self, 0)
+                self._hub.shares.wait(self, is_light=True)
         if self._told < self.refused:
             tick = self._hub.output.tick
             if tick - self._refused_tick >= BURST_TICKS or tick - self._told_tick >= REPORT_TICKS:

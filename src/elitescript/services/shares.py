@@ -2,8 +2,8 @@
 
 Reading takes time that all clients need, for what they send must be decoded, and what it asks for must be done. In
 every tick there is `TICK_NS` for it. A client that takes little is read whenever it sends something. One that has used
-up its share waits, its bytes in its socket, until its turn comes: those who took little before those who took much,
-each in the order in which they came. What was spent beyond a tick is paid by the next ones, so that the robot and
+up its share waits, its bytes in its socket, until its turn comes: those who had sent no more than was read of them
+before the others, each in the order in which they came. What was spent beyond a tick is paid by the next ones, so that the robot and
 everybody else keep their time however many clients flood.
 
 What inputs cost the robot itself is no matter of this module: see `inbox`.
@@ -14,12 +14,10 @@ from __future__ import annotations
 from collections import deque
 from typing import Final, Protocol
 
-TICK_NS: Final = 1_000_000
+TICK_NS: Final = 1_500_000
 """Of every tick, for what all clients of a robot send."""
-SHARE_NS: Final = 250_000
+SHARE_NS: Final = 300_000
 """Of every tick, for what one client sends."""
-LIGHT_NS: Final = 100_000
-"""Who has taken no more in a tick comes before the others."""
 READ_MIN: Final = 128
 READ_MAX: Final = 4096
 """Bytes that are taken from a socket at once: as many as the share is expected to pay for."""
@@ -64,14 +62,22 @@ class Shares:
         """Whether who has used so much in this tick has to wait for its turn."""
         return own_ns > SHARE_NS or self.spent_ns > TICK_NS
 
-    def wait(self, who: Waiting, own_ns: int) -> None:
+    def size_for(self, ns_per_byte: float) -> int:
+        """Bytes to read at once from somebody whose bytes have cost so much."""
+        if self.spent_ns > TICK_NS:
+            return READ_MIN
+        if ns_per_byte * READ_MAX <= SHARE_NS:
+            return READ_MAX
+        return max(int(SHARE_NS / ns_per_byte), READ_MIN)
+
+    def wait(self, who: Waiting, *, is_light: bool) -> None:
         """Take a place in the queue.
 
         Args:
             who: waits; must not wait already.
-            own_ns: what it has used since its last turn.
+            is_light: it has sent no more than was read of it.
         """
-        (self._light if own_ns <= LIGHT_NS else self._heavy).append(who)
+        (self._light if is_light else self._heavy).append(who)
 
     def begin_tick(self) -> None:
         """There is time for reading again: those whose turn it is go on."""
@@ -84,10 +90,3 @@ class Shares:
             who = self._light.popleft() if self._light else self._heavy.popleft()
             left_ns -= who.expected_ns
             who.go_on()
-
-
-def size_for(ns_per_byte: float) -> int:
-    """Bytes to read at once from somebody whose bytes have cost so much."""
-    if ns_per_byte * READ_MAX <= SHARE_NS:
-        return READ_MAX
-    return max(int(SHARE_NS / ns_per_byte), READ_MIN)

@@ -23,15 +23,15 @@ from elitescript.messages.inputs import Input, VariablesArrived
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.connection import Connection, ProtocolError
-from elitescript.services.shares import READ_MAX, Shares, size_for
+from elitescript.services.shares import READ_MAX, SHARE_NS, Shares
 from elitescript.services.table import Service
 
 PATIENCE: Final = 4
 """Shares that a client may take which has sent no more than was read: who is not read is not seen to go either."""
 NS_PER_BYTE: Final = 250.0
 """What reading a byte of a client is taken to cost before any has been read."""
-HANDING_NS: Final = 8_000
-"""What it takes besides to hand one input on to the robot's process (*measured* once, not each time)."""
+HANDING_NS: Final = 3_000
+"""What handing one input on to the robot's process takes besides, about."""
 POSTED_MAX: Final = 250
 """Inputs of one client that may wait for the robot."""
 SAMPLE_BACKLOG: Final = 64 * 1024
@@ -84,6 +84,7 @@ class Client(asyncio.BufferedProtocol):
         "_deadline",
         "_forget",
         "_hub",
+        "_is_light",
         "_is_paused",
         "_is_silent",
         "_is_waiting",
@@ -109,6 +110,7 @@ class Client(asyncio.BufferedProtocol):
         self._size = READ_MAX
         self._ns_per_byte = NS_PER_BYTE
         self._transport: asyncio.Transport | None = None
+        self._is_light = True
         self._is_silent = False
         self._is_paused = False
         self._is_waiting = False
@@ -138,7 +140,7 @@ class Client(asyncio.BufferedProtocol):
         self._write()
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        self._size = size_for(self._ns_per_byte)
+        self._size = self._hub.shares.size_for(self._ns_per_byte)
         return self._buffer[: self._size]
 
     def buffer_updated(self, nbytes: int) -> None:
@@ -173,12 +175,14 @@ class Client(asyncio.BufferedProtocol):
         whole_ns, self._late_ns = spent_ns + self._late_ns, 0
         self._ns_per_byte = (self._ns_per_byte + whole_ns / size) / 2
         self._spent_ns += spent_ns
-        self.expected_ns = whole_ns
+        # Whoever has sent more than was read takes all that it gets.
+        self.expected_ns = whole_ns if size < self._size else max(whole_ns, SHARE_NS)
         self._hub.shares.charge(spent_ns)
 
     def _has_taken_enough(self, size: int) -> bool:
         """Whether the rest must wait for a later tick."""
-        patience = 1 if size == self._size else PATIENCE
+        self._is_light = size < self._size
+        patience = PATIENCE if self._is_light else 1
         if self._hub.shares.is_used_up(self._spent_ns // patience):
             return True
         return self._hub.waiting_of(self.origin) >= POSTED_MAX
@@ -278,7 +282,7 @@ class Client(asyncio.BufferedProtocol):
         """A tick has gone by: take a place among those who wait to be read."""
         if self._is_paused and not self._is_waiting and self._may_be_read():
             self._is_waiting = True
-            self._hub.shares.wait(self, self._spent_ns)
+            self._hub.shares.wait(self, is_light=self._is_light)
         self._spent_ns = 0
 
     def go_on(self) -> None:

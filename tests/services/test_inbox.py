@@ -1,0 +1,85 @@
+"""What waits for the robot: order, fairness, bounds."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from elitescript.messages.inputs import AddLog, ChannelClosed, ChannelData, Query, RunUnit
+from elitescript.services import inbox
+from elitescript.services.inbox import PRICES_NS, WORK_NS, Inbox, price_ns
+
+
+def programs(origin, count):
+    return [RunUnit(origin, "secondary", f"sec s():\n  x = {number}\nend\n") for number in range(count)]
+
+
+def test_what_fits_goes_in_as_it_came():
+    box = Inbox()
+    inputs = [AddLog("a", "1"), ChannelData(1, b"x"), AddLog("b", "2"), AddLog("a", "3")]
+    box.post(inputs[:2])
+    box.post(inputs[2:])
+    assert box.take() == inputs
+    assert box.take() == []
+
+
+def test_more_than_fits_is_spread_over_ticks_in_the_order_of_each_client():
+    random = Random(7)
+    box, sent = Inbox(), {"a": programs("a", 60), "b": programs("b", 40), "c": [AddLog("c", str(n)) for n in range(90)]}
+    left = {name: list(items) for name, items in sent.items()}
+    done = {name: [] for name in sent}
+    while any(left.values()) or len(box):
+        for name in random.sample(sorted(left), len(left)):
+            count = random.randrange(9)
+            box.post(left[name][:count])
+            del left[name][:count]
+        taken = box.take()
+        assert price_ns(taken[:-1]) <= WORK_NS
+        for item in taken:
+            done[item.origin].append(item)
+    assert done == sent
+
+
+def test_a_client_that_asks_little_is_not_behind_those_who_ask_much():
+    box = Inbox()
+    box.post(programs("flood", 500))
+    box.take()
+    for number in range(20):
+        box.post([AddLog("good", str(number))])
+        assert AddLog("good", str(number)) in box.take()
+    assert box.waiting_of("flood") > 300
+    assert box.waiting_of("good") == 0
+
+
+def test_questions_of_one_client_are_of_one_client():
+    box = Inbox()
+    box.post([Query(f"query#1/{number}", "1", "x") for number in range(200)])
+    box.take()
+    assert box.waiting_of("query#1") == 200 - WORK_NS // PRICES_NS[Query]
+
+
+def test_a_robot_that_is_away_gets_only_what_its_connections_send():
+    box = Inbox()
+    box.post([AddLog("a", "1"), ChannelData(1, b"x"), ChannelClosed(1)])
+    assert box.take(is_ready=False) == [ChannelData(1, b"x"), ChannelClosed(1)]
+    assert box.take(is_ready=False) == []
+    assert box.take() == [AddLog("a", "1")]
+
+
+def test_a_large_program_alone_goes_in():
+    box = Inbox()
+    large = RunUnit("a", "program", "x" * 1_000_000)
+    box.post([large, AddLog("a", "after")])
+    assert box.take() == [large]
+    assert box.take() == [AddLog("a", "after")]
+
+
+def test_what_finds_no_room_is_counted_and_never_of_a_connection(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(inbox, "WAITING_MAX", 3)
+    box = Inbox()
+    box.post([AddLog("a", "1"), AddLog("a", "2")])
+    box.post([AddLog("a", "3"), AddLog("a", "4"), ChannelClosed(7), AddLog("a", "5")])
+    box.post([AddLog("b", "6")])
+    assert box.refused == 3
+    assert sorted(box.take(), key=repr) == [*(AddLog("a", text) for text in "123"), ChannelClosed(7)]
