@@ -11,8 +11,8 @@ from elitescript.messages.events import TextMessage
 from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.machine import WriteSignal
 from elitescript.services import station
-from elitescript.services.table import NAMES
 from elitescript.services.listener import bind
+from elitescript.services.table import NAMES
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Scene, run, serving
 

@@ -3,8 +3,8 @@
 Reading takes time that all clients need, for what they send must be decoded, and what it asks for must be done. In
 every tick there is `TICK_NS` for it. A client that takes little is read whenever it sends something. One that has used
 up its share waits, its bytes in its socket, until its turn comes: those who had sent no more than was read of them
-before the others, each in the order in which they came. What was spent beyond a tick is paid by the next ones, so that the robot and
-everybody else keep their time however many clients flood.
+before the others, each in the order in which they came. What was spent beyond a tick is paid by the next ones, so that
+the robot and everybody else keep their time however many clients flood.
 
 What inputs cost the robot itself is no matter of this module: see `inbox`.
 """
