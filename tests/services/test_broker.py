@@ -185,7 +185,7 @@ def test_a_peer_that_ends_its_half_and_does_not_read_is_dropped(monkeypatch: pyt
 
     async def test() -> None:
         async with outside() as scene:
-            reader, writer = await scene.open(1)
+            _, writer = await scene.open(1)
             writer.transport.pause_reading()
             for _ in range(3):
                 scene.broker.carry_out([SendChannel(1, bytes(4 * CHANNEL_WINDOW))])

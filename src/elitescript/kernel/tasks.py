@@ -204,7 +204,7 @@ class Tasks:
         return done()
 
     def _start_fetched(self, fetch: Fetch) -> str:
-        """What keeps a task from starting ends the waiting too: nothing starts by itself after, say, an emergency stop."""
+        """What keeps a task from starting ends the waiting too: nothing starts by itself after an emergency stop."""
         controller = self._controller
         data = fetch.result(controller.tick)
         if controller.task.is_running:
