@@ -9,7 +9,8 @@ One JSON text a line:
     {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from that picture
     {"end": 2000}                                  the session ended before that tick
 
-Every line is written at once, so what a killed process leaves behind lacks at most the end of its last line.
+Lines are written by a thread (`journal_file`), so what a killed process leaves behind lacks at most what happened
+in the last moment before, and a full or slow disk ends the journal, not the session.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import platform
 from collections.abc import Iterator, Sequence
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, BinaryIO, Final
+from typing import Any, Final
 from zlib import crc32
 
 from elitescript import __version__
@@ -33,6 +34,7 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import Snapshot
 from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.journal_file import JournalFile
 
 FORMAT: Final = 1
 DIGEST_TICKS: Final = 250
@@ -67,14 +69,11 @@ class Journal:
         path: the file; one that is there is replaced.
         config: of the robot.
 
-    Attributes:
-        failure: why nothing more is written; empty while all is well.
-
     Raises:
         UsageError: the file exists, or cannot be written.
     """
 
-    __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_told", "_last_tick", "_output", "failure")
+    __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_over", "_is_told", "_last_tick", "_output")
 
     def __init__(self, path: Path, config: KernelConfig) -> None:
         self._codec = full_codec()
@@ -82,14 +81,9 @@ class Journal:
         self._output = self._codec.shape(Output)
         self._digest = Digest()
         self._last_tick = config.first_tick - 1
-        self.failure = ""
         self._is_told = False
-        if path.is_file():
-            raise UsageError(f"--journal {path}: the file exists; name another one, or remove it")
-        try:
-            self._file: BinaryIO | None = path.open("wb", buffering=0)
-        except OSError as error:
-            raise UsageError(f"--journal {path}: {error.strerror or error}") from error
+        self._is_over = False
+        self._file = JournalFile(path)
         self._write(
             {
                 "journal": FORMAT,
@@ -100,6 +94,11 @@ class Journal:
             }
         )
 
+    @property
+    def failure(self) -> str:
+        """Why nothing more is written; empty while all is well."""
+        return self._file.failure
+
     def tick(self, tick: int, inputs: Sequence[Input], answers: Sequence[Any], output: Output | bytes) -> None:
         """A tick is over.
 
@@ -109,7 +108,7 @@ class Journal:
             answers: what was said of files in it.
             output: what it gave, or the JSON text of it.
         """
-        if self._file is None:
+        if self.failure or self._is_over:
             return
         if inputs or answers:
             record: dict[str, Any] = {"tick": tick, "in": [self._inputs.encode(item) for item in inputs]}
@@ -144,12 +143,11 @@ class Journal:
 
     def close(self) -> None:
         """The session is over."""
-        if self._file is not None:
+        if not self._is_over:
+            self._is_over = True
             self._mark()
             self._write({"end": self._last_tick + 1})
-        if self._file is not None:
             self._file.close()
-            self._file = None
 
     def _mark(self) -> None:
         if self._digest.sums:
@@ -157,17 +155,7 @@ class Journal:
             self._write({"digest": self._last_tick, "hash": total, "ticks": sums})
 
     def _write(self, record: dict[str, Any]) -> None:
-        if self._file is None:
-            return
-        try:
-            data = memoryview(to_text(record).encode() + b"\n")
-            while data:
-                data = data[self._file.write(data) :]
-        except OSError as error:
-            # A full disk ends the journal, not the session.
-            self.failure = error.strerror or str(error)
-            self._file.close()
-            self._file = None
+        self._file.put(to_text(record).encode() + b"\n")
 
 
 class JournalReader:
@@ -213,11 +201,14 @@ class JournalReader:
             UsageError: a line in the middle that is none.
         """
         inputs, picture = self._codec.shape(Input), self._codec.shape(Snapshot)
+        last, has_end = self.config.first_tick - 1, False
         with self._path.open("rb") as file:
             file.readline(LINE_MAX)
             for number, line in enumerate(file, 2):
                 if not line.endswith(b"\n"):
-                    self.note = f"line {number} is not complete and was left out: the session ended in the middle of it"
+                    self.note = (
+                        f"the journal was cut off behind tick {last}: line {number} is not complete and was left out"
+                    )
                     return
                 try:
                     record = json.loads(line)
@@ -229,4 +220,8 @@ class JournalReader:
                         record["state"] = picture.decode(record["state"])
                 except (ValueError, TypeError, RecursionError, CodecError) as error:
                     raise UsageError(f"{self._path}: line {number}: {error}") from None
+                last = max([last, *(record[key] for key in ("tick", "digest") if type(record.get(key)) is int)])
+                has_end = has_end or "end" in record
                 yield record
+        if not has_end:
+            self.note = f"the journal was cut off behind tick {last}: it has no end mark"
