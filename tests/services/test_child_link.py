@@ -349,14 +349,14 @@ class TestLink:
             await link.tick(())
             children[0].end("it has ended")
             children[0].is_mute = True
-            sent = [RunUnit("primary#1", "secondary", f"sec s():\n  x = {number}\nend\n") for number in range(50)]
+            sent = [RunUnit("primary#1", "secondary", f"sec s():\n  x = {number}\nend\n") for number in range(100)]
             assert link.is_ready is False
-            for number in range(0, 50, 5):
-                await link.tick(sent[number : number + 5])
+            for number in range(0, 100, 10):
+                await link.tick(sent[number : number + 10])
             for _ in range(20):
                 await link.tick(())
             ticks = [data for letter, data in children[1].told if letter == frames.TICK]
-            assert max(len([item for item in data if item[0] == "RunUnit"]) for data in ticks) <= 10
+            assert max(len([item for item in data if item[0] == "RunUnit"]) for data in ticks) <= 40
             assert [item[3] for data in ticks for item in data if item[0] == "RunUnit"] == [one.text for one in sent]
             assert link.is_ready
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
+from elitescript.messages.inputs import ChannelClosed, Input
 from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChannel
-from elitescript.services.inbox import WORK_NS, price_ns
+from elitescript.services.inbox import CHANNEL_EVENTS, WORK_NS, price_ns
 
 HELD_MAX: Final = 50_000
 """Inputs of clients that wait while there is no child; more are refused. Who looks at `is_ready` never gets there."""
-
-_CHANNEL_EVENTS: Final = (ChannelOpened, ChannelData, ChannelCredit, ChannelClosed)
+PORTION_NS: Final = 5 * WORK_NS
+"""Price of what a child gets in a tick; more than an inbox gives, so that only what has piled up is spread."""
 
 
 class HeldInputs:
@@ -31,7 +31,7 @@ class HeldInputs:
     def add(self, inputs: Sequence[Input]) -> None:
         """Take inputs; what comes of connections that the child does not have is left out."""
         for item in inputs:
-            if isinstance(item, _CHANNEL_EVENTS):
+            if isinstance(item, CHANNEL_EVENTS):
                 if item.channel not in self._channels:
                     continue
                 if isinstance(item, ChannelClosed):
@@ -43,15 +43,15 @@ class HeldInputs:
 
     def put_first(self, inputs: Iterable[Input]) -> None:
         """These come before all that wait, apart from those of connections."""
-        self._inputs[:0] = [item for item in inputs if not isinstance(item, _CHANNEL_EVENTS)]
+        self._inputs[:0] = [item for item in inputs if not isinstance(item, CHANNEL_EVENTS)]
 
     def portion(self) -> list[Input]:
         """As much of what waits as a child can do in a tick."""
-        if price_ns(self._inputs) <= WORK_NS:
+        if price_ns(self._inputs) <= PORTION_NS:
             portion, self._inputs = self._inputs, []
             return portion
         price, count = 0, 0
-        while count < len(self._inputs) and price < WORK_NS:
+        while count < len(self._inputs) and price < PORTION_NS:
             price += price_ns((self._inputs[count],))
             count += 1
         portion = self._inputs[:count]
@@ -75,5 +75,5 @@ class HeldInputs:
         """The child is gone; what closes its connections."""
         requests = tuple(CloseChannel(channel) for channel in sorted(self._channels))
         self._channels.clear()
-        self._inputs = [item for item in self._inputs if not isinstance(item, _CHANNEL_EVENTS)]
+        self._inputs = [item for item in self._inputs if not isinstance(item, CHANNEL_EVENTS)]
         return requests

@@ -1,7 +1,8 @@
 """What waits for the robot: as much of it goes in at a tick as the robot can do in one.
 
-What a client asks for keeps its order. Between clients the inbox is fair: when more waits than fits, each client in
-turn gets one thing done. What peers of a program's connections send is not held up; it has windows of its own.
+What a client asks for keeps its order, and what one read of it has brought goes in together, so that no package of
+variables is torn apart. Between clients the inbox is fair: when more waits than fits, they take turns. What peers of a
+program's connections send is not held up; it has windows of its own.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ PRICE_NS: Final = 10_000
 BYTE_PRICE_NS: Final = 50
 """Of every byte of a program, besides."""
 
-_CHANNEL_EVENTS: Final = (ChannelOpened, ChannelData, ChannelCredit, ChannelClosed)
+CHANNEL_EVENTS: Final = (ChannelOpened, ChannelData, ChannelCredit, ChannelClosed)
 
 
 def price_ns(inputs: Iterable[Input]) -> int:
@@ -62,35 +63,39 @@ def price_ns(inputs: Iterable[Input]) -> int:
 class Inbox:
     """Inputs that wait for a tick.
 
+    Args:
+        work_ns: price of the inputs of one tick; what has begun to go in is not interrupted.
+
     Attributes:
         refused: inputs that found no room since the last time anybody asked.
     """
 
-    __slots__ = ("_held", "_new", "_waiting", "refused")
+    __slots__ = ("_count", "_held", "_new", "_work_ns", "refused")
 
-    def __init__(self) -> None:
-        self._new: list[Input] = []
-        self._held: dict[str, deque[Input]] = {}
+    def __init__(self, work_ns: float = WORK_NS) -> None:
+        self._work_ns = work_ns
+        self._new: list[list[Input]] = []
+        self._held: dict[str, deque[list[Input]]] = {}
         """By client; only while more waits than fits into a tick."""
-        self._waiting = 0
+        self._count = 0
         self.refused = 0
 
     def __len__(self) -> int:
-        return len(self._new) + self._waiting
+        return self._count
 
     def waiting_of(self, client: str) -> int:
         """How much of a client could not go in at the last tick."""
-        return len(self._held.get(client, ()))
+        return sum(map(len, self._held[client])) if client in self._held else 0
 
     def post(self, inputs: list[Input]) -> None:
-        """Take inputs; what does not fit is refused, and counted."""
-        room = WAITING_MAX - len(self)
-        if len(inputs) > room:
-            kept = [item for item in inputs if isinstance(item, _CHANNEL_EVENTS)]
-            others = [item for item in inputs if not isinstance(item, _CHANNEL_EVENTS)]
-            self.refused += max(len(others) - max(room, 0), 0)
-            inputs = kept + others[: max(room, 0)]
-        self._new += inputs
+        """Take inputs of one client, or of one connection of a program; what does not fit is refused, and counted."""
+        if not inputs:
+            return
+        if self._count + len(inputs) > WAITING_MAX and not isinstance(inputs[0], CHANNEL_EVENTS):
+            self.refused += len(inputs)
+            return
+        self._new.append(inputs)
+        self._count += len(inputs)
 
     def take(self, *, is_ready: bool = True) -> list[Input]:
         """What goes in at the next tick.
@@ -99,24 +104,25 @@ class Inbox:
             is_ready: whether the robot can do anything for clients just now.
         """
         new, self._new = self._new, []
-        if is_ready and not self._waiting and price_ns(new) <= WORK_NS:
-            return new
         taken: list[Input] = []
-        for item in new:
-            if isinstance(item, _CHANNEL_EVENTS):
-                taken.append(item)
-            else:
-                # Every question of a client has an origin of its own behind the name of the client.
-                self._held.setdefault(item.origin.partition("/")[0], deque()).append(item)
-                self._waiting += 1
-        left_ns = WORK_NS if is_ready else 0
-        while left_ns > 0 and self._held:
-            client = next(iter(self._held))
-            queue = self._held.pop(client)
-            item = queue.popleft()
-            taken.append(item)
-            self._waiting -= 1
-            left_ns -= price_ns((item,))
-            if queue:
-                self._held[client] = queue
+        if is_ready and not self._held and sum(map(price_ns, new)) <= self._work_ns:
+            for inputs in new:
+                taken += inputs
+        else:
+            for inputs in new:
+                if isinstance(inputs[0], CHANNEL_EVENTS):
+                    taken += inputs
+                else:
+                    # Every question of a client has an origin of its own behind the name of the client.
+                    self._held.setdefault(inputs[0].origin.partition("/")[0], deque()).append(inputs)
+            left_ns = self._work_ns if is_ready else 0
+            while left_ns > 0 and self._held:
+                client = next(iter(self._held))
+                queue = self._held.pop(client)
+                inputs = queue.popleft()
+                taken += inputs
+                left_ns -= price_ns(inputs)
+                if queue:
+                    self._held[client] = queue
+        self._count -= len(taken)
         return taken

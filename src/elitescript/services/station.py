@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import Any, Final
 
 from elitescript.errors import UsageError
@@ -95,7 +96,8 @@ class Station:
         self._is_lockstep = is_lockstep
         self._is_standing = False
         self._failure: Exception | None = None
-        self._inbox = Inbox()
+        # Time that waits for clients waits for what they ask, too.
+        self._inbox = Inbox(inf) if is_lockstep else Inbox()
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
