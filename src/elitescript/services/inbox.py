@@ -27,8 +27,8 @@ from elitescript.messages.inputs import (
     SetVariable,
 )
 
-WORK_NS: Final = 4_000_000
-"""Price of the inputs of one tick."""
+WORK_NS: Final = 2_000_000
+"""Price of the inputs of one tick: half of the tick."""
 WAITING_MAX: Final = 50_000
 """Inputs that wait; who sends more than the robot does is slowed down long before."""
 PRICES_NS: Final[dict[type, int]] = {
