@@ -362,7 +362,10 @@ class TestLink:
 
         with_link(body)
 
-    def test_children_that_end_again_and_again_are_started_later_each_time(self, children):
+    def test_children_that_end_again_and_again_are_started_later_each_time(self, children, monkeypatch):
+        monkeypatch.setattr(child_link, "PAUSES_TICKS", (0, 0, 0, 6, 12, 25, 50, 100))
+        monkeypatch.setattr(child_link, "CALM_TICKS", 60)
+
         async def body(link):
             await link.tick(())
             alarms, ticks = [], []
@@ -377,10 +380,10 @@ class TestLink:
                     waited += 1
                 await link.tick(())
                 ticks.append(waited)
-            assert ticks == [0, 0, 62, 125, 250, 500]
+            assert ticks == [0, 0, 6, 12, 25, 50]
             assert "later" not in alarms[1]
-            assert "after 3 times in a row it starts 0.248 s later" in alarms[2]
-            for _ in range(child_link.CALM_TICKS):
+            assert "after 3 times in a row it starts 0.024 s later" in alarms[2]
+            for _ in range(60):
                 await link.tick(())
             children[-1].end("it has ended")
             assert "later" not in (await link.tick(())).events[0].text

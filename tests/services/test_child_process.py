@@ -7,7 +7,6 @@ import gc
 import os
 import signal
 import sys
-import tracemalloc
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
@@ -24,7 +23,7 @@ from elitescript.services.child_link import ChildLink
 from elitescript.services.config_codec import full_codec
 from tests.protocol.snapshots import description, output
 
-LIMIT_S = 30.0
+LIMIT_S = 60.0
 MARK = 987654321
 SMALL_CHILD = Path(__file__).with_name("small_child.py")
 
@@ -127,16 +126,12 @@ def test_a_hundred_replaced_children_leave_nothing_behind(small, monkeypatch):
         for _ in range(5):
             await replaced(link)
         gc.collect()
-        tracemalloc.start()
-        files, before = len(os.listdir("/proc/self/fd")), tracemalloc.take_snapshot()  # noqa: PTH208
+        files, blocks = len(os.listdir("/proc/self/fd")), sys.getallocatedblocks()  # noqa: PTH208
         for _ in range(100):
             await replaced(link)
         gc.collect()
-        rows = tracemalloc.take_snapshot().compare_to(before, "filename")
-        grown = sum(row.size_diff for row in rows)
-        tracemalloc.stop()
+        assert sys.getallocatedblocks() - blocks < 1000
         assert len(os.listdir("/proc/self/fd")) == files  # noqa: PTH208
-        assert grown < 100_000
         children = Path(f"/proc/self/task/{os.getpid()}/children")
         if children.exists():
             assert len(children.read_text().split()) <= 2
