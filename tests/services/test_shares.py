@@ -111,11 +111,11 @@ class Hub:
         self.clients.append((client, wire))
         return SimpleNamespace(client=client, wire=wire, connection=connection)
 
-    def tick(self) -> None:
+    def tick(self, *, is_late: bool = False) -> None:
         """Publish, then let the event loop read whoever has something and is not held back."""
         for client, _ in self.clients:
             client.publish(self.output)
-        self.shares.begin_tick()
+        self.shares.begin_tick(is_late=is_late)
         before_ns = self.clock.ns
         while True:
             ready = [(client, wire) for client, wire in self.clients if wire.waiting and not wire.is_paused]
@@ -220,6 +220,20 @@ def test_who_has_gone_takes_no_turn(hub):
         hub.tick()
     assert floods[29].connection.read > read
     assert hub.shares.waiting <= 1
+
+
+def test_who_floods_waits_while_ticks_begin_late(hub):
+    floods = [hub.connect(300) for _ in range(10)]
+    spent = []
+    for is_late in (False, True):
+        for number in range(100):
+            for one in floods:
+                one.wire.waiting = 1_000_000
+            hub.tick(is_late=is_late)
+            if number == 20:
+                before_ns = hub.clock.ns
+        spent.append(hub.clock.ns - before_ns)
+    assert 0 < spent[1] < 0.2 * spent[0]
 
 
 def test_debts_are_not_for_ever():

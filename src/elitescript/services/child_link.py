@@ -2,8 +2,7 @@
 
 A tick is sent to the child, and its output taken, within the period. A child that is late is not waited for: clients
 see the last picture meanwhile, the ticks queue up, and the child makes up for them. One that is silent for too long
-(`patience`), ends or talks nonsense is killed and reported, and a fresh child goes on from the last picture. When that
-happens again and again, each time a little later.
+(`patience`), ends or talks nonsense is killed and reported; a fresh child goes on from the last picture, soon or later.
 """
 
 from __future__ import annotations
@@ -68,6 +67,8 @@ class _Sent:
 
     tick: int
     inputs: Sequence[Input]
+    text: str
+    """The inputs as JSON text."""
     answers: list[Any] = field(default_factory=list)
 
 
@@ -156,8 +157,7 @@ class ChildLink:
         self._end_reason = ""
         self._failure = ""
         self._given_up_s = 0.0
-        self._answered = self._boots = self._crashes = 0
-        self._restart_at = 0
+        self._answered = self._boots = self._crashes = self._restart_at = 0
         self._called_s = 0.0
         self._reading_s = 0.0
         self._replaced_because = ""
@@ -167,7 +167,7 @@ class ChildLink:
 
     @property
     def description(self) -> RobotDescription:
-        """What never changes about the robot; known once the link is open."""
+        """What never changes about the robot."""
         assert self._description is not None, "the link is not open"
         return self._description
 
@@ -200,7 +200,8 @@ class ChildLink:
                 self._child.kill()
         if self._description is None:
             reason = self._failure or self._end_reason or "it does not answer"
-            raise ElitescriptError(f"the robot's process did not come up: {reason}\n{self._log()}".rstrip())
+            log = "" if self._child is None else self._child.log
+            raise ElitescriptError(f"the robot's process did not come up: {reason}\n{log}".rstrip())
 
     async def tick(self, inputs: Sequence[Input]) -> Output:
         """Give the robot its inputs and return what it has had to say by now.
@@ -291,8 +292,9 @@ class ChildLink:
             self._outputs.add_own(Warned(tick, text))
         if not self._unanswered:
             self._patience.begin(self._child.worked_s())
-        self._unanswered.append(_Sent(tick, inputs))
-        self._child.send(frames.TICK, to_text([self._input_shape.encode(item) for item in inputs]))
+        text = to_text([self._input_shape.encode(item) for item in inputs])
+        self._unanswered.append(_Sent(tick, inputs, text))
+        self._child.send(frames.TICK, text)
 
     # ---------------------------------------------------------------- up
 
@@ -330,14 +332,13 @@ class ChildLink:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.tick}")
         self._boots = 0
         self._answered += 1
-        if self._answered >= CALM_TICKS:
-            self._crashes = 0
+        self._crashes = 0 if self._answered >= CALM_TICKS else self._crashes
         self._given_up_s = 0.0
         self._patience.begin(None if self._child is None else self._child.worked_s())
         self._outputs.add(output)
         self._held.note(output.requests)
         if self._journal is not None:
-            self._journal.tick(sent.tick, sent.inputs, sent.answers, self._reader.text().encode())
+            self._journal.tick(sent.tick, sent.text, sent.answers, self._reader.text().encode())
             self._outputs.add_own(*self._journal.take_warning(sent.tick))
 
     def _take_question(self, text: bytes) -> None:
@@ -400,8 +401,8 @@ class ChildLink:
             ElitescriptError: too many have ended before they have answered anything.
         """
         if self._boots >= BOOTS_MAX:
-            why = self._replaced_because
-            raise ElitescriptError(f"the robot's process ended {self._boots} times before it answered: {why}")
+            text = f"the robot's process ended {self._boots} times before it answered: {self._replaced_because}"
+            raise ElitescriptError(text)
         try:
             self._start_child()
         except UsageError as error:
@@ -425,9 +426,6 @@ class ChildLink:
         if state is not None and state.task_state is not TaskState.STOPPED:
             name = "" if last is None else last.task.running
             self._outputs.add_own(TaskStateChanged(tick, TaskState.STOPPED, name))
-
-    def _log(self) -> str:
-        return "" if self._child is None else self._child.log
 
     # ---------------------------------------------------------------- waiting
 

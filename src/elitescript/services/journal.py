@@ -40,6 +40,7 @@ FORMAT: Final = 1
 DIGEST_TICKS: Final = 250
 """Ticks between two digests, one second."""
 LINE_MAX: Final = 64 * 1024 * 1024
+_NOTHING: Final = to_text([])
 
 
 class Digest:
@@ -99,22 +100,21 @@ class Journal:
         """Why nothing more is written; empty while all is well."""
         return self._file.failure
 
-    def tick(self, tick: int, inputs: Sequence[Input], answers: Sequence[Any], output: Output | bytes) -> None:
+    def tick(self, tick: int, inputs: Sequence[Input] | str, answers: Sequence[Any], output: Output | bytes) -> None:
         """A tick is over.
 
         Args:
             tick: its number.
-            inputs: what it was given.
+            inputs: what it was given, or the JSON text of it.
             answers: what was said of files in it.
             output: what it gave, or the JSON text of it.
         """
         if self.failure or self._is_over:
             return
-        if inputs or answers:
-            record: dict[str, Any] = {"tick": tick, "in": [self._inputs.encode(item) for item in inputs]}
-            if answers:
-                record["asked"] = list(answers)
-            self._write(record)
+        given = inputs if isinstance(inputs, str) else to_text([self._inputs.encode(item) for item in inputs])
+        if given != _NOTHING or answers:
+            asked = f',"asked":{to_text(list(answers))}' if answers else ""
+            self._file.put(f'{{"tick":{tick},"in":{given}{asked}}}\n'.encode())
         text = output if isinstance(output, bytes) else output_text(self._output, output).encode()
         self._digest.add(text)
         self._last_tick = tick

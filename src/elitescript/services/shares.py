@@ -4,7 +4,8 @@ Reading takes time that all clients need, for what they send must be decoded, an
 every tick there is `TICK_NS` for it. A client that takes little is read whenever it sends something. One that has used
 up its share waits, its bytes in its socket, until its turn comes: those who had sent no more than was read of them
 before the others, each in the order in which they came. What was spent beyond a tick is paid by the next ones, so that
-the robot and everybody else keep their time however many clients flood.
+the robot and everybody else keep their time however many clients flood. While ticks begin late, because the computer
+has other work too, there is less of it.
 
 What inputs cost the robot itself is no matter of this module: see `inbox`.
 """
@@ -16,6 +17,8 @@ from typing import Final, Protocol
 
 TICK_NS: Final = 1_500_000
 """Of every tick, for what all clients of a robot send."""
+LATE_NS: Final = TICK_NS // 10
+"""The same while ticks begin late."""
 SHARE_NS: Final = 300_000
 """Of every tick, for what one client sends."""
 READ_MIN: Final = 128
@@ -42,10 +45,11 @@ class Shares:
         spent_ns: of this tick, with what the ticks before have left to pay.
     """
 
-    __slots__ = ("_heavy", "_light", "spent_ns")
+    __slots__ = ("_heavy", "_light", "_tick_ns", "spent_ns")
 
     def __init__(self) -> None:
         self.spent_ns = 0
+        self._tick_ns = TICK_NS
         self._light: deque[Waiting] = deque()
         self._heavy: deque[Waiting] = deque()
 
@@ -60,11 +64,11 @@ class Shares:
 
     def is_used_up(self, own_ns: int) -> bool:
         """Whether who has used so much in this tick has to wait for its turn."""
-        return own_ns > SHARE_NS or self.spent_ns > TICK_NS
+        return own_ns > SHARE_NS or self.spent_ns > self._tick_ns
 
     def size_for(self, ns_per_byte: float) -> int:
         """Bytes to read at once from somebody whose bytes have cost so much."""
-        if self.spent_ns > TICK_NS:
+        if self.spent_ns > self._tick_ns:
             return READ_MIN
         if ns_per_byte * READ_MAX <= SHARE_NS:
             return READ_MAX
@@ -79,10 +83,15 @@ class Shares:
         """
         (self._light if is_light else self._heavy).append(who)
 
-    def begin_tick(self) -> None:
-        """There is time for reading again: those whose turn it is go on."""
-        self.spent_ns = min(max(self.spent_ns - TICK_NS, 0), DEBT_MAX_TICKS * TICK_NS)
-        left_ns = TICK_NS - self.spent_ns
+    def begin_tick(self, *, is_late: bool = False) -> None:
+        """There is time for reading again: those whose turn it is go on.
+
+        Args:
+            is_late: the tick began late.
+        """
+        self.spent_ns = min(max(self.spent_ns - self._tick_ns, 0), DEBT_MAX_TICKS * TICK_NS)
+        self._tick_ns = LATE_NS if is_late else TICK_NS
+        left_ns = self._tick_ns - self.spent_ns
         # Whoever goes on may take a place again at once; that is a turn of a later tick.
         turns = self.waiting
         while turns and left_ns > 0:

@@ -71,6 +71,7 @@ class Station:
         "_is_standing",
         "_listen",
         "_news",
+        "_overruns_before",
         "_relief",
         "_stepped",
         "_task",
@@ -95,6 +96,7 @@ class Station:
         self._listen = listen
         self._is_lockstep = is_lockstep
         self._is_standing = False
+        self._overruns_before = 0
         self._failure: Exception | None = None
         # Time that waits for clients waits for what they ask, too.
         self._inbox = Inbox(inf) if is_lockstep else Inbox()
@@ -320,7 +322,9 @@ class Station:
         """Everybody has got the tick; now there is time for what clients send."""
         for listener in self.listeners.values():
             listener.begin_tick()
-        self.shares.begin_tick()
+        overruns = self.overruns
+        self.shares.begin_tick(is_late=overruns > self._overruns_before)
+        self._overruns_before = overruns
 
     def _hear(self, output: Output) -> None:
         for event in output.events:

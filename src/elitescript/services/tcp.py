@@ -30,7 +30,7 @@ PATIENCE: Final = 4
 """Shares that a client may take which has sent no more than was read: who is not read is not seen to go either."""
 NS_PER_BYTE: Final = 250.0
 """What reading a byte of a client is taken to cost before any has been read."""
-HANDING_NS: Final = 3_000
+HANDING_NS: Final = 5_000
 """What handing one input on to the robot's process takes besides, about."""
 POSTED_MAX: Final = 250
 """Inputs of one client that may wait for the robot."""
