@@ -350,7 +350,7 @@ class TestLink:
             children[0].end("it has ended")
             children[0].is_mute = True
             sent = [RunUnit("primary#1", "secondary", f"sec s():\n  x = {number}\nend\n") for number in range(100)]
-            assert link.is_ready is False
+            assert link.room is None
             for number in range(0, 100, 10):
                 await link.tick(sent[number : number + 10])
             for _ in range(20):
@@ -358,7 +358,7 @@ class TestLink:
             ticks = [data for letter, data in children[1].told if letter == frames.TICK]
             assert max(len([item for item in data if item[0] == "RunUnit"]) for data in ticks) <= 40
             assert [item[3] for data in ticks for item in data if item[0] == "RunUnit"] == [one.text for one in sent]
-            assert link.is_ready
+            assert link.room == 1.0
 
         with_link(body)
 
@@ -375,7 +375,7 @@ class TestLink:
                 alarms.append((await link.tick(())).events[0].text)
                 waited = 0
                 while len(children) == known:
-                    assert not link.is_ready
+                    assert link.room is None
                     assert (await link.tick([Do("a", WriteSignal("flag", 0, True))])).events == ()
                     waited += 1
                 await link.tick(())

@@ -43,8 +43,8 @@ ON_TIME_S: Final = 0.8 * PERIOD_S
 """Whoever calls again sooner than this has time to make up for, and does not wait."""
 BEHIND_TICKS: Final = 3
 """Ticks behind which no output is waited for."""
-BUSY_TICKS: Final = 25
-"""Ticks behind which a child gets nothing more to do for clients until it has caught up."""
+BUSY_TICKS: Final = 10
+"""Ticks behind which a child gets nothing that is much work until it has caught up."""
 TRACE_S: Final = 0.05
 """How long a child that is given up may take to say where it is."""
 READING_MAX_S: Final = 0.25
@@ -172,10 +172,12 @@ class ChildLink:
         return self._description
 
     @property
-    def is_ready(self) -> bool:
-        """Whether there is a child that keeps up."""
-        is_begun = self._child is not None and self._is_describing and not self._end_reason and not self._held
-        return is_begun and not (self._unanswered and self._next - self._unanswered[0].tick > BUSY_TICKS)
+    def room(self) -> float | None:
+        """Share of a tick's work for clients that the child can do: less, the more it is behind; None without one."""
+        if self._child is None or not self._is_describing or self._end_reason or len(self._held):
+            return None
+        late = self._next - self._unanswered[0].tick if self._unanswered else 0
+        return 1.0 if late <= BEHIND_TICKS else max(0.0, 1.0 - late / BUSY_TICKS)
 
     @property
     def pid(self) -> int:

@@ -10,7 +10,7 @@ from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChann
 from elitescript.services.inbox import CHANNEL_EVENTS, WORK_NS, price_ns
 
 HELD_MAX: Final = 50_000
-"""Inputs of clients that wait while there is no child; more are refused. Who looks at `is_ready` never gets there."""
+"""Inputs of clients that wait while there is no child; more are refused. Who looks at `room` never gets there."""
 PORTION_NS: Final = 10 * WORK_NS
 """Price of what a child gets in a tick; more than an inbox gives, so that only what has piled up is spread."""
 

@@ -1,8 +1,8 @@
 """What waits for the robot: as much of it goes in at a tick as the robot can do in one.
 
 What a client asks for keeps its order, and what one read of it has brought goes in together, so that no package of
-variables is torn apart. Between clients the inbox is fair: when more waits than fits, they take turns. What peers of a
-program's connections send is not held up; it has windows of its own.
+variables is torn apart. Between clients the inbox is fair: when more waits than fits, those who ask for little come
+first, and the others take turns. What peers of a program's connections send is not held up; it has windows of its own.
 """
 
 from __future__ import annotations
@@ -29,12 +29,15 @@ from elitescript.messages.inputs import (
 
 WORK_NS: Final = 2_000_000
 """Price of the inputs of one tick: half of the tick."""
+DEBT_MAX_NS: Final = 100 * WORK_NS
+"""What goes in beyond that is paid by the next ticks, this much at most."""
 WAITING_MAX: Final = 50_000
 """Inputs that wait; who sends more than the robot does is slowed down long before."""
 PRICES_NS: Final[dict[type, int]] = {
     RunUnit: 500_000,
-    Interpret: 100_000,
-    Query: 100_000,
+    Interpret: 250_000,
+    # The robot evaluates about one in a tick.
+    Query: 2_000_000,
     PlayTask: 500_000,
     LoadTask: 250_000,
     LoadConfiguration: 250_000,
@@ -44,6 +47,8 @@ PRICES_NS: Final[dict[type, int]] = {
 """What an input costs the robot, about (*measured*): compiling is dear."""
 PRICE_NS: Final = 10_000
 """Of every other input."""
+DEAR_NS: Final = 100_000
+"""What costs as much goes in by itself; who waits with less than this in all comes before the others."""
 BYTE_PRICE_NS: Final = 50
 """Of every byte of a program, besides."""
 
@@ -70,11 +75,12 @@ class Inbox:
         refused: inputs that found no room since the last time anybody asked.
     """
 
-    __slots__ = ("_count", "_held", "_new", "_work_ns", "refused")
+    __slots__ = ("_count", "_debt_ns", "_held", "_new", "_work_ns", "refused")
 
     def __init__(self, work_ns: float = WORK_NS) -> None:
         self._work_ns = work_ns
         self._new: list[list[Input]] = []
+        self._debt_ns = 0.0
         self._held: dict[str, deque[list[Input]]] = {}
         """By client; only while more waits than fits into a tick."""
         self._count = 0
@@ -97,15 +103,15 @@ class Inbox:
         self._new.append(inputs)
         self._count += len(inputs)
 
-    def take(self, *, is_ready: bool = True) -> list[Input]:
+    def take(self, room: float | None = 1.0) -> list[Input]:
         """What goes in at the next tick.
 
         Args:
-            is_ready: whether the robot can do anything for clients just now.
+            room: share of a tick's work that the robot can do, 0 to 1; None if it can do nothing at all just now.
         """
         new, self._new = self._new, []
         taken: list[Input] = []
-        if is_ready and not self._held and sum(map(price_ns, new)) <= self._work_ns:
+        if room == 1.0 and not self._held and not self._debt_ns and sum(map(price_ns, new)) <= self._work_ns:
             for inputs in new:
                 taken += inputs
         else:
@@ -114,15 +120,42 @@ class Inbox:
                     taken += inputs
                 else:
                     # Every question of a client has an origin of its own behind the name of the client.
-                    self._held.setdefault(inputs[0].origin.partition("/")[0], deque()).append(inputs)
-            left_ns = self._work_ns if is_ready else 0
-            while left_ns > 0 and self._held:
-                client = next(iter(self._held))
-                queue = self._held.pop(client)
-                inputs = queue.popleft()
-                taken += inputs
-                left_ns -= price_ns(inputs)
-                if queue:
-                    self._held[client] = queue
+                    self._hold(inputs[0].origin.partition("/")[0], inputs)
+            if room is not None:
+                self._take_small(taken)
+                self._take_in_turns(taken, room)
         self._count -= len(taken)
         return taken
+
+    def _hold(self, client: str, inputs: list[Input]) -> None:
+        queue = self._held.setdefault(client, deque())
+        together: list[Input] = []
+        for item in inputs:
+            if price_ns((item,)) < DEAR_NS:
+                together.append(item)
+                continue
+            if together:
+                queue.append(together)
+                together = []
+            queue.append([item])
+        if together:
+            queue.append(together)
+
+    def _take_small(self, taken: list[Input]) -> None:
+        """Clients that ask for little, of which there is nothing else."""
+        for client, queue in list(self._held.items()):
+            if len(queue) == 1 and price_ns(queue[0]) < DEAR_NS:
+                taken += queue[0]
+                del self._held[client]
+
+    def _take_in_turns(self, taken: list[Input], room: float) -> None:
+        left_ns = self._work_ns * room - self._debt_ns
+        while left_ns > 0 and self._held:
+            client = next(iter(self._held))
+            queue = self._held.pop(client)
+            inputs = queue.popleft()
+            taken += inputs
+            left_ns -= price_ns(inputs)
+            if queue:
+                self._held[client] = queue
+        self._debt_ns = min(max(-left_ns, 0.0), DEBT_MAX_NS)

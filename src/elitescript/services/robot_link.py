@@ -36,8 +36,8 @@ class RobotLink(Protocol):
         """What never changes about the robot; known once the link is open."""
 
     @property
-    def is_ready(self) -> bool:
-        """Whether the robot does at once what clients ask for; otherwise that had better wait."""
+    def room(self) -> float | None:
+        """Share of a tick's work for clients that the robot can do, 0 to 1; None if it is not there just now."""
 
     async def open(self) -> None:
         """Bring the robot up."""
@@ -66,8 +66,8 @@ class InProcessLink:
         return self.robot.description
 
     @property
-    def is_ready(self) -> bool:
-        return True
+    def room(self) -> float | None:
+        return 1.0
 
     async def open(self) -> None:
         """Nothing has to be brought up."""

@@ -296,7 +296,7 @@ class Station:
     def _taken(self) -> list[Input]:
         if self._inbox.refused:
             self._tell_refused()
-        return self._inbox.take(is_ready=self.link.is_ready)
+        return self._inbox.take(self.link.room)
 
     def _tell_refused(self) -> None:
         count, self._inbox.refused = self._inbox.refused, 0
