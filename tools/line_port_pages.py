@@ -3,13 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from textwrap import wrap
 from typing import Any
 
+from elitescript.kernel.interpreter_logs import (
+    DELAY_TICKS,
+    EXECUTION_NAME,
+    OLD_SUFFIX,
+    RECEIVED_NAME,
+    SIZE_MAX,
+)
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol import dashboard, dashboard_answers, interpreter, query
 from elitescript.protocol.dashboard_verbs import VERBS
 from tools.markdown import NOTICE, cell, code
+
+WIDTH = 118
+"""Characters of a line of prose."""
+INTERPRETER_NOTES = (
+    "Every line gets one reply: `ack` or `discard`, or the `state` it asks for; `skipbuffer`, `abort` and empty lines "
+    "get none. A statement that was accepted may be discarded later, for one of the last three reasons. Replies come "
+    "in the order of the lines; what waits for `clear_interpreter()` is answered after it.",
+    "**Exceptions.** An exception that a statement does not catch leaves `interpreter_mode()` at the place of its "
+    "call, and the session is over. Usually that stops the program: port 30001 gets a script exception with the line "
+    "of the call and the text of the error, statements that wait get `discard: Cleaned up after end`, later ones "
+    "`discard: Task is in an invalid state`. A program that catches it with `try` around the call goes on. *Assumed.*",
+    "**Restart.** A statement that holds the controller up, a call into Python's own functions that does not come "
+    "back, ends with it: the controller is restarted, lines that had no reply by then get the one they would get "
+    "without a program, and statements that were accepted are gone without another word.",
+    f"**Logs.** The task folder gets two of them: `{RECEIVED_NAME}`, every line that came with what its client was "
+    f"told, and `{EXECUTION_NAME}`, the number and text of each statement when it is begun and how it ended: done, "
+    f"failed, stopped with its program, or skipped. They are at most {DELAY_TICKS / TICKS_PER_S:g} s behind. One "
+    f"that has reached {SIZE_MAX // 1024} KiB gets `{OLD_SUFFIX}` at the end of its name, in the place of an older "
+    "one, and a new one begins. Two logs are documented; their names, form and size are assumed.",
+)
 
 
 def dashboard_page() -> str:
@@ -86,6 +114,7 @@ def interpreter_page() -> str:
         f"line is a statement, or several parted by `;`, of at most {interpreter.LINE_LIMIT} bytes; at most",
         f"{interpreter.QUEUE_LIMIT} wait.",
         "",
+        *(line for paragraph in INTERPRETER_NOTES for line in (*wrap(paragraph, WIDTH), "")),
         "| reply | when | evidence |",
         "|---|---|---|",
         f"| `{interpreter.acknowledged(1, 'STATEMENT')}` | The statement is accepted; numbers count from 1. |"

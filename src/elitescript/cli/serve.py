@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import contextlib
 import os
 import signal
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
 from elitescript.cli import jsonlines
+from elitescript.cli.last_resort import last_resort
 from elitescript.cli.report import JsonReport, Report, TextReport
 from elitescript.cli.settings import parse_joints, parse_settings
 from elitescript.cli.terminal import PatientStream, TaggedStream
@@ -37,10 +40,24 @@ def serve(options: argparse.Namespace) -> int:
     configs = robot_configs(options)
     numbers = [port_numbers(options.instance, chosen_ports(options.port), robot=index) for index in range(len(configs))]
     _check_host(options)
-    out, err = PatientStream(sys.stdout), PatientStream(sys.stderr)
+    if not is_in_process(options):
+        return _run(options, configs, numbers, _on_signals)
+    # Programs run in this process, and may keep it from hearing signals.
+    with last_resort("elitescript serve") as listen:
+        return _run(options, configs, numbers, lambda stop: listen(_threadsafe(stop)))
+
+
+def _run(
+    options: argparse.Namespace,
+    configs: list[KernelConfig],
+    numbers: list[dict[str, int]],
+    on_signals: Callable[[asyncio.Event], None],
+) -> int:
+    out = PatientStream(sys.stdout, told_to_programs) if options.json else PatientStream(sys.stdout)
+    err = PatientStream(sys.stderr)
     try:
         log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
-        asyncio.run(_serve(options, configs, numbers, log))
+        asyncio.run(_serve(options, configs, numbers, log, on_signals))
     finally:
         out.close()
         err.close()
@@ -48,10 +65,14 @@ def serve(options: argparse.Namespace) -> int:
 
 
 async def _serve(
-    options: argparse.Namespace, configs: list[KernelConfig], numbers: list[dict[str, int]], log: Log
+    options: argparse.Namespace,
+    configs: list[KernelConfig],
+    numbers: list[dict[str, int]],
+    log: Log,
+    on_signals: Callable[[asyncio.Event], None],
 ) -> None:
     stop = asyncio.Event()
-    _on_signals(stop)
+    on_signals(stop)
     is_lockstep = options.lockstep is not None
     stations = [
         Station(config.robot_id, make_link(options, config, index), log.take, is_lockstep=is_lockstep)
@@ -183,11 +204,26 @@ def _why_not_jailed(options: argparse.Namespace) -> str:
 def _on_signals(stop: asyncio.Event) -> None:
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
-        try:
-            loop.add_signal_handler(number, stop.set)
-        except NotImplementedError:
-            # The loops of some systems cannot; there a signal interrupts the loop at its next turn.
-            signal.signal(number, lambda *_: loop.call_soon_threadsafe(stop.set))
+        loop.add_signal_handler(number, stop.set)
+
+
+def _threadsafe(stop: asyncio.Event) -> Callable[[], None]:
+    """Sets the event from wherever a signal interrupts this process."""
+    loop = asyncio.get_running_loop()
+
+    def set_stop() -> None:
+        with contextlib.suppress(RuntimeError):
+            # The loop is closed: it has stopped already.
+            loop.call_soon_threadsafe(stop.set)
+
+    return set_stop
+
+
+def told_to_programs(count: int) -> str:
+    """The line in the place of lines that were left out."""
+    text = f"{count} lines are missing here: they came faster than they could be printed"
+    record = {"type": "serve", "what": "missing", "level": "problem", "text": text, "count": count}
+    return jsonlines.line(record) + "\n"
 
 
 class Log:

@@ -14,6 +14,7 @@ from elitescript.controller.signal_view import Signals
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.config import KernelConfig, describe
 from elitescript.kernel.conversations import Conversations
+from elitescript.kernel.interpreter_logs import InterpreterLogs
 from elitescript.kernel.programs import Programs
 from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
@@ -61,7 +62,8 @@ class Kernel:
 
     Args:
         config: what it is.
-        world: everything outside its programs. Its network is not used: what programs ask of one is in the output.
+        world: everything outside its programs, with the logs of interpreter mode in its task folder. Its network is
+            not used: what programs ask of one is in the output.
 
     Attributes:
         description: what never changes about it.
@@ -79,6 +81,7 @@ class Kernel:
         "_host",
         "_is_popup_blocking",
         "_is_remote",
+        "_logs",
         "_pictures",
         "_popup",
         "_programs",
@@ -113,7 +116,8 @@ class Kernel:
             confirms_popups=False,
         )
         self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=outside)
-        self._conversations = Conversations(self._host, self._reply)
+        self._logs = None if world is None else InterpreterLogs(world.files)
+        self._conversations = Conversations(self._host, self._reply, self._logs)
         self._pictures = Pictures(self._controller)
         self._programs = Programs(self._controller, self._host, is_strict=config.strict)
         self._tasks = Tasks(
@@ -139,8 +143,12 @@ class Kernel:
             What happened in it, and the machine as it is then.
         """
         controller = self._controller
+        tick, logs = controller.tick, self._logs
+        if logs is not None:
+            logs.begin_tick(tick)
         controller.run_tick(lambda: self._take(inputs))
-        tick = controller.tick
+        if logs is not None and (trouble := logs.end_tick()):
+            self._emit(Warned(tick, trouble))
         snapshot = self._pictures.picture(
             self._task_picture(), self._popup, is_remote=self._is_remote, overruns=self.overruns
         )

@@ -13,6 +13,7 @@ from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import RunUnit
+from elitescript.runtime.bindings import is_known
 from elitescript.runtime.host import SECONDARY_WARNING, ScriptHost
 
 PROBLEMS_MAX: Final = 20
@@ -106,7 +107,7 @@ class Programs:
         except SyntaxError:
             return ""
         first = body[0].value if body and isinstance(body[0], ast.Expr) else None
-        if isinstance(first, ast.Call) and isinstance(first.func, ast.Name) and not self._host.knows(first.func.id):
+        if isinstance(first, ast.Call) and isinstance(first.func, ast.Name) and not is_known(first.func.id):
             return first.func.id
         return ""
 

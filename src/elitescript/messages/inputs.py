@@ -115,6 +115,8 @@ class Interpret:
 
     origin: str
     text: str
+    problem: str = ""
+    """Why it cannot be a statement, whatever it says; empty if it can. The text is its beginning then."""
 
 
 @dataclass(frozen=True, slots=True)

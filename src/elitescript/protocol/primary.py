@@ -24,6 +24,7 @@ from elitescript.protocol.primary_messages import (
     TERMINATOR,
     WARNING,
     Note,
+    NoteQueue,
     error_note,
     exception_note,
     note_of,
@@ -33,8 +34,6 @@ from elitescript.protocol.primary_packets import ASSUMED, DOCUMENTED, SUB_MESSAG
 
 SPACING_TICKS: Final = 7
 """Between two robot messages: with ten states they stay below 50 messages a second."""
-MAX_WAITING: Final = 32
-"""Robot messages that may wait for a client; they have left after 0.9 s. Vital ones displace others."""
 UNITS_PER_TICK: Final = 2
 """Units of one client that begin in one tick, about 2 ms of work; more have to wait for the next. *Assumed.*"""
 MAX_UNITS_AT_ONCE: Final = 100
@@ -152,7 +151,6 @@ class PrimaryConnection(Connection):
         "_tick",
         "_units_in_tick",
         "_waiting",
-        "dropped",
     )
 
     def __init__(self, origin: str, description: RobotDescription, feed: PrimaryFeed | None = None) -> None:
@@ -171,10 +169,8 @@ class PrimaryConnection(Connection):
         self._units_in_tick = 0
         self._next_state_at = 0
         self._next_note_at = 0
-        self._waiting: deque[Note] = deque()
+        self._waiting = NoteQueue(self._feed.terminator)
         self._due: list[Input] = []
-        self.dropped = 0
-        """Robot messages that this client has missed because too many waited."""
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         if not self._feed.port.takes_programs or not data:
@@ -193,12 +189,12 @@ class PrimaryConnection(Connection):
         self._note_tick(output)
         if self._feed.port.sends_messages:
             if self._feed.sends_version and not self._is_greeted:
-                self._wait(version_note(output.tick, self.description, self._feed.terminator))
+                self._waiting.put(version_note(output.tick, self.description, self._feed.terminator), output.tick)
             for note in self._feed.notes(output):
-                self._wait(note)
+                self._waiting.put(note, output.tick)
         self._is_greeted = True
         if self._waiting and output.tick >= self._next_note_at:
-            self.send(self._waiting.popleft().data)
+            self.send(self._waiting.take())
             self._next_note_at = output.tick + SPACING_TICKS
         if output.tick >= self._next_state_at:
             self.send(self._feed.state(output))
@@ -270,7 +266,8 @@ class PrimaryConnection(Connection):
             if request is not None:
                 return Do(self.origin, request)
         if unit.damaged and self._feed.port.sends_messages:
-            self._wait(error_note(self._tick, WARNING, _DAMAGED, terminator=self._feed.terminator))
+            note = error_note(self._tick, WARNING, _DAMAGED, terminator=self._feed.terminator)
+            self._waiting.put(note, self._tick)
         # Lines of alarms count from the unit's own first line, whatever came before it in the stream.
         return RunUnit(self.origin, unit.kind, unit.text)
 
@@ -281,7 +278,7 @@ class PrimaryConnection(Connection):
     def _refuse(self, line: int, column: int, text: str) -> Input:
         """Tell the client, and the log: the client may have gone."""
         if self._feed.port.sends_messages:
-            self._wait(exception_note(self._tick, line, column, text, self._feed.terminator))
+            self._waiting.put(exception_note(self._tick, line, column, text, self._feed.terminator), self._tick)
         return AddLog(self.origin, text)
 
     # Ticks and messages
@@ -293,13 +290,3 @@ class PrimaryConnection(Connection):
             self._units_in_tick = 0
             self._lines_left = MAX_LINES_PER_TICK
             self._bytes_left = MAX_BYTES_PER_TICK
-
-    def _wait(self, note: Note) -> None:
-        """Queue a robot message; of too many, one that is not vital is lost, or else the oldest."""
-        if len(self._waiting) >= MAX_WAITING:
-            self.dropped += 1
-            if not note.is_vital:
-                return
-            lost = next((old for old in self._waiting if not old.is_vital), self._waiting[0])
-            self._waiting.remove(lost)
-        self._waiting.append(note)

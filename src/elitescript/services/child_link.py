@@ -18,8 +18,7 @@ from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.kernel.restart import restored_config, restored_inputs
 from elitescript.messages.codec import from_text, to_text
-from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm, TaskStateChanged, Warned
+from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
@@ -32,6 +31,7 @@ from elitescript.services.config_codec import full_codec
 from elitescript.services.held_inputs import HELD_MAX, HeldInputs
 from elitescript.services.jail import MEMORY_MAX, Layer
 from elitescript.services.journal import Journal
+from elitescript.services.last_words import last_words
 from elitescript.services.output_buffer import OutputBuffer
 from elitescript.services.output_changes import OutputReader
 from elitescript.services.patience import PATIENCE_S, Patience
@@ -384,12 +384,12 @@ class ChildLink:
         self.restarts += 1
         self._crashes += 1
         pause = PAUSES_TICKS[min(self._crashes, len(PAUSES_TICKS) - 1)]
+        # The oldest of the ticks is what it died of; it has not seen the others.
+        self._lost = self._unanswered[0].inputs if self._unanswered else ()
         self._report(tick, reason, where, pause)
         self._outputs.add_own(requests=self._held.end_connections())
         self._outputs.flush()
-        # The oldest of them is what it died of; it has not seen the others.
         self._held.put_first(item for sent in list(self._unanswered)[1:] for item in sent.inputs)
-        self._lost = self._unanswered[0].inputs if self._unanswered else ()
         self._unanswered.clear()
         self._replaced_because, self._end_reason = reason, ""
         self._restart_at = tick + pause
@@ -414,20 +414,13 @@ class ChildLink:
             self._restart_at = tick + PAUSES_TICKS[-1]
 
     def _report(self, tick: int, reason: str, where: tuple[str, int] | None, pause: int) -> None:
-        line = where[1] if where else 0
-        last = self._outputs.newest
-        state = None if last is None else last.robot
-        if not line and state is not None:
-            line = state.line
-        text = f"the controller was restarted: {reason}"
         if pause:
-            text += f"; after {self._crashes} times in a row it starts {seconds(pause):g} s later"
-        hint = "a call into Python's own functions cannot be interrupted; do less in one call"
-        details = {"program": where[0], "hint": hint} if where else {"hint": hint} if self._given_up_s else {}
-        self._outputs.add_own(Alarm(tick, "R132", "ControllerRestarted", text, line, 0, "", "", details))
-        if state is not None and state.task_state is not TaskState.STOPPED:
-            name = "" if last is None else last.task.running
-            self._outputs.add_own(TaskStateChanged(tick, TaskState.STOPPED, name))
+            reason += f"; after {self._crashes} times in a row it starts {seconds(pause):g} s later"
+        hangs = bool(self._given_up_s)
+        events = last_words(tick, reason, self._outputs.newest, self._lost, where=where, hangs=hangs)
+        self._outputs.add_own(*events)
+        if self._journal is not None:
+            self._journal.told(tick, events)
 
     # ---------------------------------------------------------------- waiting
 

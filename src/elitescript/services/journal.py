@@ -6,6 +6,7 @@ One JSON text a line:
     {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
+    {"told": 1190, "events": [...]}                what clients were told at that tick while there was no robot
     {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from that picture
     {"end": 2000}                                  the session ended before that tick
 
@@ -28,7 +29,7 @@ from elitescript import __version__
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.messages.codec import Codec, to_text
-from elitescript.messages.events import Warned
+from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
@@ -134,6 +135,12 @@ class Journal:
             }
         )
 
+    def told(self, tick: int, events: Sequence[Event]) -> None:
+        """Clients were told of something at a tick, in the place of a robot that is gone."""
+        self._mark()
+        event = self._codec.shape(Event)
+        self._write({"told": tick, "events": [event.encode(item) for item in events]})
+
     def take_warning(self, tick: int) -> tuple[Warned, ...]:
         """That nothing more is written, once."""
         if not self.failure or self._is_told:
@@ -200,7 +207,7 @@ class JournalReader:
         Raises:
             UsageError: a line in the middle that is none.
         """
-        inputs, picture = self._codec.shape(Input), self._codec.shape(Snapshot)
+        inputs, picture, events = (self._codec.shape(kind) for kind in (Input, Snapshot, Event))
         last, has_end = self.config.first_tick - 1, False
         with self._path.open("rb") as file:
             file.readline(LINE_MAX)
@@ -216,11 +223,13 @@ class JournalReader:
                         raise CodecError("no record")
                     if "in" in record:
                         record["in"] = [inputs.decode(item) for item in record["in"]]
+                    if "events" in record:
+                        record["events"] = [events.decode(item) for item in record["events"]]
                     if "state" in record:
                         record["state"] = picture.decode(record["state"])
                 except (ValueError, TypeError, RecursionError, CodecError) as error:
                     raise UsageError(f"{self._path}: line {number}: {error}") from None
-                last = max([last, *(record[key] for key in ("tick", "digest") if type(record.get(key)) is int)])
+                last = max([last, *(record[key] for key in ("tick", "digest", "told") if type(record.get(key)) is int)])
                 has_end = has_end or "end" in record
                 yield record
         if not has_end:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from elitescript.errors import UsageError
@@ -77,6 +78,7 @@ class Replay:
         "_answers",
         "_digest",
         "_kernel",
+        "_last",
         "_output_shape",
         "_reader",
         "_until",
@@ -92,12 +94,15 @@ class Replay:
         self._output_shape = full_codec().shape(Output)
         self._digest = Digest()
         self._kernel = self._fresh(reader.config)
+        self._last: Output | None = None
         self.difference: Difference | None = None
         self.checked_ticks = 0
         self.last_tick = reader.config.first_tick - 1
 
     def outputs(self, on_restart: Callable[[int, str], None] | None = None) -> Iterator[Output]:
-        """Play it: what the robot says, tick by tick; ends early where it differs.
+        """Play it: what clients heard, tick by tick; ends early where it differs.
+
+        What they were told while there was no robot comes with its last picture.
 
         Args:
             on_restart: told of the tick and the reason when a new robot goes on.
@@ -113,6 +118,12 @@ class Replay:
             elif "digest" in record:
                 yield from self._run(record["digest"])
                 self._compare(record)
+            elif "told" in record:
+                if self._until is not None and record["told"] > self._until:
+                    return
+                if self._last is not None:
+                    tick, events = record["told"], tuple(record["events"])
+                    yield replace(self._last, tick=tick, events=events, requests=(), replies=())
             elif "restart" in record:
                 if self._until is not None and record["restart"] > self._until:
                     return
@@ -141,7 +152,7 @@ class Replay:
         while self._kernel.next_tick <= last:
             output = self._kernel.tick(inputs if self._kernel.next_tick == last else ())
             self._digest.add(output_text(self._output_shape, output).encode())
-            self.last_tick = output.tick
+            self.last_tick, self._last = output.tick, output
             yield output
 
     def _compare(self, record: dict[str, Any]) -> None:
