@@ -21,6 +21,8 @@ LATE_NS: Final = TICK_NS // 10
 """The same while ticks begin late."""
 SHARE_NS: Final = 300_000
 """Of every tick, for what one client sends."""
+PATIENCE: Final = 4
+"""Shares that a client may take which has sent no more than was read of it."""
 READ_MIN: Final = 128
 READ_MAX: Final = 4096
 """Bytes that are taken from a socket at once: as many as the share is expected to pay for."""
@@ -62,8 +64,16 @@ class Shares:
         """Somebody has used so much time."""
         self.spent_ns += spent_ns
 
-    def is_used_up(self, own_ns: int) -> bool:
-        """Whether who has used so much in this tick has to wait for its turn."""
+    def is_used_up(self, own_ns: int, *, is_light: bool = False) -> bool:
+        """Whether who has used so much in this tick has to wait for its turn.
+
+        Args:
+            own_ns: what it has used.
+            is_light: it has sent no more than was read of it. Who is not read is not seen to go either, and a package
+                that waits for the next tick is late: so it may take more, and late ticks are none of its making.
+        """
+        if is_light:
+            return own_ns > PATIENCE * SHARE_NS or self.spent_ns > PATIENCE * TICK_NS
         return own_ns > SHARE_NS or self.spent_ns > self._tick_ns
 
     def size_for(self, ns_per_byte: float) -> int:

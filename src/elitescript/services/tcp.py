@@ -26,8 +26,6 @@ from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.services.shares import READ_MAX, SHARE_NS, Shares
 from elitescript.services.table import Service
 
-PATIENCE: Final = 4
-"""Shares that a client may take which has sent no more than was read: who is not read is not seen to go either."""
 NS_PER_BYTE: Final = 250.0
 """What reading a byte of a client is taken to cost before any has been read."""
 HANDING_NS: Final = 5_000
@@ -182,8 +180,7 @@ class Client(asyncio.BufferedProtocol):
     def _has_taken_enough(self, size: int) -> bool:
         """Whether the rest must wait for a later tick."""
         self._is_light = size < self._size
-        patience = PATIENCE if self._is_light else 1
-        if self._hub.shares.is_used_up(self._spent_ns // patience):
+        if self._hub.shares.is_used_up(self._spent_ns, is_light=self._is_light):
             return True
         return self._hub.waiting_of(self.origin) >= POSTED_MAX
 
