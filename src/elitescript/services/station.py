@@ -11,6 +11,7 @@ import contextlib
 import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import Any, Final
 
 from elitescript.errors import UsageError
@@ -21,11 +22,13 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
+from elitescript.services.inbox import WAITING_MAX, Inbox
+from elitescript.services.listener import Listener, bind
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
+from elitescript.services.shares import Shares
 from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.table import PORTS_PER_INSTANCE, services_of
-from elitescript.services.tcp import Listener, bind
 
 RTSI: Final = "rtsi"
 PENDING_MAX: Final = 10_000
@@ -68,12 +71,13 @@ class Station:
         "_cycle",
         "_failure",
         "_followers",
+        "_inbox",
         "_is_lockstep",
         "_is_standing",
         "_keeper",
         "_listen",
         "_news",
-        "_pending",
+        "_overruns_before",
         "_relief",
         "_stepped",
         "_task",
@@ -82,7 +86,7 @@ class Station:
         "listeners",
         "name",
         "output",
-        "reading_ns",
+        "shares",
         "waits_for",
     )
 
@@ -101,7 +105,7 @@ class Station:
         self.listeners: dict[str, Listener] = {}
         self.broker = Broker(self.post, lines)
         self.output: Output
-        self.reading_ns = 0
+        self.shares = Shares()
         self.waits_for = ""
         """Origin of the client that time waits for in lockstep."""
         self._listen = listen
@@ -110,8 +114,10 @@ class Station:
         self._keeper = keeper
         if keeper is not None:
             keeper.tell = lambda text: self.note("state", text, is_problem=True)
+        self._overruns_before = 0
         self._failure: Exception | None = None
-        self._pending: list[Input] = []
+        # Time that waits for clients waits for what they ask, too.
+        self._inbox = Inbox(inf) if is_lockstep else Inbox()
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
@@ -123,7 +129,11 @@ class Station:
 
     def post(self, inputs: list[Input]) -> None:
         """Take inputs for the next tick."""
-        self._pending += inputs
+        self._inbox.post(inputs)
+
+    def waiting_of(self, origin: str) -> int:
+        """Inputs of a client that could not go in at the last tick."""
+        return self._inbox.waiting_of(origin)
 
     def wake(self) -> None:
         """Something has changed that time may have waited for."""
@@ -304,11 +314,11 @@ class Station:
 
     def _relieve(self) -> None:
         """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
-        self.reading_ns = 0
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
-                if len(self._pending) < PENDING_MAX or client.origin == self.waits_for:
+                if len(self._inbox) < PENDING_MAX or client.origin == self.waits_for:
                     client.relieve()
+        self._begin_reading()
         self._relief = asyncio.get_running_loop().call_later(PERIOD_S, self._relieve)
 
     def _gate(self) -> Gate:
@@ -322,13 +332,18 @@ class Station:
         self._pass_on(output)
 
     def _taken(self) -> list[Input]:
-        inputs, self._pending = self._pending, []
-        return inputs
+        if self._inbox.refused:
+            self._tell_refused()
+        return self._inbox.take(self.link.room)
+
+    def _tell_refused(self) -> None:
+        count, self._inbox.refused = self._inbox.refused, 0
+        text = f"{count} inputs were refused: {WAITING_MAX} wait for the robot already"
+        self.note("overfull", text, is_problem=True, count=count)
 
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
         self.output = output
-        self.reading_ns = 0
         for listener in self.listeners.values():
             if listener.clients:
                 listener.publish(output)
@@ -338,11 +353,20 @@ class Station:
             self._keeper.take(output.snapshot.signals)
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
+        self._begin_reading()
         if self._stepped:
             waiters, self._stepped = self._stepped, []
             for waiter in waiters:
                 if not waiter.done():
                     waiter.set_result(output)
+
+    def _begin_reading(self) -> None:
+        """Everybody has got the tick; now there is time for what clients send."""
+        for listener in self.listeners.values():
+            listener.begin_tick()
+        overruns = self.overruns
+        self.shares.begin_tick(is_late=overruns > self._overruns_before)
+        self._overruns_before = overruns
 
     def _hear(self, output: Output) -> None:
         for event in output.events:
