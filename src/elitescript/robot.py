@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from elitescript.controller.contact import ContactConfig
 from elitescript.controller.safety_limits import SafetyLimits
@@ -39,6 +39,9 @@ from elitescript.worlds.program_file import source_of
 from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.surroundings import Surroundings
 
+if TYPE_CHECKING:
+    from elitescript.worlds.state_file import StateFile
+
 IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
 
@@ -47,6 +50,12 @@ TRACE_TICKS_MAX: Final = 10_000
 
 Pace = Callable[[int], None]
 Watch = Callable[["VirtualRobot"], None]
+
+
+def _state_file(path: str | Path) -> StateFile:
+    from elitescript.worlds.state_file import StateFile
+
+    return StateFile(path)
 
 
 class VirtualRobot:
@@ -71,6 +80,8 @@ class VirtualRobot:
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
+        state_file: a file with the registers, flags and general Modbus values that the robot remembers: read now,
+            written when `run` or `advance` returns. Nothing is remembered if None.
         on_event: receives every event at the moment it happens.
 
     Raises:
@@ -95,6 +106,7 @@ class VirtualRobot:
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
+        state_file: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
@@ -134,7 +146,9 @@ class VirtualRobot:
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
-        for name, value in cell.signals.items():
+        self._state_file = None if state_file is None else _state_file(state_file)
+        kept = {} if self._state_file is None else self._state_file.load()
+        for name, value in {**kept, **cell.signals}.items():
             self.signals[name] = value
         if self._surroundings is not None:
             from elitescript.kernel.own_ports import OwnPorts
@@ -307,6 +321,11 @@ class VirtualRobot:
         if self._interrupted_as:
             self._finish(self._interrupted_as)
             self._interrupted_as = ""
+        self._remember()
+
+    def _remember(self) -> None:
+        if self._state_file is not None:
+            self._state_file.save(self.controller.signals.image)
 
     def _world_for(self, source_name: str) -> World:
         if self._fixed_world is not None:
@@ -387,6 +406,7 @@ class VirtualRobot:
         if self._trace is not None:
             self._trace.finish(self.controller)
             self._trace = None
+        self._host.background.close()
         state = self.controller.state()
         run.time_s = seconds(self.tick - run.start_tick)
         run.joints = state.q_target
@@ -405,6 +425,7 @@ class VirtualRobot:
             self._host.run_tick(self.tick)
             run.globals = self._host.monitor()
         self._rest(run)
+        self._remember()
 
     def _report_stuck(self) -> None:
         threads = self.threads()
