@@ -13,6 +13,7 @@ from elitescript.controller.picture import Pictures
 from elitescript.controller.refusals import refusal_text
 from elitescript.controller.signal_view import Signals
 from elitescript.errors import ScriptError, UsageError
+from elitescript.kernel.answers import shown_after
 from elitescript.kernel.config import KernelConfig, describe
 from elitescript.kernel.conversations import Conversations
 from elitescript.kernel.interpreter_logs import InterpreterLogs
@@ -45,7 +46,7 @@ from elitescript.messages.inputs import (
     ShowPopup,
     VariablesArrived,
 )
-from elitescript.messages.machine import AskSafety, MachineRequest, PowerOff, StopTask, WritePortRegisters
+from elitescript.messages.machine import AskSafety, MachineRequest, PowerOff, StopTask
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
@@ -184,7 +185,8 @@ class Kernel:
         if why_not:
             self._emit(Warned(self._controller.tick, why_not))
         if item.is_answered:
-            self._reply(item.origin, refused(why_not) if why_not else done(self._shown_after(item.request)))
+            shown = shown_after(self._controller, self.description.firmware, item.request)
+            self._reply(item.origin, refused(why_not) if why_not else done(shown))
 
     def _attempt(self, request: MachineRequest) -> str:
         """Do what is asked; return why it cannot be done, empty if it is."""
@@ -198,13 +200,6 @@ class Kernel:
         except (ScriptError, UsageError) as error:
             return refusal_text(request, error)
         return ""
-
-    def _shown_after(self, request: MachineRequest) -> str:
-        """What the answer to a request shows: registers as hexadecimal digits, four each."""
-        if not isinstance(request, WritePortRegisters) or not request.read_count:
-            return ""
-        words = self._controller.port_registers(request.read_first, request.read_count, self.description.firmware)
-        return "".join(f"{word:04x}" for word in words)
 
     def _run_unit(self, item: RunUnit) -> None:
         self._programs.run(item)
