@@ -272,6 +272,8 @@ class Station:
             self._relief.cancel()
         for listener in self.listeners.values():
             await listener.close()
+        if self._world is not None:
+            self._world.close_all()
         self.broker.close_all()
         for waiter in self._stepped:
             waiter.cancel()
