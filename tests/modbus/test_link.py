@@ -36,6 +36,8 @@ def test_a_signal_connects_first() -> None:
         ("no route to host", 113),
         ("network is unreachable", 101),
         ("host is down", 112),
+        ("No route to host", 113),
+        ("no answer within 2 s", 110),
         ("something new", 5),
     ],
 )
