@@ -165,6 +165,11 @@ class Context:
         return self._world.files
 
     @property
+    def modbus(self) -> ModbusSignals:
+        """The MODBUS TCP signals of the controller."""
+        return self._port.background.modbus(self._world.channels)
+
+    @property
     def sockets(self) -> Sockets:
         """The program's TCP connections."""
         if self._sockets is None:
@@ -172,11 +177,6 @@ class Context:
 
             self._sockets = Sockets(self._world.channels, self.scheduler, self._port.connections, self.warn_once)
         return self._sockets
-
-    @property
-    def modbus(self) -> ModbusSignals:
-        """The MODBUS TCP signals of the controller."""
-        return self._port.background.modbus(self._world.channels)
 
     def close_sockets(self) -> None:
         """Close every connection; the program is over."""
