@@ -253,7 +253,7 @@ class Link:
                     exchange.press()
                 else:
                     due.append(signal)
-        if exchange.has_waiting:
+        if exchange.has_waiting or len(due) > exchange.room:
             # There is not time for all of them: it is the turn of those that were asked for longest ago.
             due.sort(key=_turn)
         for signal in due:
