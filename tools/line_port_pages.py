@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from textwrap import wrap
 from typing import Any
 
+from elitescript.controller.modes import REALISTIC
 from elitescript.kernel.interpreter_logs import (
     DELAY_TICKS,
     EXECUTION_NAME,
@@ -15,7 +16,7 @@ from elitescript.kernel.interpreter_logs import (
 )
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.protocol import dashboard, dashboard_answers, interpreter, query
+from elitescript.protocol import dashboard, dashboard_answers, dashboard_guards, interpreter, query
 from elitescript.protocol.dashboard_verbs import VERBS
 from tools.markdown import NOTICE, cell, code
 
@@ -59,8 +60,11 @@ def dashboard_page() -> str:
         f"- `status`, and `help` and `usage` of one command, have at most {dashboard_answers.REPLY_LIMIT} bytes:",
         "  clients take one read.",
         "- `robotControl -on` with the power on, `brakeRelease` with the brakes released, `unlockProtectiveStop`",
-        "  without a protective stop and `closeSafetyDialog` without a dialog have their usual reply, and nothing",
+        "  while the arm may move and `closeSafetyDialog` without a dialog have their usual reply, and nothing",
         "  happens.",
+        f"- Powering on takes {REALISTIC.power_on_s + REALISTIC.boot_s:g} s ({REALISTIC.power_on_s:g} s POWER_ON, then"
+        f" {REALISTIC.boot_s:g} s BOOTING),",
+        f"  releasing the brakes {REALISTIC.release_s:g} s (*assumed*); clients wait 30 s for each.",
         "- `stop` stops a program that came from a port too, and `play` goes on with a paused one.",
         "",
         "Evidence: *client*, the vendor's client compares the reply with this text; *documented*, the vendor describes",
@@ -74,7 +78,7 @@ def dashboard_page() -> str:
         "## When a command is refused",
         "",
         "The reply is the text below, a colon and the reason. Commands that are not listed are never refused. Under",
-        f'local control the reason is "{dashboard_answers.LOCAL}".',
+        f'local control the reason is "{dashboard_guards.LOCAL}".',
         "",
         "| command | text | robot modes that take it | safety modes that take it | task states that take it |",
         "|---|---|---|---|---|",
@@ -83,9 +87,9 @@ def dashboard_page() -> str:
         if row.guard is not None:
             guard = row.guard
             states = (
-                _states(guard.modes, dashboard_answers.ALL_MODES, RobotMode),
-                _states(guard.safety, dashboard_answers.ALL_SAFETY, SafetyMode),
-                _states(guard.tasks, dashboard_answers.ALL_TASKS, TaskState),
+                _states(guard.modes, dashboard_guards.ALL_MODES, RobotMode),
+                _states(guard.safety, dashboard_guards.ALL_SAFETY, SafetyMode),
+                _states(guard.tasks, dashboard_guards.ALL_TASKS, TaskState),
             )
             lines.append(f"| `{cell(row.usage)}` | {guard.failure} | {' | '.join(states)} |")
     return "\n".join(lines) + "\n"

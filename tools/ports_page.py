@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.services import tcp
+from elitescript.services import listener, liveness, shares, tcp
 from elitescript.services.broker import CHANNELS_MAX
 from elitescript.services.control_verbs import VERBS
 from elitescript.services.cycle import CATCH_UP_TICKS
@@ -29,25 +29,35 @@ def ports_page() -> str:
         "What `elitescript serve` opens. `--port NAME=NUMBER` moves one, `--instance N` all of them by",
         f"{PORTS_PER_INSTANCE} * N; further robots of one `serve` have the next instances.",
         "",
-        "| name | port | what it serves | evidence |",
-        "|---|---:|---|---|",
+        "| name | port | what it serves | firmware | evidence |",
+        "|---|---:|---|---|---|",
     ]
     for row in SERVICES:
         name = f"[`{row.name}`]({_PAGES[row.name]})" if row.name in _PAGES else f"`{row.name}`"
-        lines.append(f"| {name} | {row.number} | {cell(row.summary)} | {cell(row.evidence)} |")
+        since = f"{row.since[0]}.{row.since[1]} and later" if any(row.since) else "all"
+        lines.append(f"| {name} | {row.number} | {cell(row.summary)} | {since} | {cell(row.evidence)} |")
     backlog, most = tcp.SAMPLE_BACKLOG // 1024, tcp.BACKLOG_MAX // 1024
     stalled_s = tcp.STALLED_TICKS // TICKS_PER_S
     lines += [
         "",
+        "With an older `--firmware` a port stays closed, and the `ready` line says so (*assumed*: what a controller of",
+        "that firmware does there is not known).",
+        "",
         "## What every port promises (*assumed*)",
         "",
         "- A message is one write, without delay (`TCP_NODELAY`).",
-        f"- Up to {tcp.CLIENTS_MAX} clients for each port.",
+        f"- Up to {listener.CLIENTS_MAX} clients for each port; more are accepted and closed at once.",
+        f"  No more than {listener.ACCEPTS_PER_TICK} are accepted in a tick; {listener.BACKLOG} may wait for that.",
+        f"- A client whose computer has vanished is let go after {liveness.UNTAKEN_S} s without a sign of life",
+        "  (TCP keepalive), and what it had claimed is free.",
         "- What arrives counts from the next tick of 4 ms; what a tick gives leaves at once.",
         "- A client that reads too slowly misses packages of its stream when more than",
         f"  {backlog} KiB wait for it. It is cut off when {most} KiB wait, or when it has taken nothing for",
         f"  {stalled_s} s. Nobody else waits.",
-        "- Of what one client sends, so much is read in a tick as takes 0.3 ms; the rest stays in its socket.",
+        f"- Of what one client sends, so much is read in a tick as takes {shares.SHARE_NS / 1e6:g} ms, of all clients",
+        f"  together {shares.TICK_NS / 1e6:g} ms; the rest stays in the sockets. Who sends little is read first.",
+        "- More requests than the robot can do in a tick wait: in the order of each client, in turns",
+        "  between clients.",
         "- What cannot be understood as the protocol of the port closes that one connection.",
         "- A client that ends its own half of the connection is answered what it has asked; a program that",
         "  it has begun counts as sent. The state of the primary port goes on for it.",
@@ -62,7 +72,9 @@ def ports_page() -> str:
         "input recipe and started (`S`), until it pauses (`P`) or goes. A tick comes only when every such",
         "client has answered the last package that it got by an input package (`U`). With a recipe of",
         "125 Hz two ticks follow each answer. Clients without input recipes only listen, and miss nothing.",
-        "While nobody takes part, time passes as on the wall.",
+        "While nobody takes part, time passes as on the wall. The robot is in this process then, without the jail and",
+        "without the protection against calls that do not come back: a program that calls `sum(range(10**12))` holds",
+        "up the whole `serve`.",
         "",
         "## Tasks",
         "",
@@ -80,7 +92,10 @@ def ports_page() -> str:
         "## `elitescript ctl`",
         "",
         "A person's hands on a served robot, through a local channel that only the same user can open; it",
-        "works in local control too.",
+        "works in local control too. The line after `ready` names the socket of each robot: `serve-N.sock` of instance",
+        "N, in the folder `elitescript` of `XDG_RUNTIME_DIR`, or `elitescript-UID` of the folder for temporary files.",
+        "`--instance N` or `--socket PATH` chooses one; on Windows the file `serve-N.json` tells port and secret. An",
+        "order is answered when the robot has done or refused it; a refusal gives the reason and exit code 1.",
         "",
         "| verb | what it does |",
         "|---|---|",

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from elitescript.language.units import MAX_UNIT_BYTES
-from elitescript.messages.events import Alarm, TextMessage
+from elitescript.messages.events import Alarm, TextMessage, Warned
 from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
 from elitescript.messages.machine import SetSpeedScale, StopTask
 from elitescript.protocol import primary
@@ -351,10 +351,9 @@ class TestUploads:
         connection = connect()
         run(connection, [0])
         (log,) = connection.receive(b"set speed 2\n", output(1))
-        assert isinstance(log, AddLog)
-        message = told(connection, 1)
-        assert (message["kind"], message["line"], message["text"]) == (10, 1, log.text)
-        assert "takes a fraction from 0 to 1" in message["text"]
+        assert log == AddLog(
+            ME, f"{ME}: `set speed` takes a fraction from 0 to 1, such as 0.50, not 2", is_warning=True
+        )
 
 
 class TestSilence:
@@ -402,24 +401,20 @@ class TestSilence:
 
 class TestControl:
     @pytest.mark.parametrize("stream", [f"{PROGRAM}\n", "stop task\n", "halt()\n", "sec a():\n x = 1\nend\n"])
-    def test_local_control_refuses_with_a_message(self, stream):
+    def test_local_control_refuses_with_a_warning(self, stream):
         connection = connect()
         run(connection, [0])
         (log,) = connection.receive(stream.encode(), output(1, is_remote=False))
         assert isinstance(log, AddLog)
-        message = told(connection, 1)
-        assert (message["kind"], message["line"]) == (10, 0)
-        assert message["text"] == log.text
-        assert "local control" in message["text"]
+        assert log.is_warning
+        assert f"{ME}: refused: the robot is in local control; switch it" in log.text
 
-    def test_remote_control_is_what_the_last_tick_says(self):
+    def test_a_warning_reaches_every_client_as_a_robot_error(self):
         connection = connect()
-        connection.receive(b"stop task", output(0))
-        connection.publish(output(1, is_remote=False))
-        (log,) = connection.closed()
-        assert isinstance(log, AddLog)
-        connection.publish(output(2))
-        assert connection.receive(b"stop task\n", output(2)) == [Do(ME, StopTask())]
+        run(connection, [0])
+        connection.publish(output(1, events=(Warned(1, "refused: the robot is in local control"),)))
+        message = client.robot_message(next(m for m in connection.take() if m[4] == 20))
+        assert (message["kind"], message["level"], message["text"]) == (6, 1, "refused: the robot is in local control")
 
 
 class TestPorts:

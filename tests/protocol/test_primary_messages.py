@@ -110,9 +110,9 @@ class TestOtherKinds:
         message = shown(TextMessage(1, "Grüße 你好", "main", 4))
         assert (message["kind"], message["text"]) == (0, "Grüße 你好")
 
-    def test_other_warning_is_text(self):
+    def test_a_warning_is_a_robot_error_of_that_level(self):
         message = shown(Warned(1, "the blend is too large"))
-        assert (message["kind"], message["text"]) == (0, "warning: the blend is too large")
+        assert (message["kind"], message["level"], message["text"]) == (6, 1, "the blend is too large")
 
     @pytest.mark.parametrize(
         ("level", "blocking", "flags"),

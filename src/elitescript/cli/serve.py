@@ -20,15 +20,16 @@ from elitescript.cli.settings import parse_joints, parse_settings
 from elitescript.cli.terminal import PatientStream, TaggedStream
 from elitescript.cli.writable import Writable
 from elitescript.errors import UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.events import Event
+from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
 from elitescript.services.jail import is_complete
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.robots import journal_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
 from elitescript.services.station import Note, Station
-from elitescript.services.table import NAMES, port_numbers
+from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of
 
 ROBOTS_MAX: Final = 32
 ALL: Final = "all"
@@ -38,6 +39,9 @@ ALL: Final = "all"
 def serve(options: argparse.Namespace) -> int:
     """Serve until a signal comes; return the exit code."""
     configs = robot_configs(options)
+    for config in {config.model: config for config in configs}.values():
+        # What cannot be a robot is told before a port is open or a process started.
+        _check_ports(options, Kernel(config).description)
     numbers = [port_numbers(options.instance, chosen_ports(options.port), robot=index) for index in range(len(configs))]
     _check_host(options)
     if not is_in_process(options):
@@ -166,6 +170,14 @@ def chosen_ports(texts: list[str]) -> dict[str, int]:
     return chosen
 
 
+def _check_ports(options: argparse.Namespace, description: RobotDescription) -> None:
+    has = {row.name for row in services_of(description.firmware)}
+    for text in options.port:
+        name = text.partition("=")[0].strip()
+        if name in NAMES and name not in has:
+            raise UsageError(f"--port {text}: firmware {options.firmware} does not have that port")
+
+
 def _check_host(options: argparse.Namespace) -> None:
     if is_loopback(options.host):
         return
@@ -199,6 +211,14 @@ def _why_not_jailed(options: argparse.Namespace) -> str:
     if trouble or is_complete(layers):
         return trouble
     return "; ".join(f"{layer.name}: {layer.detail}" for layer in layers if not layer.is_active)
+
+
+def _ports_text(station: Station) -> str:
+    ports = ", ".join(f"{name} {number}" for name, number in station.ports.items())
+    release = station.link.description.firmware[:2]
+    absent = [row.name for row in SERVICES if row.name not in station.ports]
+    closed = f" (firmware {release[0]}.{release[1]} has no {', '.join(absent)})" if absent else ""
+    return f"{station.name}: {ports}{closed}"
 
 
 def _on_signals(stop: asyncio.Event) -> None:
@@ -267,11 +287,9 @@ class Log:
             ]
             self._record({"type": "ready", "host": host, "robots": robots})
             return
-        robots_text = "; ".join(
-            f"{station.name}: " + ", ".join(f"{name} {number}" for name, number in station.ports.items())
-            for station in server.stations
-        )
+        robots_text = "; ".join(_ports_text(station) for station in server.stations)
         self._out.write(f"ready on {host}: {robots_text}\n")
+        self._out.write(f"ctl at {', '.join(server.control_addresses)}\n")
         self._out.flush()
 
     def take(self, station: Station, what: Event | Note) -> None:

@@ -83,7 +83,7 @@ class Programs:
         self._host.start(unit, dict(self.presets))
 
     def report(self, error: ProgramError, kind: str | None, origin: str) -> None:
-        """Say why a text does not compile: the first error as an alarm, the others in the log.
+        """Say why a text does not compile: the first error as an alarm, the others of a program in the log.
 
         Args:
             error: why.
@@ -97,7 +97,7 @@ class Programs:
         else:
             hint = {"hint": first.hint} if first.hint else {}
             self._alarm(first.code, "SyntaxError", first.text, first.line, first.column, origin, "", hint)
-        for problem in problems[1 : PROBLEMS_MAX + 1]:
+        for problem in () if kind == LINE else problems[1 : PROBLEMS_MAX + 1]:
             self._warn(_told(problem), problem.line)
 
     def _missing_name(self, text: str) -> str:

@@ -96,7 +96,7 @@ HEAD: Final = (
     Field("kind", UINT8, "", DOCUMENTED),
 )
 
-TEXT: Final = MessageKind("text", 0, ASSUMED, "`textmsg`; warnings that are not of a secondary program", (), ("text",))
+TEXT: Final = MessageKind("text", 0, ASSUMED, "`textmsg`; lines that clients add to the log", (), ("text",))
 POPUP: Final = MessageKind(
     "popup",
     2,
@@ -130,7 +130,8 @@ ROBOT_ERROR: Final = MessageKind(
     "robot error",
     6,
     DOCUMENTED,
-    "stops of the safety system; exceptions of secondary programs, as warnings; bytes that are not UTF-8",
+    "stops of the safety system; as warnings: commands that are refused, exceptions of secondary programs, bytes that "
+    "are not UTF-8, whatever else the log warns of",
     (
         Field("code", INT32, "", DOCUMENTED, "always 0"),
         Field("sub-code", INT32, "", DOCUMENTED, "always 0"),
@@ -154,7 +155,7 @@ SCRIPT_EXCEPTION: Final = MessageKind(
     "script exception",
     10,
     DOCUMENTED,
-    "a program cannot start or stops with an alarm; a unit is refused",
+    "a program cannot start or stops with an alarm; a program without its end",
     (
         Field("line", INT32, "", DOCUMENTED, "from 1 at the unit's first line; 0 unknown"),
         Field("column", INT32, "", DOCUMENTED, "from 1; 0 unknown"),
@@ -233,11 +234,17 @@ def exception_note(tick: int, line: int, column: int, text: str, terminator: byt
 
 
 def error_note(
-    tick: int, level: int, text: str, source: int = SOURCE_CONTROLLER, terminator: bytes = TERMINATOR
+    tick: int,
+    level: int,
+    text: str,
+    source: int = SOURCE_CONTROLLER,
+    terminator: bytes = TERMINATOR,
+    *,
+    is_vital: bool = True,
 ) -> Note:
     """A robot error that says in words what happened."""
     data = ROBOT_ERROR.pack(tick, (0, 0, level, TEXT_DATA), text, source=source, terminator=terminator)
-    return Note(data, is_vital=True)
+    return Note(data, is_vital)
 
 
 def version_note(tick: int, description: RobotDescription, terminator: bytes = TERMINATOR) -> Note:
@@ -257,9 +264,8 @@ def _alarm(event: Alarm, terminator: bytes) -> Note:
 
 
 def _warned(event: Warned, terminator: bytes) -> Note:
-    if event.text.startswith(SECONDARY_PREFIX):
-        return error_note(event.tick, WARNING, event.text, terminator=terminator)
-    return Note(TEXT.pack(event.tick, (), f"warning: {event.text}", terminator=terminator), is_vital=False)
+    is_exception = event.text.startswith(SECONDARY_PREFIX)
+    return error_note(event.tick, WARNING, event.text, terminator=terminator, is_vital=is_exception)
 
 
 def _text_message(event: TextMessage, terminator: bytes) -> Note:

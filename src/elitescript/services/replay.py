@@ -15,6 +15,7 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.runtime.world import Files
 from elitescript.services.config_codec import full_codec, output_text
 from elitescript.services.journal import Digest, Journal, JournalReader
+from elitescript.services.journal_records import RecordError, check_answer
 from elitescript.services.remote_files import FileDesk, RemoteFiles
 from elitescript.worlds.request_channels import RequestWorld
 
@@ -137,13 +138,21 @@ class Replay:
                 return
 
     def _fresh(self, config: KernelConfig) -> Kernel:
-        return Kernel(config, RequestWorld(RemoteFiles(self._ask)))
+        try:
+            return Kernel(config, RequestWorld(RemoteFiles(self._ask)))
+        except UsageError as error:
+            raise UsageError(f"{self._reader.place}: {error}") from None
 
     def _ask(self, question: list[Any]) -> list[Any]:
+        place = f"{self._reader.place}: tick {self._kernel.next_tick}"
         if not self._answers:
-            verb = question[0]
-            raise UsageError(f"tick {self._kernel.next_tick}: the journal has no answer to {verb!r} about files")
-        return list(self._answers.pop(0))
+            raise UsageError(f"{place}: the journal has no answer to {question[0]!r} about files")
+        answer = self._answers.pop(0)
+        try:
+            check_answer(question, answer)
+        except RecordError as error:
+            raise UsageError(f"{place}: {error}") from None
+        return list(answer)
 
     def _run(self, last: int, inputs: Sequence[Input] = ()) -> Iterator[Output]:
         """Run up to and including a tick; the inputs are for that one."""

@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import Any, Final
 
 from elitescript.errors import UsageError
@@ -20,10 +21,12 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
+from elitescript.services.inbox import WAITING_MAX, Inbox
+from elitescript.services.listener import Listener, bind
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
-from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
-from elitescript.services.tcp import Listener, bind
+from elitescript.services.shares import Shares
+from elitescript.services.table import PORTS_PER_INSTANCE, services_of
 
 RTSI: Final = "rtsi"
 PENDING_MAX: Final = 10_000
@@ -63,11 +66,13 @@ class Station:
     __slots__ = (
         "_cycle",
         "_failure",
+        "_followers",
+        "_inbox",
         "_is_lockstep",
         "_is_standing",
         "_listen",
         "_news",
-        "_pending",
+        "_overruns_before",
         "_relief",
         "_stepped",
         "_task",
@@ -76,7 +81,7 @@ class Station:
         "listeners",
         "name",
         "output",
-        "reading_ns",
+        "shares",
         "waits_for",
     )
 
@@ -86,17 +91,20 @@ class Station:
         self.listeners: dict[str, Listener] = {}
         self.broker = Broker(self.post)
         self.output: Output
-        self.reading_ns = 0
+        self.shares = Shares()
         self.waits_for = ""
         """Origin of the client that time waits for in lockstep."""
         self._listen = listen
         self._is_lockstep = is_lockstep
         self._is_standing = False
+        self._overruns_before = 0
         self._failure: Exception | None = None
-        self._pending: list[Input] = []
+        # Time that waits for clients waits for what they ask, too.
+        self._inbox = Inbox(inf) if is_lockstep else Inbox()
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
+        self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
 
@@ -104,7 +112,11 @@ class Station:
 
     def post(self, inputs: list[Input]) -> None:
         """Take inputs for the next tick."""
-        self._pending += inputs
+        self._inbox.post(inputs)
+
+    def waiting_of(self, origin: str) -> int:
+        """Inputs of a client that could not go in at the last tick."""
+        return self._inbox.waiting_of(origin)
 
     def wake(self) -> None:
         """Something has changed that time may have waited for."""
@@ -137,6 +149,10 @@ class Station:
         self._stepped.append(waiter)
         return await waiter
 
+    def follow(self, take: Callable[[Output], bool]) -> None:
+        """Call `take` with every output from the next one on, without a gap, until it returns False."""
+        self._followers.append(take)
+
     @property
     def overruns(self) -> int:
         """Ticks that began late."""
@@ -163,7 +179,7 @@ class Station:
             UsageError: a port cannot be had.
         """
         try:
-            for service in SERVICES:
+            for service in services_of(self.link.description.firmware):
                 number = numbers[service.name]
                 try:
                     bound = bind(host, number)
@@ -266,11 +282,11 @@ class Station:
 
     def _relieve(self) -> None:
         """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
-        self.reading_ns = 0
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
-                if len(self._pending) < PENDING_MAX or client.origin == self.waits_for:
+                if len(self._inbox) < PENDING_MAX or client.origin == self.waits_for:
                     client.relieve()
+        self._begin_reading()
         self._relief = asyncio.get_running_loop().call_later(PERIOD_S, self._relieve)
 
     def _gate(self) -> Gate:
@@ -284,23 +300,39 @@ class Station:
         self._pass_on(output)
 
     def _taken(self) -> list[Input]:
-        inputs, self._pending = self._pending, []
-        return inputs
+        if self._inbox.refused:
+            self._tell_refused()
+        return self._inbox.take(self.link.room)
+
+    def _tell_refused(self) -> None:
+        count, self._inbox.refused = self._inbox.refused, 0
+        text = f"{count} inputs were refused: {WAITING_MAX} wait for the robot already"
+        self.note("overfull", text, is_problem=True, count=count)
 
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
         self.output = output
-        self.reading_ns = 0
         for listener in self.listeners.values():
             if listener.clients:
                 listener.publish(output)
         self.broker.carry_out(output.requests)
         self._hear(output)
+        if self._followers:
+            self._followers = [take for take in self._followers if take(output)]
+        self._begin_reading()
         if self._stepped:
             waiters, self._stepped = self._stepped, []
             for waiter in waiters:
                 if not waiter.done():
                     waiter.set_result(output)
+
+    def _begin_reading(self) -> None:
+        """Everybody has got the tick; now there is time for what clients send."""
+        for listener in self.listeners.values():
+            listener.begin_tick()
+        overruns = self.overruns
+        self.shares.begin_tick(is_late=overruns > self._overruns_before)
+        self._overruns_before = overruns
 
     def _hear(self, output: Output) -> None:
         for event in output.events:
