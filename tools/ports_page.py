@@ -17,6 +17,7 @@ _PAGES = {
     "rtsi": "rtsi.md",
     "interpreter": "interpreter.md",
     "query": "interpreter.md",
+    "modbus": "modbus.md",
 }
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from elitescript.controller.contact import ContactConfig
 from elitescript.controller.safety_limits import SafetyLimits
@@ -19,8 +19,8 @@ from elitescript.language.compiler import CompiledUnit, Options, compile_unit
 from elitescript.language.options import SECONDARY
 from elitescript.language.source import SourceFile
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm, Event
-from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
+from elitescript.messages.events import Alarm, Event, SignalChanged
+from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask, WriteSignal
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
@@ -29,6 +29,7 @@ from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
 from elitescript.run import EndState, Run, SignalRecord
+from elitescript.runtime.host import RPC_TIMEOUT_S
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import Channels, World
 from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
@@ -36,6 +37,10 @@ from elitescript.worlds.cell import Cell, load_cell
 from elitescript.worlds.interrupts import interrupts_passed_to
 from elitescript.worlds.program_file import source_of
 from elitescript.worlds.real_channels import RealChannels
+from elitescript.worlds.surroundings import Surroundings
+
+if TYPE_CHECKING:
+    from elitescript.worlds.state_file import StateFile
 
 IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
@@ -45,6 +50,12 @@ TRACE_TICKS_MAX: Final = 10_000
 
 Pace = Callable[[int], None]
 Watch = Callable[["VirtualRobot"], None]
+
+
+def _state_file(path: str | Path) -> StateFile:
+    from elitescript.worlds.state_file import StateFile
+
+    return StateFile(path)
 
 
 class VirtualRobot:
@@ -59,13 +70,17 @@ class VirtualRobot:
         task_dir: folder that stands for the robot's task folder; if None, a program that comes from a file
             gets that file's folder, and a program text gets an empty folder in memory.
         world: everything outside, instead of `task_dir`.
+        lines: what is on the robot's serial ports, as `{"tool": "/dev/ttyUSB0", "box": "socket://127.0.0.1:7000"}`.
         strict: refuse what a Python 3 controller refuses, instead of warning.
         epoch_s: controller clock at tick 0, seconds since 1970.
         work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
             not known (*assumed*).
+        rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
         cell: a TOML file with these and other configurations, and with levels of signals at the start.
+        state_file: a file with the registers, flags and general Modbus values that the robot remembers: read now,
+            written when `run` or `advance` returns. Nothing is remembered if None.
         on_event: receives every event at the moment it happens.
 
     Raises:
@@ -81,22 +96,28 @@ class VirtualRobot:
         joints: Six | None = None,
         speed: float = 1.0,
         task_dir: str | Path | None = None,
-        world: World | None = None,
+        world: World | Surroundings | None = None,
+        lines: Mapping[str, str] | None = None,
         strict: bool = False,
         epoch_s: float = EPOCH_S,
         work_per_tick: int = WORK_PER_TICK,
+        rpc_timeout_s: float = RPC_TIMEOUT_S,
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
         cell: str | Path | None = None,
+        state_file: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
         self.profile = profile(firmware)
         self._options = Options(strict=strict)
         self._on_event = on_event
-        self._fixed_world = world
-        self._channels: Channels = RealChannels() if world is None else world.channels
+        self._surroundings = world if isinstance(world, Surroundings) else None
+        self._fixed_world = None if isinstance(world, Surroundings) else world
+        self._channels: Channels = RealChannels(lines) if world is None else world.channels
+        if lines and world is not None:
+            raise UsageError("lines are ports of this computer; a world has its own: give one of them")
         self._task_dir = None if task_dir is None else Path(task_dir)
         surroundings = Cell() if cell is None else load_cell(cell)
         fittings = Fittings(
@@ -105,6 +126,7 @@ class VirtualRobot:
             joints=joints,
             speed=speed,
             work_per_tick=work_per_tick,
+            rpc_timeout_s=rpc_timeout_s,
             contact=surroundings.take("contact", contact),
             safety=surroundings.take("safety", safety),
             plant=surroundings.take("plant", plant),
@@ -113,11 +135,15 @@ class VirtualRobot:
             self.model, self.profile, fittings, on_event=self._event, on_end=self._program_ended
         )
         self.signals = Signals(self.controller)
+        if self._surroundings is not None:
+            self._surroundings.begin(_RobotPort(self.controller))
         self._run: Run | None = None
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
-        for name, value in surroundings.signals.items():
+        self._state_file = None if state_file is None else _state_file(state_file)
+        kept = {} if self._state_file is None else self._state_file.load()
+        for name, value in {**kept, **surroundings.signals}.items():
             self.signals[name] = value
 
     # ---------------------------------------------------------------- reading
@@ -286,6 +312,11 @@ class VirtualRobot:
         if self._interrupted_as:
             self._finish(self._interrupted_as)
             self._interrupted_as = ""
+        self._remember()
+
+    def _remember(self) -> None:
+        if self._state_file is not None:
+            self._state_file.save(self.controller.signals.image)
 
     def _world_for(self, source_name: str) -> World:
         if self._fixed_world is not None:
@@ -317,6 +348,8 @@ class VirtualRobot:
             for event in channels.arrivals(controller.tick):
                 self._host.channel_event(event)
             controller.run_tick()
+            if self._surroundings is not None:
+                self._surroundings.settle()
             if self._listener_error is not None:
                 error, self._listener_error = self._listener_error, None
                 raise error
@@ -383,6 +416,7 @@ class VirtualRobot:
             self._host.run_tick(self.tick)
             run.globals = self._host.monitor()
         self._rest(run)
+        self._remember()
 
     def _report_stuck(self) -> None:
         threads = self.threads()
@@ -409,6 +443,8 @@ class VirtualRobot:
             run.globals = self._host.monitor()
 
     def _event(self, event: Event) -> None:
+        if self._surroundings is not None and isinstance(event, SignalChanged):
+            self._surroundings.signal_changed(event.name, event.value)
         if self._run is not None and not self._run.is_over:
             self._run.add(event)
         if self._on_event is None or self._listener_error is not None:
@@ -419,3 +455,21 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
+
+
+class _RobotPort:
+    """The robot as its surroundings see it."""
+
+    __slots__ = ("_controller",)
+
+    def __init__(self, controller: Controller) -> None:
+        self._controller = controller
+
+    def read(self, name: str, index: int) -> Value:
+        return self._controller.read(name, index)
+
+    def write(self, request: WriteSignal) -> None:
+        self._controller.put(self._controller.tick, request)
+
+    def emit(self, event: Event) -> None:
+        self._controller.emit(event)

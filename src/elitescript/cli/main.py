@@ -137,7 +137,7 @@ def _parser() -> argparse.ArgumentParser:
     import argparse
 
     from elitescript import __version__
-    from elitescript.cli.serving_options import add_ctl, add_doctor, add_replay, add_serve
+    from elitescript.cli.serving_options import add_ctl, add_doctor, add_replay, add_serial, add_serve
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 
     parser = argparse.ArgumentParser(
@@ -182,6 +182,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument(
         "--cell", metavar="FILE.toml", help="what is around the robot: safety limits, planes, inputs at the start"
+    )
+    add_serial(run)
+    run.add_argument(
+        "--state",
+        metavar="FILE",
+        help="begin with the registers, flags and general Modbus values of this file, and write them back at the end",
     )
     run.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
     run.add_argument(

@@ -47,6 +47,8 @@ def run(options: argparse.Namespace) -> int:
         strict=options.strict,
         epoch_s=EPOCH_S if options.epoch is None else parse_epoch(options.epoch),
         cell=options.cell,
+        lines=_lines(options.serial),
+        state_file=options.state,
         on_event=report.event,
     )
     for name, value in signals.items():
@@ -87,6 +89,14 @@ def run(options: argparse.Namespace) -> int:
             )
     report.end(result, is_interrupted=interrupted.happened, overruns=None if pace is None else pace.overruns)
     return INTERRUPTED if interrupted.happened else EXIT_CODES[result.state]
+
+
+def _lines(bindings: list[str]) -> dict[str, str] | None:
+    if not bindings:
+        return None
+    from elitescript.worlds.line_bindings import parse_bindings
+
+    return parse_bindings(bindings)
 
 
 def _pacer() -> Any:

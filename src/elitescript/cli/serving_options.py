@@ -12,6 +12,17 @@ SERVE_NOTE = (
 )
 
 
+def add_serial(parser: argparse.ArgumentParser) -> None:
+    """Add `--serial`."""
+    parser.add_argument(
+        "--serial",
+        action="append",
+        default=[],
+        metavar="PORT=DEVICE",
+        help="what is on a serial port: tool=/dev/ttyUSB0, box=socket://HOST:PORT; may be repeated",
+    )
+
+
 def add_serve(
     subparsers: argparse._SubParsersAction[argparse.ArgumentParser], firmware: argparse.ArgumentParser
 ) -> None:
@@ -54,7 +65,14 @@ def add_serve(
     serve.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="signal at the start; may be repeated"
     )
+    serve.add_argument(
+        "--state",
+        metavar="FILE",
+        help="remember registers, flags and general Modbus values in this file over restarts, as the robot does; of "
+        "further robots in files with a number in their names (default: nothing is remembered)",
+    )
     serve.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
+    add_serial(serve)
     serve.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
     serve.add_argument(
         "--no-jail",

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.events import Event
+from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import MachineRequest
 from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, Six, TrackRequest
 from elitescript.messages.profile import Profile
@@ -88,6 +89,17 @@ class Machine(Protocol):
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin as its configuration makes it: the driven or the applied one."""
 
+    def port_register(self, address: int, version: tuple[int, ...]) -> int:
+        """A register of the controller's own Modbus server, 0 to 65535.
+
+        Args:
+            address: of the register, 0 to 511.
+            version: of the controller: major, minor, bug fix.
+        """
+
+    def port_coil(self, address: int) -> bool:
+        """A coil of the controller's own Modbus server, 0 to 127."""
+
     def encoder_count(self, index: int) -> float:
         """What the counter of a conveyor encoder shows."""
 
@@ -145,6 +157,45 @@ class Sockets(Protocol):
 
     def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
         """Read what a rule finds, waiting at most that long for it; 0 and less wait for ever."""
+
+
+class Lines(Protocol):
+    """The serial ports of the robot, by device: `tool`, or the device of the control box. See `runtime.lines`."""
+
+    def enable(self, device: str, settings: LineSettings, *, is_modbus: bool, is_daemons: bool = False) -> bool:
+        """Open a port, or open it anew; whether it is open now."""
+
+    def disable(self, device: str) -> None:
+        """Close a port; no effect on a closed one."""
+
+    def is_open(self, device: str) -> bool:
+        """Whether a port is enabled."""
+
+    def mode(self, device: str) -> str:
+        """`RS485`, `MODBUS-RTU` or `CLOSE`."""
+
+    def read(self, device: str, count: int, timeout_s: float) -> bytes:
+        """Read bytes, fewer if time is up; 0 s and less wait for ever.
+
+        Raises:
+            ScriptPermissionError: the port belongs to a daemon; so for all that follow.
+        """
+
+    def write(self, device: str, data: bytes) -> int | None:
+        """Send bytes; how many were sent, None if the port is not open in plain mode."""
+
+    def flush(self, device: str) -> None:
+        """Drop what has arrived and is not read."""
+
+    def read_slave(
+        self, device: str, slave: int, function: int, address: int, count: int, timeout_s: float
+    ) -> tuple[int, ...] | None:
+        """Ask a slave for values by function 1 to 4; None if that fails."""
+
+    def write_slave(
+        self, device: str, slave: int, function: int, address: int, values: tuple[int, ...], timeout_s: float
+    ) -> bool:
+        """Have a slave take values over by function 5, 6, 15 or 16; whether it has."""
 
 
 class ModbusSignals(Protocol):
@@ -247,6 +298,17 @@ class Robot(Protocol):
     @property
     def sockets(self) -> Sockets:
         """The program's TCP connections."""
+
+    def remote_procedures(self, url: str) -> object:
+        """An object whose methods are the procedures of an XML-RPC server.
+
+        Raises:
+            InvalidValueError: the URL makes no sense.
+        """
+
+    @property
+    def lines(self) -> Lines:
+        """The serial ports of the robot."""
 
     @property
     def modbus(self) -> ModbusSignals:

@@ -1,4 +1,4 @@
-"""MODBUS TCP signals, and the controller's own MODBUS server (manual 2.10 chapter 4.1, manual 2.14 chapter 6.1).
+"""MODBUS TCP signals (manual 2.10 chapter 4.1, manual 2.14 chapter 6.1).
 
 A signal has a name; the controller keeps reading or writing it in the background. There can be 200 of them.
 """
@@ -8,11 +8,9 @@ from __future__ import annotations
 from typing import Annotated, Any, Final
 
 from elitescript.commands.context import Robot
-from elitescript.commands.quantities import Bool, Boolean, Either, Integer, Number, Seconds, Str, Vector, Whole
+from elitescript.commands.quantities import Bool, Boolean, Either, Integer, Number, Seconds, Str, Vector
 from elitescript.commands.registry import command
-from elitescript.errors import ArgumentRangeError, InvalidValueError, NotSimulatedError
-
-_NO_SERVER: Final = "the controller's MODBUS server is not simulated yet"
+from elitescript.errors import ArgumentRangeError, InvalidValueError
 
 _WRITE_SINGLE_REGISTER: Final = 6
 _INPUTS: Final = (0, 2)
@@ -29,7 +27,6 @@ _Register = Annotated[int, Integer(0, 65535)]
 _RegisterCount = Annotated[int, Integer(1, 123)]
 _TcpPort = Annotated[int, Integer(1, 65535)]
 _Slave = Annotated[int, Integer(0, 255)]
-_Coil = Annotated[int, Integer(0, 127)]
 
 
 @command(
@@ -355,55 +352,6 @@ def modbus_reset_connection(robot: Robot, connection_id: Str, isBlocking: Bool =
         InvalidValueError: no signal uses that device (*assumed*).
     """
     robot.modbus.reset(connection_id, port, waits=isBlocking)
-
-
-@command(family="modbus", manual="4.1.9", is_simulated=False)
-def read_port_bit(address: _Coil) -> Bool:
-    """A coil of the controller's own MODBUS server.
-
-    Args:
-        address: number of the coil.
-
-    Returns:
-        The value.
-    """
-    raise NotSimulatedError(_NO_SERVER)
-
-
-@command(family="modbus", manual="4.1.10", is_simulated=False)
-def read_port_register(address: _Register, is_signed: Bool = False) -> Whole:
-    """A register of the controller's own MODBUS server.
-
-    Args:
-        address: number of the register.
-        is_signed: True for a value from -32768 to 32767, False for 0 to 65535.
-
-    Returns:
-        The value.
-    """
-    raise NotSimulatedError(_NO_SERVER)
-
-
-@command(family="modbus", manual="4.1.11", is_simulated=False)
-def write_port_bit(address: _Coil, value: Bool) -> None:
-    """Set a coil of the controller's own MODBUS server.
-
-    Args:
-        address: number of the coil; the range is that of `read_port_bit` (*assumed*).
-        value: value to store.
-    """
-    raise NotSimulatedError(_NO_SERVER)
-
-
-@command(family="modbus", manual="4.1.12", is_simulated=False)
-def write_port_register(address: _Register, value: Annotated[int, Integer(-32768, 65535)]) -> None:
-    """Set a register of the controller's own MODBUS server.
-
-    Args:
-        address: number of the register.
-        value: value to store, 16 bits signed or unsigned.
-    """
-    raise NotSimulatedError(_NO_SERVER)
 
 
 def _check_names(address: str, name: str | None = None) -> None:

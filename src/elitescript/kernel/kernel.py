@@ -44,13 +44,14 @@ from elitescript.messages.inputs import (
     ShowPopup,
     VariablesArrived,
 )
-from elitescript.messages.machine import AskSafety, MachineRequest, PowerOff, StopTask
+from elitescript.messages.machine import AskSafety, MachineRequest, PowerOff, StopTask, WritePortRegisters
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.models.model import load_model
 from elitescript.protocol.outcomes import done, refused
+from elitescript.runtime.line import close_lines
 from elitescript.runtime.world import FilesRefused, World
 from elitescript.wiring import Fittings, assemble
 from elitescript.worlds.request_channels import RequestWorld
@@ -107,6 +108,7 @@ class Kernel:
             joints=config.joints,
             speed=config.speed,
             work_per_tick=config.work_per_tick,
+            rpc_timeout_s=config.rpc_timeout_s,
             contact=config.contact,
             safety=config.safety,
             plant=config.plant,
@@ -172,7 +174,7 @@ class Kernel:
         if why_not:
             self._emit(Warned(self._controller.tick, why_not))
         if item.is_answered:
-            self._reply(item.origin, refused(why_not) if why_not else done())
+            self._reply(item.origin, refused(why_not) if why_not else done(self._shown_after(item.request)))
 
     def _attempt(self, request: MachineRequest) -> str:
         """Do what is asked; return why it cannot be done, empty if it is."""
@@ -186,6 +188,13 @@ class Kernel:
         except (ScriptError, UsageError) as error:
             return refusal_text(request, error)
         return ""
+
+    def _shown_after(self, request: MachineRequest) -> str:
+        """What the answer to a request shows: registers as hexadecimal digits, four each."""
+        if not isinstance(request, WritePortRegisters) or not request.read_count:
+            return ""
+        words = self._controller.port_registers(request.read_first, request.read_count, self.description.firmware)
+        return "".join(f"{word:04x}" for word in words)
 
     def _run_unit(self, item: RunUnit) -> None:
         self._programs.run(item)
@@ -210,10 +219,11 @@ class Kernel:
         self._is_remote = item.is_remote
 
     def _reboot(self, _item: Reboot) -> None:
-        """What the real controller forgets besides is not known; signals, TCP and payload stay (*assumed*)."""
+        """Signals, TCP and payload stay, serial ports close; what the real controller forgets is *assumed*."""
         controller = self._controller
         controller.request(PowerOff())
         controller.request(AskSafety("restart_safety", "the controller was started anew"))
+        close_lines(self._host.lines, self._host.connections)
         self._popup = ""
         self._tasks.forget()
         self._host.background.close()

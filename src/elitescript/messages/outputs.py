@@ -29,6 +29,10 @@ class OpenChannel:
     timeout_s: float
 
 
+NOT_CONNECTED: Final = "nothing is connected"
+"""Reason of a `ChannelOpened` for a serial port that is bound to nothing: it opens all the same, and is silent."""
+
+
 @dataclass(frozen=True, slots=True)
 class OpenLine:
     """Open a serial line; the answer is `ChannelOpened`. A line that is open already is closed before."""

@@ -32,7 +32,10 @@ if TYPE_CHECKING:
     from elitescript.runtime.background import Background
     from elitescript.runtime.connection import Receiver
     from elitescript.runtime.interpreter import Interpreter
+    from elitescript.runtime.line import Line
+    from elitescript.runtime.lines import Lines
     from elitescript.runtime.modbus_signals import ModbusSignals
+    from elitescript.runtime.rpc import RemoteProcedures
     from elitescript.runtime.sockets import Sockets
     from elitescript.runtime.watchdogs import Watchdogs
 
@@ -61,6 +64,8 @@ class TaskPort(Protocol):
     """Those of them that `abort` of interpreter mode ends."""
     connections: dict[int, Receiver]
     """Who listens to each open channel."""
+    lines: dict[str, Line]
+    """The serial ports that were configured, by device."""
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
         """Start a thread of the program."""
@@ -79,6 +84,9 @@ class TaskPort(Protocol):
 
     interpreter: Interpreter
     """Interpreter mode."""
+
+    rpc_timeout_s: float
+    """How long a remote procedure call waits for its answer."""
 
     watchdogs: Watchdogs
     """RTSI inputs that the program watches."""
@@ -101,8 +109,10 @@ class Context:
 
     __slots__ = (
         "_generator",
+        "_lines",
         "_partial_line",
         "_port",
+        "_procedures",
         "_sockets",
         "_warned",
         "_world",
@@ -131,7 +141,9 @@ class Context:
         self._port = port
         self._warned: set[str] = set()
         self._partial_line = ""
+        self._procedures: RemoteProcedures | None = None
         self._sockets: Sockets | None = None
+        self._lines: Lines | None = None
         self.micro_lines: list[MicroLine] = []
 
     # ---------------------------------------------------------------- the caller
@@ -178,10 +190,31 @@ class Context:
             self._sockets = Sockets(self._world.channels, self.scheduler, self._port.connections, self.warn_once)
         return self._sockets
 
-    def close_sockets(self) -> None:
+    @property
+    def lines(self) -> Lines:
+        """The serial ports of the robot."""
+        if self._lines is None:
+            from elitescript.runtime.lines import Lines
+
+            port = self._port
+            self._lines = Lines(self._world.channels, self.scheduler, port.connections, port.lines, self.warn_once)
+        return self._lines
+
+    def remote_procedures(self, url: str) -> object:
+        """See `commands.context.Robot.remote_procedures`."""
+        if self._procedures is None:
+            from elitescript.runtime.rpc import RemoteProcedures
+
+            channels, connections = self._world.channels, self._port.connections
+            self._procedures = RemoteProcedures(channels, self.scheduler, connections, self._port.rpc_timeout_s)
+        return self._procedures.handle(url)
+
+    def close_connections(self) -> None:
         """Close every connection; the program is over."""
         if self._sockets is not None:
             self._sockets.close_all()
+        if self._procedures is not None:
+            self._procedures.close_all()
 
     def read_task_file(self, path: str, size_max: int) -> bytes:
         """See `commands.context.Robot.read_task_file`."""

@@ -31,10 +31,14 @@ from elitescript.runtime.world import NoWorld, World
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
     from elitescript.runtime.connection import Receiver
+    from elitescript.runtime.line import Line
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
 STOPPED: Final = "stopped"
+
+RPC_TIMEOUT_S: Final = 60.0
+"""How long a remote procedure call waits for its answer (*assumed*)."""
 
 SECONDARY_WARNING: Final = "[SEC] Exception: "
 
@@ -51,6 +55,7 @@ class ScriptHost:
         confirms_popups: whether a popup that blocks is confirmed at once, because nobody is there to press its
             button; if not, `confirm_popup` does it.
         work_per_tick: checkpoints that a thread may pass in one tick.
+        rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         is_rtsi_input: whether clients can send an input of that name.
 
     Attributes:
@@ -60,7 +65,9 @@ class ScriptHost:
         interpreter: statements of interpreter mode.
         movers: which strands wait for which move.
         abortable: those of these moves that `abort_move` ends.
+        rpc_timeout_s: see above.
         connections: who listens to each open channel.
+        lines: the serial ports that were configured, by device.
         watchdogs: RTSI inputs that the program watches.
     """
 
@@ -82,8 +89,10 @@ class ScriptHost:
         "background",
         "connections",
         "interpreter",
+        "lines",
         "movers",
         "result",
+        "rpc_timeout_s",
         "watchdogs",
     )
 
@@ -97,6 +106,7 @@ class ScriptHost:
         on_end: Callable[[str], None] = lambda state: None,
         confirms_popups: bool = True,
         work_per_tick: int = WORK_PER_TICK,
+        rpc_timeout_s: float = RPC_TIMEOUT_S,
         is_rtsi_input: Callable[[str], bool] = lambda name: True,
     ) -> None:
         self._machine = machine
@@ -115,9 +125,11 @@ class ScriptHost:
         self._queries = Queries(self._scheduler, self._namespace, self._spawn)
         self.interpreter = Interpreter(self._scheduler, profile.interpreter_queue_limit)
         self.watchdogs = Watchdogs(machine, is_rtsi_input)
+        self.rpc_timeout_s = rpc_timeout_s
         self.movers: dict[int, list[Strand]] = {}
         self.abortable: set[int] = set()
         self.connections: dict[int, Receiver] = {}
+        self.lines: dict[str, Line] = {}
         self.background = Background(machine, self._scheduler, self.connections)
         self.result = ""
         self.alarm: Alarm | None = None
@@ -297,8 +309,7 @@ class ScriptHost:
 
     def channel_event(self, event: ChannelEvent) -> None:
         """Something has happened on a channel; the threads that wait for it go on at the next `run_tick`."""
-        connection = self.connections.get(event.channel)
-        if connection is not None:
+        if (connection := self.connections.get(event.channel)) is not None:
             connection.take(event)
 
     def _settle(self) -> bool:

@@ -1,4 +1,4 @@
-"""The outgoing TCP connections of a robot's programs.
+"""The outgoing TCP connections of a robot's programs, and their serial lines.
 
 The robot asks by channel requests and hears by channel events; it never has a socket. Everything is bounded: channels,
 attempts to connect, and the bytes that are on their way in either direction (`messages.outputs.CHANNEL_WINDOW`). A
@@ -13,7 +13,7 @@ from __future__ import annotations
 import asyncio
 import socket
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from os import strerror
 from re import search
 from typing import Any, Final
@@ -21,6 +21,7 @@ from typing import Any, Final
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import (
     CHANNEL_WINDOW,
+    NOT_CONNECTED,
     ChannelRequest,
     CloseChannel,
     CreditChannel,
@@ -29,6 +30,8 @@ from elitescript.messages.outputs import (
     SendChannel,
 )
 from elitescript.services.liveness import watch_peer
+from elitescript.services.serial_ports import SerialPorts
+from elitescript.worlds.line_bindings import bridge_address
 
 CHANNELS_MAX: Final = 64
 LEAVING_MAX: Final = 64
@@ -37,6 +40,8 @@ READ_BYTES: Final = 16 * 1024
 UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
 """Bytes that may wait for a peer; who keeps to the window stays below it."""
 TIMEOUT_MAX_S: Final = 60.0
+LINE_TIMEOUT_S: Final = 2.0
+"""How long a connection may take that stands for a serial line."""
 LINGER_S: Final = 5.0
 """How long a connection that is closed has to get rid of what was sent before."""
 
@@ -48,15 +53,18 @@ class Broker:
 
     Args:
         post: takes what the robot is to hear.
+        lines: what is on the robot's serial ports, by device; see `worlds.line_bindings`.
     """
 
-    __slots__ = ("_attempts", "_channels", "_leaving", "_post")
+    __slots__ = ("_attempts", "_channels", "_leaving", "_lines", "_ports", "_post")
 
-    def __init__(self, post: Post) -> None:
+    def __init__(self, post: Post, lines: Mapping[str, str] | None = None) -> None:
         self._post = post
         self._channels: dict[int, _Channel] = {}
         self._attempts: dict[int, asyncio.Task[None]] = {}
         self._leaving: deque[_Channel] = deque()
+        self._lines = dict(lines or {})
+        self._ports = SerialPorts(post)
 
     @property
     def count(self) -> int:
@@ -69,8 +77,12 @@ class Broker:
             match request:
                 case OpenChannel():
                     self._open(request)
-                case OpenLine(number, device):
-                    self._post([ChannelOpened(number, False, f"no serial port is bound to {device}")])
+                case OpenLine():
+                    self._open_line(request)
+                case SendChannel(number, data) if number in self._ports:
+                    self._ports.send(number, data)
+                case CreditChannel(number, size) if number in self._ports:
+                    self._ports.credit(number, size)
                 case SendChannel(number, data):
                     self._send(number, data)
                 case CreditChannel(number, size):
@@ -90,6 +102,7 @@ class Broker:
         for channel in self._leaving:
             channel.drop()
         self._leaving.clear()
+        self._ports.close_all()
 
     def _open(self, request: OpenChannel) -> None:
         why = ""
@@ -103,6 +116,21 @@ class Broker:
             self._post([ChannelOpened(request.channel, False, why)])
             return
         self._attempts[request.channel] = asyncio.get_running_loop().create_task(self._connect(request))
+
+    def _open_line(self, request: OpenLine) -> None:
+        """Open what is bound to a serial port. Another channel of the same port is closed already, by the robot."""
+        number, target = request.channel, self._lines.get(request.device)
+        if target is None:
+            self._post([ChannelOpened(number, False, NOT_CONNECTED)])
+            return
+        if number in self._channels or number in self._attempts or number in self._ports:
+            self._post([ChannelOpened(number, False, f"channel {number} is in use")])
+            return
+        address = bridge_address(target)
+        if address is None:
+            self._ports.open(number, target, request.settings)
+        else:
+            self._open(OpenChannel(number, "tcp", *address, LINE_TIMEOUT_S))
 
     async def _connect(self, request: OpenChannel) -> None:
         number = request.channel
@@ -134,6 +162,7 @@ class Broker:
             self._post([ChannelClosed(number, f"{UNSENT_MAX} bytes wait for a peer that does not read")])
 
     def _close(self, number: int) -> None:
+        self._ports.close(number)
         if (task := self._attempts.pop(number, None)) is not None:
             task.cancel()
         self._part(number)

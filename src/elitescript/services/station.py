@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
@@ -26,6 +27,7 @@ from elitescript.services.listener import Listener, bind
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.shares import Shares
+from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.table import PORTS_PER_INSTANCE, services_of
 
 RTSI: Final = "rtsi"
@@ -61,6 +63,8 @@ class Station:
         link: the way to the robot.
         is_lockstep: time waits for RTSI clients; see `services.lockstep`.
         listen: hears every event of the robot and every note; must not block.
+        lines: what is on the robot's serial ports; see `worlds.line_bindings`.
+        keeper: remembers what the robot keeps; nobody does if None.
     """
 
     __slots__ = (
@@ -70,6 +74,7 @@ class Station:
         "_inbox",
         "_is_lockstep",
         "_is_standing",
+        "_keeper",
         "_listen",
         "_news",
         "_overruns_before",
@@ -85,11 +90,20 @@ class Station:
         "waits_for",
     )
 
-    def __init__(self, name: str, link: RobotLink, listen: Listen, *, is_lockstep: bool = False) -> None:
+    def __init__(
+        self,
+        name: str,
+        link: RobotLink,
+        listen: Listen,
+        *,
+        is_lockstep: bool = False,
+        lines: Mapping[str, str] | None = None,
+        keeper: StateKeeper | None = None,
+    ) -> None:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
-        self.broker = Broker(self.post)
+        self.broker = Broker(self.post, lines)
         self.output: Output
         self.shares = Shares()
         self.waits_for = ""
@@ -97,6 +111,9 @@ class Station:
         self._listen = listen
         self._is_lockstep = is_lockstep
         self._is_standing = False
+        self._keeper = keeper
+        if keeper is not None:
+            keeper.tell = lambda text: self.note("state", text, is_problem=True)
         self._overruns_before = 0
         self._failure: Exception | None = None
         # Time that waits for clients waits for what they ask, too.
@@ -170,21 +187,22 @@ class Station:
 
     # ---------------------------------------------------------------- life
 
-    def bind(self, host: str, numbers: Mapping[str, int]) -> None:
+    def bind(self, host: str, numbers: Mapping[str, int], spares: Mapping[str, int] | None = None) -> None:
         """Take all ports, or none; clients that connect wait until `open`.
 
         The robot's link must be open.
+
+        Args:
+            host: address to listen at.
+            numbers: of every service.
+            spares: what to take instead of a number that this user may not have.
 
         Raises:
             UsageError: a port cannot be had.
         """
         try:
             for service in services_of(self.link.description.firmware):
-                number = numbers[service.name]
-                try:
-                    bound = bind(host, number)
-                except OSError as error:
-                    raise UsageError(_why_not(service.name, host, number, error)) from error
+                bound = self._bound(service.name, host, numbers[service.name], (spares or {}).get(service.name))
                 connect = service.open(self.link.description)
                 self.listeners[service.name] = Listener(service, self, connect, bound)
         except BaseException:
@@ -192,6 +210,18 @@ class Station:
                 listener.release()
             self.listeners.clear()
             raise
+
+    def _bound(self, name: str, host: str, number: int, spare: int | None) -> socket.socket:
+        try:
+            return bind(host, number)
+        except PermissionError as error:
+            if spare is None:
+                raise UsageError(_why_not(name, host, number, error)) from error
+        except OSError as error:
+            raise UsageError(_why_not(name, host, number, error)) from error
+        text = f"port {number} ({name}) may not be had by this user: {name} is served at {spare}"
+        self.note("spare_port", text, is_problem=True, port=name, number=spare)
+        return self._bound(name, host, spare, None)
 
     async def boot(self) -> None:
         """Bring the robot up, with one tick, so that there is something to show."""
@@ -231,6 +261,8 @@ class Station:
         if self._cycle is not None:
             self._cycle.close()
         await self.link.close()
+        if self._keeper is not None:
+            await self._keeper.close()
 
     # ---------------------------------------------------------------- time
 
@@ -317,6 +349,8 @@ class Station:
                 listener.publish(output)
         self.broker.carry_out(output.requests)
         self._hear(output)
+        if self._keeper is not None:
+            self._keeper.take(output.snapshot.signals)
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
         self._begin_reading()
