@@ -38,8 +38,8 @@ Row = tuple[str, str, str, str]
 
 
 @contextmanager
-def served(*options: str) -> Iterator[dict[str, int]]:
-    """A controller on free ports."""
+def served(*options: str) -> Iterator[tuple[dict[str, int], int]]:
+    """A controller on free ports; their numbers, and the number of its process."""
     with tempfile.TemporaryDirectory(prefix="es") as folder:
         environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "XDG_RUNTIME_DIR": folder}
         process = subprocess.Popen(
@@ -52,13 +52,14 @@ def served(*options: str) -> Iterator[dict[str, int]]:
         try:
             line = next(line for line in process.stdout if line.startswith("ready"))
             words = line.split(": ", 2)[2].split(", ")
-            yield {name: int(number) for name, number in (word.split() for word in words)}
+            yield {name: int(number) for name, number in (word.split() for word in words)}, process.pid
         finally:
             process.terminate()
             process.wait()
 
 
-def _message(letter: str, payload: bytes = b"") -> bytes:
+def message(letter: str, payload: bytes = b"") -> bytes:
+    """A message of RTSI."""
     return struct.pack(">HB", 3 + len(payload), ord(letter)) + payload
 
 
@@ -71,7 +72,7 @@ class Stream:
         self.buffer = b""
         self.times: list[tuple[float, float]] = []
         """Robot time and arrival of each package."""
-        self.socket.sendall(_message("O", struct.pack(">d", 250.0) + names.encode()))
+        self.socket.sendall(message("O", struct.pack(">d", 250.0) + names.encode()))
 
     def read(self) -> int:
         """Read what has come; return how many packages."""
@@ -87,12 +88,12 @@ class Stream:
 
 
 def _paced(what: str, program: bytes, *options: str) -> Row:
-    with served(*options) as ports:
+    with served(*options) as (ports, _):
         streams = [Stream(ports["rtsi"], OUTPUTS) for _ in range(CLIENTS)]
         selector = selectors.DefaultSelector()
         for stream in streams:
             selector.register(stream.socket, selectors.EVENT_READ, stream)
-            stream.socket.sendall(_message("S"))
+            stream.socket.sendall(message("S"))
         if program:
             with socket.create_connection(("127.0.0.1", ports["primary"])) as peer:
                 peer.sendall(program)
@@ -123,10 +124,10 @@ def _paced(what: str, program: bytes, *options: str) -> Row:
 
 
 def _lockstep(what: str, names: str) -> Row:
-    with served("--lockstep", "rtsi") as ports:
+    with served("--lockstep", "rtsi") as (ports, _):
         client = Stream(ports["rtsi"], names)
-        client.socket.sendall(_message("I", b"input_int_register0") + _message("S"))
-        answer = _message("U", bytes([1]) + struct.pack(">i", 7))
+        client.socket.sendall(message("I", b"input_int_register0") + message("S"))
+        answer = message("U", bytes([1]) + struct.pack(">i", 7))
         end = perf_counter() + min(SECONDS, 5.0)
         while perf_counter() < end:
             if client.read():

@@ -294,7 +294,8 @@ class ChildLink:
         if not self._unanswered:
             self._silence = self._silence_from_now()
         self._unanswered.append(_Sent(tick, inputs))
-        self._child.send(frames.TICK, to_text([self._input_shape.encode(item) for item in inputs]))
+        content = to_text([self._input_shape.encode(item) for item in inputs]) if inputs else frames.NO_INPUTS
+        self._child.send(frames.TICK, content)
 
     # ---------------------------------------------------------------- up
 

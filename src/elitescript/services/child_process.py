@@ -18,7 +18,7 @@ from typing import Final
 
 import elitescript
 from elitescript.messages.shapes import CodecError
-from elitescript.services.frames import UP_MAX, FrameReader, frame
+from elitescript.services.frames import READ_BYTES, UP_MAX, FrameReader, frame
 
 HASH_SEED: Final = "0"
 """The order of a set of strings depends on it; every process that runs programs has the same."""
@@ -26,7 +26,6 @@ LOG_MAX: Final = 1 << 16
 """Bytes of its output that are kept; what is older is thrown away."""
 BACKLOG_MAX: Final = 64 * 1024 * 1024
 """Bytes that may wait for a child that does not read."""
-_READ_AT_ONCE: Final = 1 << 20
 _SCHEDULER_CLOCK: Final = 2
 """Kind of clock that counts what the scheduler has given to a process, in user and system mode."""
 
@@ -110,11 +109,11 @@ class ChildProcess:
         """The end of what it has written to its output."""
         return self._log.decode("utf-8", "replace")
 
-    def send(self, letter: str, text: str) -> None:
+    def send(self, letter: str, content: str | bytes) -> None:
         """Send a message; never waits."""
         if self._is_over:
             return
-        data = frame(letter, text)
+        data = frame(letter, content)
         if not self._backlog:
             try:
                 data = data[self._socket.send(data) :]
@@ -160,7 +159,7 @@ class ChildProcess:
 
     def _readable(self) -> None:
         try:
-            data = self._socket.recv(_READ_AT_ONCE)
+            data = self._socket.recv(READ_BYTES)
         except BlockingIOError:
             return
         except OSError as error:
