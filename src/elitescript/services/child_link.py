@@ -1,7 +1,8 @@
 """The way to a robot in a child process: no program that runs there can hold up whoever serves it.
 
-A tick is sent to the child, and its output taken, within the period. A child that is late is not waited for: clients
-see the last picture meanwhile, the ticks queue up, and the child makes up for them. One that has worked for
+A tick is sent to the child, and its output taken, within the period. A child that is late, because the computer was
+busy, is waited for a little: what waits for it leaves late, and nothing is missing. If it takes longer, clients see the
+last picture meanwhile, the ticks queue up, and the child makes up for them. One that has worked for
 `PATIENCE_S` without saying anything is in a call that does not come back: it is killed, and a fresh child goes on from
 the last picture. Its own processor time counts, so that a busy computer does not look like such a call; one that does
 not work either, because it sleeps, is killed after `ABSENCE_MAX_S`.
@@ -26,7 +27,6 @@ from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpene
 from elitescript.messages.outputs import CloseChannel, OpenChannel, Output
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.messages.timing import PERIOD_S
 from elitescript.runtime.world import Files, FilesRefused
 from elitescript.services import frames
 from elitescript.services.child_process import ChildProcess, Silence
@@ -45,10 +45,10 @@ ABSENCE_MAX_S: Final = 5.0
 """Wall time without a word after which a child is given up, whatever it does."""
 PATIENCE_TICKS: Final = 20
 """Ticks that have gone by as well: whoever was away himself has no reason to complain."""
-GRACE_S: Final = 0.0015
-"""How long an output is waited for in its own period; timers of an event loop may add 1 ms."""
-ON_TIME_S: Final = 0.8 * PERIOD_S
-"""Whoever calls again sooner than this has time to make up for, and does not wait."""
+GRACE_S: Final = 0.02
+"""How long outputs that are late are waited for, if the others were in time: ticks leave late then, but all of them."""
+GRACE_PER_TICK_S: Final = 0.0025
+"""How much of it every tick gives back; timers of an event loop may add 1 ms."""
 BEHIND_TICKS: Final = 3
 """Ticks behind which no output is waited for."""
 TRACE_S: Final = 0.05
@@ -83,7 +83,7 @@ class ChildLink:
         is_jailed: lock the child in.
         journal: where to write the session down.
         patience_s: silence after which the child is given up, in its own processor time.
-        grace_s: how long to wait for an output in its own period; infinite in a test that compares outputs.
+        grace_s: how long late outputs are waited for; infinite in a test that compares outputs.
         memory_max: bytes of address space of the child.
 
     Attributes:
@@ -93,7 +93,6 @@ class ChildLink:
 
     __slots__ = (
         "_boots",
-        "_called_s",
         "_changed",
         "_channels",
         "_child",
@@ -104,6 +103,7 @@ class ChildLink:
         "_end_reason",
         "_failure",
         "_given_up_s",
+        "_grace_left_s",
         "_grace_s",
         "_held",
         "_input_shape",
@@ -141,6 +141,7 @@ class ChildLink:
         self._journal = journal
         self._patience_s = patience_s
         self._grace_s = grace_s
+        self._grace_left_s = grace_s
         self._memory_max = memory_max
         self._codec = full_codec()
         self._input_shape = self._codec.shape(Input)
@@ -160,11 +161,11 @@ class ChildLink:
         self._failure = ""
         self._given_up_s = 0.0
         self._boots = 0
-        self._called_s = 0.0
         self._reading_s = 0.0
         self._replaced_because = ""
         self._lost: Sequence[Input] = ()
-        self._silence = Silence(0.0, 0.0)
+        self._silence: Silence | None = None
+        """Since it was found late for the first time after it was heard last."""
         self.layers: tuple[Layer, ...] = ()
         self.restarts = 0
 
@@ -215,8 +216,11 @@ class ChildLink:
             if not self._is_describing:
                 self._go_on(tick)
             self._send_tick(tick)
+        grace_s = self._grace_of(tick)
         if self._unanswered and self._outputs.is_empty:
-            await self._wait_until(lambda: not self._unanswered or bool(self._end_reason), self._grace_of(tick))
+            began_s = time.monotonic()
+            await self._wait_until(lambda: not self._unanswered or bool(self._end_reason), grace_s)
+            self._grace_left_s -= time.monotonic() - began_s
         else:
             # Who calls without a pause must not keep a fresh child from being heard.
             await asyncio.sleep(0)
@@ -267,12 +271,12 @@ class ChildLink:
 
     def _grace_of(self, tick: int) -> float:
         """How long to wait in this tick: one that is far behind does not catch up within a period."""
-        now_s = time.monotonic()
-        is_late, self._called_s = now_s - self._called_s < ON_TIME_S, now_s
+        self._grace_left_s = min(max(self._grace_left_s, 0.0) + GRACE_PER_TICK_S, self._grace_s)
         if self._grace_s >= self._patience_s:
             return self._patience_s
         is_behind = bool(self._unanswered) and tick - self._unanswered[0].tick >= BEHIND_TICKS
-        return 0.0 if is_behind or is_late else self._grace_s
+        # A fresh child has its robot to make.
+        return 0.0 if is_behind or self._boots else self._grace_left_s
 
     def _hold(self, inputs: Sequence[Input]) -> None:
         for item in inputs:
@@ -291,8 +295,6 @@ class ChildLink:
     def _send_tick(self, tick: int) -> None:
         assert self._child is not None
         inputs, self._held = self._held, []
-        if not self._unanswered:
-            self._silence = self._silence_from_now()
         self._unanswered.append(_Sent(tick, inputs))
         content = to_text([self._input_shape.encode(item) for item in inputs]) if inputs else frames.NO_INPUTS
         self._child.send(frames.TICK, content)
@@ -333,7 +335,7 @@ class ChildLink:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.tick}")
         self._boots = 0
         self._given_up_s = 0.0
-        self._silence = self._silence_from_now()
+        self._silence = None
         self._outputs.add(output)
         for request in output.requests:
             if isinstance(request, OpenChannel):
@@ -364,6 +366,8 @@ class ChildLink:
             return
         if not self._unanswered or self._child is None:
             return
+        if self._silence is None:
+            self._silence = self._silence_from_now()
         oldest, now_s = self._unanswered[0], time.monotonic()
         silent_s = now_s - self._silence.since_s
         patience_s = max(self._patience_s, FIRST_PATIENCE_S) if self._boots else self._patience_s
@@ -401,6 +405,7 @@ class ChildLink:
         del self._held[HELD_MAX:]
         self._lost = self._unanswered[0].inputs if self._unanswered else ()
         self._unanswered.clear()
+        self._silence = None
         if self._boots >= BOOTS_MAX:
             raise ElitescriptError(f"the robot's process ended {self._boots} times before it answered: {reason}")
         self._start_child()
