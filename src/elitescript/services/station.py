@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
+import sys
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
@@ -27,6 +30,12 @@ from elitescript.services.robot_link import RobotLink
 from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
 from elitescript.services.tcp import Listener, bind
 
+
+def _processors() -> int:
+    """How many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+
+
 RTSI: Final = "rtsi"
 PENDING_MAX: Final = 10_000
 """Inputs that may wait while time stands still."""
@@ -34,6 +43,8 @@ REPORT_TICKS: Final = 10 * TICKS_PER_S
 """After so many ticks the log is told how many of them were late."""
 LATE_MANY: Final = REPORT_TICKS // 100
 """So many of them are a problem."""
+SPIN_NS: Final = 200_000 if _processors() > 1 else 0
+"""After a tick of lockstep; a client alone on its processor has answered by then, or takes its time."""
 BUSY_STEPS: Final = 64
 """Ticks in lockstep after which everybody else is served."""
 
@@ -75,6 +86,7 @@ class Station:
         "_news",
         "_pending",
         "_relief",
+        "_spin_until_ns",
         "_stepped",
         "_task",
         "broker",
@@ -101,6 +113,7 @@ class Station:
         self._is_standing = False
         self._failure: Exception | None = None
         self._pending: list[Input] = []
+        self._spin_until_ns = 0
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
@@ -270,11 +283,17 @@ class Station:
                 self._news.clear()
                 self._is_standing = True
                 try:
+                    await self._spin()
                     await self._news.wait()
                 finally:
                     self._is_standing = False
                 if self._failure is not None:
                     raise self._failure
+
+    async def _spin(self) -> None:
+        """Ask the sockets again and again while answers come at once: to sleep and be woken takes longer than a tick."""
+        while not self._news.is_set() and time.monotonic_ns() < self._spin_until_ns:
+            await asyncio.sleep(0)
 
     def _relieve(self) -> None:
         """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
@@ -299,6 +318,8 @@ class Station:
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
         self.output = output
+        if self._is_lockstep:
+            self._spin_until_ns = time.monotonic_ns() + SPIN_NS
         self.reading_ns = 0
         for listener in self._by_urgency:
             if listener.clients:
