@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
-import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -25,16 +23,10 @@ from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
-from elitescript.services.lockstep import Gate, gate
+from elitescript.services.lockstep import Gate, gate, spinning_ns
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
 from elitescript.services.tcp import Listener, bind
-
-
-def _processors() -> int:
-    """How many processors this process may use."""
-    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
-
 
 RTSI: Final = "rtsi"
 PENDING_MAX: Final = 10_000
@@ -43,8 +35,6 @@ REPORT_TICKS: Final = 10 * TICKS_PER_S
 """After so many ticks the log is told how many of them were late."""
 LATE_MANY: Final = REPORT_TICKS // 100
 """So many of them are a problem."""
-SPIN_NS: Final = 200_000 if _processors() > 1 else 0
-"""After a tick of lockstep; a client alone on its processor has answered by then, or takes its time."""
 BUSY_STEPS: Final = 64
 """Ticks in lockstep after which everybody else is served."""
 
@@ -87,6 +77,7 @@ class Station:
         "_pending",
         "_relief",
         "_spin_until_ns",
+        "_spinning_ns",
         "_stepped",
         "_task",
         "broker",
@@ -113,6 +104,7 @@ class Station:
         self._is_standing = False
         self._failure: Exception | None = None
         self._pending: list[Input] = []
+        self._spinning_ns = spinning_ns() if is_lockstep else 0
         self._spin_until_ns = 0
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
@@ -291,7 +283,7 @@ class Station:
                     raise self._failure
 
     async def _spin(self) -> None:
-        """Ask the sockets again and again while answers come at once: to sleep and be woken takes longer than a tick."""
+        """Ask the sockets again and again while answers come at once: being woken takes longer than a tick."""
         while not self._news.is_set() and time.monotonic_ns() < self._spin_until_ns:
             await asyncio.sleep(0)
 
@@ -318,8 +310,8 @@ class Station:
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
         self.output = output
-        if self._is_lockstep:
-            self._spin_until_ns = time.monotonic_ns() + SPIN_NS
+        if self._spinning_ns:
+            self._spin_until_ns = time.monotonic_ns() + self._spinning_ns
         self.reading_ns = 0
         for listener in self._by_urgency:
             if listener.clients:
