@@ -31,8 +31,9 @@ CATCH_UP_TICKS: Final = 125
 class Alarm(Protocol):
     """Wakes a waiter at a time of `time.monotonic_ns`."""
 
-    is_exact: Final[bool]
-    """Whether it wakes well within a millisecond."""
+    @property
+    def is_exact(self) -> bool:
+        """Whether it wakes well within a millisecond."""
 
     def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
         """Set the result of the waiter at that time."""

@@ -115,8 +115,8 @@ class OutputWriter:
         robot_changes = _changes(self._robot, last.robot, robot)
         if changes or robot_changes or output.events or output.requests or output.replies:
             said = without_points(output)
-            data = [encode(getattr(said, name)) for name, encode in zip(_SAID, self._said, strict=True)]
-            parts.append(to_text([*data, changes, robot_changes]).encode())
+            written = [encode(getattr(said, name)) for name, encode in zip(_SAID, self._said, strict=True)]
+            parts.append(to_text([*written, changes, robot_changes]).encode())
         return frames.OUTPUT_CHANGES, b"".join(parts)
 
 

@@ -336,7 +336,8 @@ class Station:
 
 def _counted(snapshot: Snapshot, overruns: int) -> Snapshot:
     """A snapshot with that many overruns. `dataclasses.replace` takes some times as long."""
-    return Snapshot(*_ALL_BUT_OVERRUNS(snapshot), overruns)
+    fields: tuple[Any, ...] = (*_ALL_BUT_OVERRUNS(snapshot), overruns)
+    return Snapshot(*fields)
 
 
 def _why_not(name: str, host: str, number: int, error: OSError) -> str:
