@@ -16,7 +16,7 @@ from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
 from elitescript.runtime.alarms import summary_of
-from elitescript.runtime.context import MOVE_END, POPUP
+from elitescript.runtime.context import POPUP
 from elitescript.runtime.interpreter import Interpreter
 from elitescript.runtime.program import Program
 from elitescript.runtime.queries import Queries
@@ -57,6 +57,7 @@ class ScriptHost:
         alarm: what ended it, if an alarm did.
         interpreter: statements of interpreter mode.
         movers: which strands wait for which move.
+        abortable: those of these moves that `abort_move` ends.
         connections: every open TCP connection by its channel.
         watchdogs: RTSI inputs that the program watches.
     """
@@ -74,6 +75,7 @@ class ScriptHost:
         "_secondaries",
         "_seed",
         "_world",
+        "abortable",
         "alarm",
         "connections",
         "interpreter",
@@ -111,6 +113,7 @@ class ScriptHost:
         self.interpreter = Interpreter(self._scheduler, profile.interpreter_queue_limit)
         self.watchdogs = Watchdogs(machine, is_rtsi_input)
         self.movers: dict[int, list[Strand]] = {}
+        self.abortable: set[int] = set()
         self.connections: dict[int, Connection] = {}
         self.result = ""
         self.alarm: Alarm | None = None
@@ -168,10 +171,9 @@ class ScriptHost:
         self._queries.ask(text, answer)
 
     def abort_move(self) -> None:
-        """End the move that a thread waits for."""
-        for move, strands in list(self.movers.items()):
-            if any(strand.waits_for == MOVE_END for strand in strands):
-                self._machine.cancel_move(move)
+        """End the `movej` or `movel` that a thread waits for; other motions go on (*documented*)."""
+        for move in sorted(self.abortable):
+            self._machine.cancel_move(move)
 
     def pause(self) -> None:
         """Let no thread of the program go on. Virtual time does, and their waits last longer by it."""
@@ -201,11 +203,6 @@ class ScriptHost:
             self._end_program(self._program)
         finally:
             self._scheduler.end_tick()
-
-    def knows(self, name: str) -> bool:
-        """Whether a program finds something under that name without defining it."""
-        program = self._program or self._new_program({})
-        return name in program.builtins
 
     def fail(self, alarm: Alarm) -> None:
         """End the program as `stop` does, with an alarm that it can neither catch nor outlive."""

@@ -25,7 +25,7 @@ from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.lockstep import Gate, gate, spinning_ns
 from elitescript.services.robot_link import RobotLink
-from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
+from elitescript.services.table import PORTS_PER_INSTANCE, services_of
 from elitescript.services.tcp import Listener, bind
 
 RTSI: Final = "rtsi"
@@ -67,9 +67,12 @@ class Station:
     """
 
     __slots__ = (
+        "_answered",
         "_by_urgency",
+        "_comers",
         "_cycle",
         "_failure",
+        "_followers",
         "_is_lockstep",
         "_is_standing",
         "_listen",
@@ -109,6 +112,12 @@ class Station:
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
+        """Wait for the tick that begins next."""
+        self._answered: list[asyncio.Future[Output]] = []
+        """Wait for the output of the tick that is under way."""
+        self._comers: list[Callable[[Output], bool]] = []
+        """Follow from the tick that begins next."""
+        self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
 
@@ -144,10 +153,14 @@ class Station:
         self._listen(self, Note(self.name, kind, text, is_problem, details))
 
     async def next_output(self) -> Output:
-        """What the robot says at its next tick."""
+        """What the robot says at the next tick that begins: it has heard what was posted before."""
         waiter: asyncio.Future[Output] = asyncio.get_running_loop().create_future()
         self._stepped.append(waiter)
         return await waiter
+
+    def follow(self, take: Callable[[Output], bool]) -> None:
+        """Call `take` with every output from the next tick that begins on, without a gap, until it returns False."""
+        self._comers.append(take)
 
     @property
     def overruns(self) -> int:
@@ -175,7 +188,7 @@ class Station:
             UsageError: a port cannot be had.
         """
         try:
-            for service in SERVICES:
+            for service in services_of(self.link.description.firmware):
                 number = numbers[service.name]
                 try:
                     bound = bind(host, number)
@@ -223,7 +236,7 @@ class Station:
         for listener in self.listeners.values():
             await listener.close()
         self.broker.close_all()
-        for waiter in self._stepped:
+        for waiter in (*self._stepped, *self._answered):
             waiter.cancel()
         if self._cycle is not None:
             self._cycle.close()
@@ -263,11 +276,11 @@ class Station:
             if not found.has_participants:
                 await cycle.next()
                 if not self._gate().has_participants:
-                    await self._step()
+                    await self.step()
                 continue
             cycle.restart()
             if found.is_open:
-                await self._step()
+                await self.step()
                 steps += 1
                 if steps % BUSY_STEPS == 0:
                     await asyncio.sleep(0)
@@ -299,11 +312,16 @@ class Station:
     def _gate(self) -> Gate:
         return gate(self.listeners[RTSI].clients)
 
-    async def _step(self) -> None:
-        """One tick of lockstep."""
+    async def step(self) -> None:
+        """One tick, whose output leaves as soon as it is there."""
         self._pass_on(await self.link.tick(self._taken()))
 
     def _taken(self) -> list[Input]:
+        """What the tick that begins now is given."""
+        self._answered += self._stepped
+        self._stepped.clear()
+        self._followers += self._comers
+        self._comers.clear()
         inputs, self._pending = self._pending, []
         return inputs
 
@@ -318,11 +336,12 @@ class Station:
                 listener.publish(output)
         self.broker.carry_out(output.requests)
         self._hear(output)
-        if self._stepped:
-            waiters, self._stepped = self._stepped, []
-            for waiter in waiters:
-                if not waiter.done():
-                    waiter.set_result(output)
+        if self._followers:
+            self._followers = [take for take in self._followers if take(output)]
+        for waiter in self._answered:
+            if not waiter.done():
+                waiter.set_result(output)
+        self._answered.clear()
 
     def _hear(self, output: Output) -> None:
         for event in output.events:
