@@ -12,7 +12,6 @@ import os
 import signal
 import sys
 import traceback
-from contextlib import suppress
 from typing import Any
 
 from elitescript.errors import ElitescriptError, UsageError
@@ -66,7 +65,6 @@ def main(descriptor: int) -> None:
     faulthandler.register(signal.SIGUSR1, all_threads=False)
     # Ctrl-C reaches the whole group of the terminal; the parent decides what it means.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _give_way()
     line = frames.BlockingLine(descriptor)
     try:
         serve(line)
@@ -78,13 +76,6 @@ def main(descriptor: int) -> None:
         line.send(frames.FAILED, to_text([kind, text.encode("utf-8", "replace").decode()]))
         # No destructor of a program's object is to run now.
         os._exit(1)
-
-
-def _give_way() -> None:
-    """Never take the processor from who has just woken us up: it has clients to serve, we have a period."""
-    if sys.platform == "linux":
-        with suppress(OSError):
-            os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
 
 
 if __name__ == "__main__":

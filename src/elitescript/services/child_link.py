@@ -45,7 +45,7 @@ ABSENCE_MAX_S: Final = 5.0
 """Wall time without a word after which a child is given up, whatever it does."""
 PATIENCE_TICKS: Final = 20
 """Ticks that have gone by as well: whoever was away himself has no reason to complain."""
-GRACE_S: Final = 0.02
+GRACE_S: Final = 0.1
 """How long outputs that are late are waited for, if the others were in time: ticks leave late then, but all of them."""
 GRACE_PER_TICK_S: Final = 0.0025
 """How much of it every tick gives back; timers of an event loop may add 1 ms."""
