@@ -22,7 +22,7 @@ from typing import Final, NamedTuple
 from elitescript.protocol.rtsi import RtsiConnection
 from elitescript.services.tcp import Client
 
-SPIN_NS: Final = 200_000
+SPIN_NS: Final = 60_000
 """After a tick; a client that does nothing else has answered by then."""
 
 
