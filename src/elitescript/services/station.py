@@ -11,6 +11,7 @@ import contextlib
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 from operator import attrgetter
 from typing import Any, Final
 
@@ -23,10 +24,12 @@ from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
+from elitescript.services.inbox import WAITING_MAX, Inbox
+from elitescript.services.listener import Listener, bind
 from elitescript.services.lockstep import Gate, gate, spinning_ns
 from elitescript.services.robot_link import RobotLink
+from elitescript.services.shares import Shares
 from elitescript.services.table import PORTS_PER_INSTANCE, services_of
-from elitescript.services.tcp import Listener, bind
 
 RTSI: Final = "rtsi"
 PENDING_MAX: Final = 10_000
@@ -73,11 +76,12 @@ class Station:
         "_cycle",
         "_failure",
         "_followers",
+        "_inbox",
         "_is_lockstep",
         "_is_standing",
         "_listen",
         "_news",
-        "_pending",
+        "_overruns_before",
         "_relief",
         "_spin_until_ns",
         "_spinning_ns",
@@ -88,7 +92,7 @@ class Station:
         "listeners",
         "name",
         "output",
-        "reading_ns",
+        "shares",
         "waits_for",
     )
 
@@ -99,14 +103,16 @@ class Station:
         self._by_urgency: list[Listener] = []
         self.broker = Broker(self.post)
         self.output: Output
-        self.reading_ns = 0
+        self.shares = Shares()
         self.waits_for = ""
         """Origin of the client that time waits for in lockstep."""
         self._listen = listen
         self._is_lockstep = is_lockstep
         self._is_standing = False
+        self._overruns_before = 0
         self._failure: Exception | None = None
-        self._pending: list[Input] = []
+        # Time that waits for clients waits for what they ask, too.
+        self._inbox = Inbox(inf) if is_lockstep else Inbox()
         self._spinning_ns = spinning_ns() if is_lockstep else 0
         self._spin_until_ns = 0
         self._relief: asyncio.TimerHandle | None = None
@@ -125,7 +131,11 @@ class Station:
 
     def post(self, inputs: list[Input]) -> None:
         """Take inputs for the next tick."""
-        self._pending += inputs
+        self._inbox.post(inputs)
+
+    def waiting_of(self, origin: str) -> int:
+        """Inputs of a client that could not go in at the last tick."""
+        return self._inbox.waiting_of(origin)
 
     def wake(self) -> None:
         """Something has changed that time may have waited for."""
@@ -302,11 +312,11 @@ class Station:
 
     def _relieve(self) -> None:
         """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
-        self.reading_ns = 0
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
-                if len(self._pending) < PENDING_MAX or client.origin == self.waits_for:
+                if len(self._inbox) < PENDING_MAX or client.origin == self.waits_for:
                     client.relieve()
+        self._begin_reading()
         self._relief = asyncio.get_running_loop().call_later(PERIOD_S, self._relieve)
 
     def _gate(self) -> Gate:
@@ -322,15 +332,20 @@ class Station:
         self._stepped.clear()
         self._followers += self._comers
         self._comers.clear()
-        inputs, self._pending = self._pending, []
-        return inputs
+        if self._inbox.refused:
+            self._tell_refused()
+        return self._inbox.take(self.link.room)
+
+    def _tell_refused(self) -> None:
+        count, self._inbox.refused = self._inbox.refused, 0
+        text = f"{count} inputs were refused: {WAITING_MAX} wait for the robot already"
+        self.note("overfull", text, is_problem=True, count=count)
 
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
         self.output = output
         if self._spinning_ns:
             self._spin_until_ns = time.monotonic_ns() + self._spinning_ns
-        self.reading_ns = 0
         for listener in self._by_urgency:
             if listener.clients:
                 listener.publish(output)
@@ -338,10 +353,19 @@ class Station:
         self._hear(output)
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
+        self._begin_reading()
         for waiter in self._answered:
             if not waiter.done():
                 waiter.set_result(output)
         self._answered.clear()
+
+    def _begin_reading(self) -> None:
+        """Everybody has got the tick; now there is time for what clients send."""
+        for listener in self.listeners.values():
+            listener.begin_tick()
+        overruns = self.overruns
+        self.shares.begin_tick(is_late=overruns > self._overruns_before)
+        self._overruns_before = overruns
 
     def _hear(self, output: Output) -> None:
         for event in output.events:
