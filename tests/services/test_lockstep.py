@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import os
-import sys
 
 import pytest
 
-from elitescript.services.lockstep import SPIN_NS, spinning_ns
 from tests.protocol import rtsi_client
 from tests.services.served import Peer, Scene, run, serving
 
@@ -158,11 +155,3 @@ def test_a_robot_that_fails_ends_its_time_and_not_the_client() -> None:
             assert not scene.notes("gone")
 
     run(test())
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not tell which processors a process may use")
-def test_a_server_that_shares_its_only_processor_with_the_client_does_not_spin(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3})
-    assert spinning_ns() == 0
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 3})
-    assert spinning_ns() == SPIN_NS

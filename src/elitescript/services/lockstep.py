@@ -14,16 +14,11 @@ answer, as fast does time pass.
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Mapping
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 from elitescript.protocol.rtsi import RtsiConnection
 from elitescript.services.tcp import Client
-
-SPIN_NS: Final = 60_000
-"""After a tick; a client that does nothing else has answered by then."""
 
 
 class Gate(NamedTuple):
@@ -56,9 +51,3 @@ def gate(clients: Mapping[str, Client]) -> Gate:
     if not has_participants:
         return _UNASKED
     return Gate(False, True, behind) if behind else _OPEN
-
-
-def spinning_ns() -> int:
-    """How long to ask for an answer again and again before falling asleep; 0 where that would keep the client away."""
-    processors = len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
-    return SPIN_NS if processors > 1 else 0

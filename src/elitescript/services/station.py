@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
@@ -26,7 +25,7 @@ from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.inbox import WAITING_MAX, Inbox
 from elitescript.services.listener import Listener, bind
-from elitescript.services.lockstep import Gate, gate, spinning_ns
+from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.shares import Shares
 from elitescript.services.table import PORTS_PER_INSTANCE, services_of
@@ -83,8 +82,6 @@ class Station:
         "_news",
         "_overruns_before",
         "_relief",
-        "_spin_until_ns",
-        "_spinning_ns",
         "_stepped",
         "_task",
         "broker",
@@ -113,8 +110,6 @@ class Station:
         self._failure: Exception | None = None
         # Time that waits for clients waits for what they ask, too.
         self._inbox = Inbox(inf) if is_lockstep else Inbox()
-        self._spinning_ns = spinning_ns() if is_lockstep else 0
-        self._spin_until_ns = 0
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
@@ -298,17 +293,11 @@ class Station:
                 self._news.clear()
                 self._is_standing = True
                 try:
-                    await self._spin()
                     await self._news.wait()
                 finally:
                     self._is_standing = False
                 if self._failure is not None:
                     raise self._failure
-
-    async def _spin(self) -> None:
-        """Ask the sockets again and again while answers come at once: being woken takes longer than a tick."""
-        while not self._news.is_set() and time.monotonic_ns() < self._spin_until_ns:
-            await asyncio.sleep(0)
 
     def _relieve(self) -> None:
         """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
@@ -344,8 +333,6 @@ class Station:
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
         self.output = output
-        if self._spinning_ns:
-            self._spin_until_ns = time.monotonic_ns() + self._spinning_ns
         for listener in self._by_urgency:
             if listener.clients:
                 listener.publish(output)
