@@ -20,6 +20,7 @@ from elitescript.commands.page import CHAPTERS, chapters, kind_of, source_of
 from elitescript.commands.registry import Command, Param
 from elitescript.controller import safety
 from elitescript.messages.signals import SIGNALS, Signal
+from tools.devices_page import devices_page
 from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, anchor, cell
 from tools.modbus_page import modbus_page
@@ -211,7 +212,7 @@ _CELL_FILE: Final = """\
 ## Limits: the cell file
 
 Without limits, normal mode watches nothing but the joint ranges of the model and the force at the TCP, and reduced mode
-slows the TCP down to 0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or
+slows the TCP down to 0.75 m/s. Limits come from `run --world FILE.toml`, `VirtualRobot(world=...)` or
 `VirtualRobot(safety=SafetyLimits(...))`.
 A limit that is exceeded while the arm moves is a protective stop. Every key may be left out.
 
@@ -263,6 +264,7 @@ def _range(signal: Signal) -> str:
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "commands.md": commands_page,
     "dashboard.md": dashboard_page,
+    "devices.md": devices_page,
     "errors.md": errors_page,
     "interpreter.md": interpreter_page,
     "modbus.md": modbus_page,

@@ -195,8 +195,8 @@ def test_a_port_that_cannot_be_read_is_refused(text: str) -> None:
         (["--set", "standard_digital_in[16]=true"], "has indices 0 to 15, not 16"),
         (["--set", "standard_digital_in[3]=5"], "takes True or False"),
         (["--robot", "CS99"], "CS99"),
-        (["--cell", "CELL"], "cell.toml:2"),
-        (["--cell", "no.toml"], "cell file no.toml"),
+        (["--world", "CELL"], "cell.toml:2"),
+        (["--world", "no.toml"], "world file no.toml"),
     ],
 )
 def test_wrong_options_are_told_as_by_run_before_anything_starts(

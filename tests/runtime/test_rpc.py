@@ -15,7 +15,7 @@ from elitescript import VirtualRobot
 from elitescript.errors import InvalidValueError
 from elitescript.runtime.rpc import server_of
 from elitescript.worlds.memory import MemoryWorld
-from elitescript.worlds.memory_channels import Link, Peer
+from elitescript.worlds.virtual.network import Link, Peer
 
 
 class Answering(Peer):

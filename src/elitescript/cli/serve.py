@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.cli import jsonlines
 from elitescript.cli.last_resort import last_resort
@@ -30,10 +30,13 @@ from elitescript.services.robot_link import RobotLink
 from elitescript.services.robots import numbered_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.station import Note, Station
+from elitescript.services.station import DEVICE, Note, Station
 from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of, spare_numbers
 from elitescript.worlds.line_bindings import parse_bindings
 from elitescript.worlds.state_file import StateFile
+
+if TYPE_CHECKING:
+    from elitescript.worlds.virtual.world import World
 
 ROBOTS_MAX: Final = 32
 ALL: Final = "all"
@@ -42,7 +45,7 @@ ALL: Final = "all"
 
 def serve(options: argparse.Namespace) -> int:
     """Serve until a signal comes; return the exit code."""
-    configs = robot_configs(options)
+    configs, worlds = robot_configs(options)
     for config in {config.model: config for config in configs}.values():
         # What cannot be a robot is told before a port is open or a process started.
         _check_ports(options, Kernel(config).description)
@@ -51,15 +54,16 @@ def serve(options: argparse.Namespace) -> int:
     spares = [spare_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
     _check_host(options)
     if not is_in_process(options):
-        return _run(options, configs, numbers, spares, _on_signals)
+        return _run(options, configs, worlds, numbers, spares, _on_signals)
     # Programs run in this process, and may keep it from hearing signals.
     with last_resort("elitescript serve") as listen:
-        return _run(options, configs, numbers, spares, lambda stop: listen(_threadsafe(stop)))
+        return _run(options, configs, worlds, numbers, spares, lambda stop: listen(_threadsafe(stop)))
 
 
 def _run(
     options: argparse.Namespace,
     configs: list[KernelConfig],
+    worlds: list[World | None],
     numbers: list[dict[str, int]],
     spares: list[dict[str, int]],
     on_signals: Callable[[asyncio.Event], None],
@@ -71,7 +75,7 @@ def _run(
         with contextlib.ExitStack() as held:
             keepers = _keepers(options.state, len(configs), held)
             configs = list(map(_remembering, configs, keepers))
-            asyncio.run(_serve(options, configs, keepers, numbers, spares, log, on_signals))
+            asyncio.run(_serve(options, configs, worlds, keepers, numbers, spares, log, on_signals))
     finally:
         out.close()
         err.close()
@@ -81,6 +85,7 @@ def _run(
 async def _serve(
     options: argparse.Namespace,
     configs: list[KernelConfig],
+    worlds: list[World | None],
     keepers: list[StateKeeper | None],
     numbers: list[dict[str, int]],
     spares: list[dict[str, int]],
@@ -98,6 +103,7 @@ async def _serve(
             log.take,
             is_lockstep=is_lockstep,
             lines=lines,
+            world=worlds[index],
             keeper=keeper,
         )
         for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
@@ -150,14 +156,16 @@ def is_in_process(options: argparse.Namespace) -> bool:
     return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
 
 
-def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
-    """The robots that the options ask for.
+def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list[World | None]]:
+    """The robots that the options ask for, and what is beside each.
 
     Raises:
         UsageError: an option that makes no sense.
     """
     from elitescript.models.model import load_model
     from elitescript.worlds.cell import Cell, load_cell
+    from elitescript.worlds.surroundings import REAL
+    from elitescript.worlds.virtual.faults import fault_text
 
     if not 1 <= options.robots <= ROBOTS_MAX:
         raise UsageError(f"--robots must be from 1 to {ROBOTS_MAX}, got {options.robots}")
@@ -169,10 +177,12 @@ def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
         raise UsageError(f"--set {min(presets)}: there is no such signal")
     if options.task_dir is not None and not Path(options.task_dir).is_dir():
         raise UsageError(f"--task-dir {options.task_dir}: there is no such folder")
-    cell = Cell() if options.cell is None else load_cell(options.cell)
-    configs = []
+    configs: list[KernelConfig] = []
+    worlds: list[World | None] = []
     for index, model in enumerate(models):
         name = load_model(model).name
+        cell = Cell() if options.world is None else load_cell(options.world, network=REAL)
+        worlds.append(cell.world)
         configs.append(
             KernelConfig(
                 model=name,
@@ -188,10 +198,11 @@ def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
                 safety=cell.take("safety", None),
                 plant=cell.take("plant", None),
                 signals=tuple({**cell.signals, **signals}.items()),
+                faults=() if cell.world is None else tuple(map(fault_text, cell.world.faults)),
                 strict=options.strict,
             )
         )
-    return configs
+    return configs, worlds
 
 
 def line_bindings(texts: list[str], robots: int) -> dict[str, str]:
@@ -358,10 +369,11 @@ class Log:
             details = {**what.details, "t": seconds(station.output.tick)}
             head = {"type": "serve", "robot": what.robot, "what": what.kind, "level": level, "text": what.text}
             self._record({**head, **details})
-        elif what.is_problem:
+        elif what.is_problem or what.kind == DEVICE:
             tag = f"{what.robot}: " if self._are_several else ""
-            self._err.write(f"{tag}{seconds(station.output.tick):10.3f} s  {what.text}\n")
-            self._err.flush()
+            stream = self._err if what.is_problem else self._out
+            stream.write(f"{tag}{seconds(station.output.tick):10.3f} s  {what.text}\n")
+            stream.flush()
 
     def end(self) -> None:
         """Everything is closed."""

@@ -52,6 +52,8 @@ class KernelConfig:
     plant: PlantConfig | None = None
     signals: tuple[tuple[str, Value], ...] = ()
     """Levels at the start, by the names of `--set`."""
+    faults: tuple[str, ...] = ()
+    """What goes wrong on channels, as `worlds.virtual.faults.fault_text` writes it."""
     work_per_tick: int = WORK_PER_TICK
     rpc_timeout_s: float = RPC_TIMEOUT_S
     """How long a remote procedure call waits for its answer; 0 and less wait for ever."""

@@ -54,7 +54,6 @@ class Listener:
     __slots__ = (
         "_accepted",
         "_bound",
-        "_connect",
         "_count",
         "_hub",
         "_refused_tick",
@@ -63,6 +62,7 @@ class Listener:
         "_told_tick",
         "_turn",
         "clients",
+        "connect",
         "expected_ns",
         "number",
         "refused",
@@ -76,7 +76,7 @@ class Listener:
         self.refused = 0
         self.expected_ns = 0
         self._hub = hub
-        self._connect = connect
+        self.connect = connect
         self._bound = bound
         self._count = 0
         self._accepted = 0
@@ -165,7 +165,7 @@ class Listener:
     async def _welcome(self, raw: socket.socket) -> None:
         self._count += 1
         origin = f"{self.service.name}#{self._count}"
-        client = Client(self._hub, self.service, self._connect(origin), self._forget)
+        client = Client(self._hub, self.service, self.connect(origin), self._forget)
         self.clients[origin] = client
         try:
             raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 from operator import attrgetter
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
@@ -22,6 +22,7 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
+from elitescript.protocol.connection import Connection
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.inbox import WAITING_MAX, Inbox
@@ -32,7 +33,13 @@ from elitescript.services.shares import Shares
 from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.table import PORTS_PER_INSTANCE, services_of
 
+if TYPE_CHECKING:
+    from elitescript.services.served_world import ServedWorld
+    from elitescript.worlds.virtual.world import World
+
 RTSI: Final = "rtsi"
+DEVICE: Final = "device"
+"""Kind of the notes that are words of virtual devices."""
 PENDING_MAX: Final = 10_000
 """Inputs that may wait while time stands still."""
 REPORT_TICKS: Final = 10 * TICKS_PER_S
@@ -69,6 +76,7 @@ class Station:
         is_lockstep: time waits for RTSI clients; see `services.lockstep`.
         listen: hears every event of the robot and every note; must not block.
         lines: what is on the robot's serial ports; see `worlds.line_bindings`.
+        world: virtual devices beside the robot.
         keeper: remembers what the robot keeps; nobody does if None.
     """
 
@@ -89,6 +97,7 @@ class Station:
         "_relief",
         "_stepped",
         "_task",
+        "_world",
         "broker",
         "link",
         "listeners",
@@ -106,6 +115,7 @@ class Station:
         *,
         is_lockstep: bool = False,
         lines: Mapping[str, str] | None = None,
+        world: World | None = None,
         keeper: StateKeeper | None = None,
     ) -> None:
         self.name = name
@@ -138,6 +148,11 @@ class Station:
         self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
+        self._world: ServedWorld | None = None
+        if world is not None:
+            from elitescript.services.served_world import ServedWorld
+
+            self._world = ServedWorld(world, self._say, self._connect)
 
     # ---------------------------------------------------------------- what clients call
 
@@ -242,7 +257,9 @@ class Station:
         """Bring the robot up, with one tick, so that there is something to show."""
         await self.link.open()
         self.output = await self.link.tick(())
-        self.broker.carry_out(self.output.requests)
+        if self._world is not None:
+            self._world.begin(self.output)
+        self._carry_out(self.output)
 
     async def open(self) -> None:
         """Accept clients, and let time pass from now on."""
@@ -270,6 +287,8 @@ class Station:
             self._relief.cancel()
         for listener in self.listeners.values():
             await listener.close()
+        if self._world is not None:
+            self._world.close_all()
         self.broker.close_all()
         for waiter in (*self._stepped, *self._answered):
             waiter.cancel()
@@ -355,7 +374,8 @@ class Station:
         self._comers.clear()
         if self._inbox.refused:
             self._tell_refused()
-        return self._inbox.take(self.link.room)
+        inputs = self._inbox.take(self.link.room)
+        return inputs if self._world is None else inputs + self._world.inputs(self.output.tick + 1)
 
     def _tell_refused(self) -> None:
         count, self._inbox.refused = self._inbox.refused, 0
@@ -368,7 +388,7 @@ class Station:
         for listener in self._by_urgency:
             if listener.clients:
                 listener.publish(output)
-        self.broker.carry_out(output.requests)
+        self._carry_out(output)
         self._hear(output)
         if self._keeper is not None:
             self._keeper.take(output.snapshot.signals)
@@ -379,6 +399,24 @@ class Station:
             if not waiter.done():
                 waiter.set_result(output)
         self._answered.clear()
+
+    def _say(self, text: str, is_problem: bool) -> None:
+        self.note(DEVICE, text, is_problem=is_problem)
+
+    def _connect(self, service: str, origin: str) -> Connection:
+        """A connection of a virtual device to a port."""
+        listener = self.listeners.get(service)
+        if listener is None:
+            raise UsageError(f"service: the robot has the ports {', '.join(self.listeners)}, not {service!r}")
+        return listener.connect(origin)
+
+    def _carry_out(self, output: Output) -> None:
+        """Do what programs ask of their connections; virtual devices see the tick."""
+        if self._world is None:
+            self.broker.carry_out(output.requests)
+        else:
+            self.broker.carry_out(self._world.take(output.requests))
+            self._world.heard(output)
 
     def _begin_reading(self) -> None:
         """Everybody has got the tick; now there is time for what clients send."""

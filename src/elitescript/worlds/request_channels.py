@@ -15,7 +15,7 @@ from elitescript.messages.outputs import (
     OpenLine,
     SendChannel,
 )
-from elitescript.runtime.world import Files
+from elitescript.runtime.world import Channels, Files
 
 TCP: Final = "tcp"
 
@@ -33,6 +33,21 @@ class RequestWorld:
     def __init__(self, files: Files) -> None:
         self.files = files
         self.channels = RequestChannels()
+
+
+class FaultyWorld:
+    """A world with another network.
+
+    Args:
+        files: the task folder.
+        channels: the network.
+    """
+
+    __slots__ = ("channels", "files")
+
+    def __init__(self, files: Files, channels: Channels) -> None:
+        self.files = files
+        self.channels = channels
 
 
 class RequestChannels:

@@ -44,6 +44,8 @@ class Device:
 
     name: str = ""
     cell: RobotSignals
+    _kept: tuple[str, ...] = ("cell",)
+    """Public attributes that are no settings."""
     _world: World | None = None
     _random: Random | None = None
     _is_gone: bool = False
@@ -52,7 +54,7 @@ class Device:
         known = setting_names(type(self))
         for key, value in settings.items():
             if key not in known:
-                raise UsageError(f"{key}: {type(self).__name__} has no such setting; it has {', '.join(known)}")
+                raise UsageError(f"{key}: is not known; settings are {', '.join(known)}")
             setattr(self, key, value)
         self.check()
 
@@ -77,6 +79,11 @@ class Device:
     def title(self) -> str:
         """What messages call it."""
         return self.name or type(self).__name__
+
+    @property
+    def author(self) -> Device:
+        """Whose code ran last on its behalf; for messages about what went wrong."""
+        return self
 
     @property
     def random(self) -> Random:
@@ -142,6 +149,9 @@ class Device:
         self._world = world
         self.cell = world.signals
 
+    def begin(self) -> None:
+        """The robot's time begins; for what a kind of devices does by itself, before `started`."""
+
     def leave(self) -> None:
         """Its code has failed: do nothing any more."""
         self._is_gone = True
@@ -149,10 +159,12 @@ class Device:
 
 def setting_names(device_class: type[Device]) -> list[str]:
     """Names of the settings of a class, in the order in which they were written."""
-    hidden = {"cell"}
+    import inspect
+
+    hidden = {name for owner in device_class.__mro__ for name in vars(owner).get("_kept", ())}
     names: list[str] = []
     for owner in reversed(device_class.__mro__):
-        for name in (*owner.__dict__.get("__annotations__", {}), *owner.__dict__):
+        for name in (*inspect.get_annotations(owner), *vars(owner)):
             value = getattr(device_class, name, None)
             is_setting = not callable(value) and not isinstance(value, (property, staticmethod, classmethod))
             if not name.startswith("_") and name not in hidden and name not in names and is_setting:

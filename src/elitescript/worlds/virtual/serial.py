@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.line import LineSettings
+from elitescript.worlds.line_bindings import PORTS
 from elitescript.worlds.virtual.device import Device, check_number, check_text
 from elitescript.worlds.virtual.lines import Answer, LineBuffer, check_lines, encoded
 from elitescript.worlds.virtual.network import Link, Peer
@@ -17,11 +18,22 @@ if TYPE_CHECKING:
 BAUD_MAX: Final = 10_000_000
 
 
+def line_device(key: str, line: str) -> str:
+    """The device that the name of a line means.
+
+    Raises:
+        UsageError: the robot has no such line; the text begins with the name of the setting.
+    """
+    if line not in PORTS:
+        raise UsageError(f"{key}: the robot has no serial port {line!r}; its ports: {', '.join(PORTS)}")
+    return PORTS[line]
+
+
 class LineDevice(Device):
     """What every device on a serial line is.
 
     Attributes:
-        line: name of the line: `tool`, or a device of the control box such as `/dev/ttymxc0`.
+        line: name of the line: `tool`, `box`, or a device of the control box such as `/dev/ttyS2`.
         baud: bits per second that it understands, or 0 for any. At another speed both sides get rubbish.
         latency_s: time that it thinks before what it sends goes out.
         settings: of the line while a program has it open, else None.
@@ -35,19 +47,17 @@ class LineDevice(Device):
 
     def check(self) -> None:
         check_text("line", self.line)
-        if not self.line:
-            raise UsageError("line: names the serial line, such as tool or /dev/ttymxc0")
+        self.line = line_device("line", self.line)
         check_number("baud", self.baud, 0, BAUD_MAX, "bit/s", is_whole=True)
         check_number("latency_s", self.latency_s, 0.0, LATENCY_MAX_S, "s")
 
-    def opened(self) -> Answer:
+    def line_opened(self) -> None:
         """A program has opened the line."""
-        return None
 
     def bytes_received(self, data: bytes) -> None:
         """Bytes have come over the line, as far as they can be understood."""
 
-    def closed(self) -> None:
+    def line_closed(self) -> None:
         """The program has closed the line, or has ended."""
 
     @property
@@ -57,8 +67,8 @@ class LineDevice(Device):
 
     def send_bytes(self, data: bytes) -> None:
         """Send over the line; lost while nobody has it open."""
-        if self._link is not None:
-            self._link.send(self._heard(data))
+        if data and self._link is not None:
+            self._link.send(self.understood(data))
 
     # ---------------------------------------------------------------- the world's side
 
@@ -75,7 +85,16 @@ class LineDevice(Device):
         link.shape(latency_s=self.latency_s, owner=self)
         return _LinePeer(self, link)
 
-    def _heard(self, data: bytes) -> bytes:
+    def hold(self, link: Link) -> None:
+        """The line is open."""
+        self._link = link
+
+    def let_go(self, link: Link) -> None:
+        """The line is closed, unless somebody else has opened it by now."""
+        if self._link is link:
+            self._link = None
+
+    def understood(self, data: bytes) -> bytes:
         """The bytes as the other side understands them."""
         settings = self.settings
         if settings is None or not self.baud or settings.baud == self.baud:
@@ -113,6 +132,10 @@ class SerialDevice(LineDevice):
 
     _lines: LineBuffer | None = None
 
+    def opened(self) -> Answer:
+        """A program has opened the line."""
+        return None
+
     def received(self, data: bytes) -> Answer:
         """Bytes have come; without an override they are cut into lines for `line_received`."""
         if self._lines is None:
@@ -125,6 +148,9 @@ class SerialDevice(LineDevice):
         """A line has come, without its end."""
         return None
 
+    def closed(self) -> None:
+        """The program has closed the line, or has ended."""
+
     def send(self, answer: Answer) -> None:
         """Send a text as a line, or bytes as they are; lost while nobody has the line open."""
         if answer is not None:
@@ -136,8 +162,15 @@ class SerialDevice(LineDevice):
         super().check()
         check_lines(self.line_end, self.encoding)
 
+    def line_opened(self) -> None:
+        self._lines = None
+        self.send(self.opened())
+
     def bytes_received(self, data: bytes) -> None:
         self.send(self.received(data))
+
+    def line_closed(self) -> None:
+        self.closed()
 
 
 class _LinePeer(Peer):
@@ -148,16 +181,12 @@ class _LinePeer(Peer):
         self._device = device
 
     def opened(self) -> None:
-        device = self._device
-        device._link = self.link
-        answer = device.opened()
-        if answer is not None:
-            device.send(answer) if isinstance(device, SerialDevice) else device.send_bytes(bytes(answer))  # type: ignore[arg-type]
+        self._device.hold(self.link)
+        self._device.line_opened()
 
     def received(self, data: bytes) -> None:
-        self._device.bytes_received(self._device._heard(data))
+        self._device.bytes_received(self._device.understood(data))
 
     def closed(self) -> None:
-        if self._device._link is self.link:
-            self._device._link = None
-        self._device.closed()
+        self._device.let_go(self.link)
+        self._device.line_closed()

@@ -146,6 +146,7 @@ class TcpServer(Device):
     is_listening: bool = True
     connections_max: int = CONNECTIONS_MAX
 
+    _kept = ("has_complained",)
     _connections: list[TcpConnection] | None = None
     _count: int = 0
     has_complained: bool = False
@@ -189,6 +190,8 @@ class TcpServer(Device):
     # ---------------------------------------------------------------- the world's side
 
     def check(self) -> None:
+        if not self.port:
+            raise UsageError("port: is missing: where it listens")
         check_number("port", self.port, 1, 65535, is_whole=True)
         check_text("address", self.address)
         check_number("latency_s", self.latency_s, 0.0, LATENCY_MAX_S, "s")

@@ -87,7 +87,7 @@ class Wire:
             self._plan()
 
     def finish(self, then: Callable[[], None]) -> None:
-        """Have something called once all that was sent has arrived, and no sooner than bytes that are sent now would."""
+        """Have something called when all that was sent has arrived, not sooner than bytes that are sent now would."""
         if self._is_due:
             self._then = then
             return
