@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -61,7 +62,9 @@ def test_garbage_floods_and_resets_harm_nobody_else() -> None:
             good = await scene.connect("modbus")
             noise = await scene.connect("modbus")
             noise.send(b"\xff" * 500)
-            assert await noise.reader.read() == b""
+            # What the server leaves unread when it closes makes its end a reset.
+            with suppress(ConnectionResetError):
+                assert await noise.reader.read() == b""
             flood = await scene.connect("modbus")
             flood.send(client.frame(1, client.read(3, 0, 125)) * 3000)
             gone = await scene.connect("modbus")
