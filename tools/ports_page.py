@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.services import listener, liveness, shares, tcp
+from elitescript.services import binding, listener, liveness, shares, tcp
 from elitescript.services.broker import CHANNELS_MAX
 from elitescript.services.control_verbs import VERBS
 from elitescript.services.cycle import CATCH_UP_TICKS
