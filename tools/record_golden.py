@@ -5,7 +5,7 @@ tests compare the traces in `tests/golden` as text, and only this tool writes th
 you commit it.
 
 An example that needs something from outside says so in its head, as the command that runs it: `# Run` and the command
-line, whose `--set` and `--cell` options count here too.
+line, whose `--set` and `--world` options count here too.
 
 One line for each event: tick, script line (`-` where there is none), thread, event. Floats are rounded to nine
 significant digits and nine decimals, which is far below what the arm can do and far above the last digits in
@@ -50,7 +50,7 @@ def settings(program: Path, wanted: str = "--set") -> list[str]:
 def run_example(program: Path) -> Run:
     """Run an example as `elitescript run` does with the options that it asks for."""
     signals, presets = parse_settings(settings(program))
-    robot = VirtualRobot("CS66", cell=next((ROOT / name for name in settings(program, "--cell")), None))
+    robot = VirtualRobot("CS66", world=next((ROOT / name for name in settings(program, "--world")), None))
     for name, value in signals.items():
         robot.signals[name] = value
     return robot.run(program, presets=presets)

@@ -20,8 +20,10 @@ from elitescript.commands.page import CHAPTERS, chapters, kind_of, source_of
 from elitescript.commands.registry import Command, Param
 from elitescript.controller import safety
 from elitescript.messages.signals import SIGNALS, Signal
+from tools.devices_page import devices_page
 from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, anchor, cell
+from tools.modbus_page import modbus_page
 from tools.ports_page import ports_page
 from tools.primary_page import primary_page
 from tools.rtsi_page import rtsi_page
@@ -133,14 +135,18 @@ def signals_page() -> str:
         "The names that `--set`, `robot.signals` and the `end` event use. A family of one is written without an index,",
         "`tool_analog_in`; the others with one, `standard_digital_in[3]`.",
         "",
-        "| name | type | indices | direction | range | meaning |",
-        "|---|---|---|---|---|---|",
+        "What is *kept* goes into the file of `--state`, so that it outlasts the controller; see",
+        "[the Modbus server](modbus.md#what-is-kept).",
+        "",
+        "| name | type | indices | direction | range | kept | meaning |",
+        "|---|---|---|---|---|---|---|",
     ]
     for signal in SIGNALS.values():
         indices = "" if signal.size == 1 else f"0 to {signal.size - 1}"
         direction = "input" if signal.is_input else "output"
         lines.append(
-            f"| `{signal.name}` | {signal.kind} | {indices} | {direction} | {_range(signal)} | {signal.summary} |"
+            f"| `{signal.name}` | {signal.kind} | {indices} | {direction} | {_range(signal)} | "
+            f"{'kept' if signal.is_kept else ''} | {signal.summary} |"
         )
     return "\n".join(lines) + "\n"
 
@@ -206,7 +212,7 @@ _CELL_FILE: Final = """\
 ## Limits: the cell file
 
 Without limits, normal mode watches nothing but the joint ranges of the model and the force at the TCP, and reduced mode
-slows the TCP down to 0.75 m/s. Limits come from `run --cell FILE.toml`, `VirtualRobot(cell=...)` or
+slows the TCP down to 0.75 m/s. Limits come from `run --world FILE.toml`, `VirtualRobot(world=...)` or
 `VirtualRobot(safety=SafetyLimits(...))`.
 A limit that is exceeded while the arm moves is a protective stop. Every key may be left out.
 
@@ -258,8 +264,10 @@ def _range(signal: Signal) -> str:
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "commands.md": commands_page,
     "dashboard.md": dashboard_page,
+    "devices.md": devices_page,
     "errors.md": errors_page,
     "interpreter.md": interpreter_page,
+    "modbus.md": modbus_page,
     "ports.md": ports_page,
     "primary.md": primary_page,
     "rtsi.md": rtsi_page,

@@ -88,6 +88,8 @@ _ROWS: Final = (
     Code("R130", "error", "nothing can ever happen again"),
     Code("R131", "error", "the thread cannot be stopped"),
     Code("R132", "error", "the controller had to be restarted"),
+    Code("R133", "error", "remote procedure call that failed"),
+    Code("R134", "error", "MODBUS signal that does not work"),
     Code("R140", "error", "protective stop"),
     Code("R141", "error", "emergency stop"),
     Code("R142", "error", "violation or fault of the safety system"),
@@ -227,3 +229,18 @@ class ScriptPermissionError(ScriptError, PermissionError):
     """The script asked for something that scripts may not have."""
 
     default_code = "R123"
+
+
+class RpcError(ScriptError, RuntimeError):
+    """A remote procedure call failed: no connection, no answer in time, or an answer that says so.
+
+    Attributes:
+        faultCode: number of the server's fault; 0 if it was none.
+        faultString: its text.
+    """
+
+    default_code = "R133"
+
+    def __init__(self, text: str, *, fault: tuple[int, str] = (0, ""), **details: Any) -> None:
+        super().__init__(text, **details)
+        self.faultCode, self.faultString = fault

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal, TypeVar
 from elitescript.controller.trace import TraceRow
 from elitescript.errors import AlarmError
 from elitescript.language.compiler import CompiledUnit
-from elitescript.messages.events import Alarm, Event, Printed, TextMessage, Warned
+from elitescript.messages.events import Alarm, DeviceNoted, Event, Printed, TextMessage, Warned
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value, parse_signal_name
 
@@ -38,7 +38,7 @@ class Run:
         globals: the variable monitor at the end: names declared `global` and their values.
         log: texts of `textmsg`, in order.
         printed: texts of `print`, in order.
-        warnings: texts of warnings, those of the compiler included.
+        warnings: texts of warnings, those of the compiler and of virtual devices included.
         alarms: what stopped the program.
         events: everything that happened, in order; of a very long run the last `RECORDS_MAX`. So it is with the texts.
         events_dropped: how many events have gone, so that a run of days does not fill the memory.
@@ -121,6 +121,8 @@ class Run:
             _keep(self.printed, event.text)
         elif isinstance(event, Warned):
             _keep(self.warnings, event.text)
+        elif isinstance(event, DeviceNoted) and event.is_warning:
+            _keep(self.warnings, f"{event.device}: {event.text}")
         elif isinstance(event, Alarm):
             self.alarms.append(event)
 

@@ -17,7 +17,7 @@ from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import Profile
 from elitescript.models.model import RobotModel
-from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.host import RPC_TIMEOUT_S, ScriptHost
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
 
@@ -34,6 +34,7 @@ class Fittings:
     joints: Six | None = None
     speed: float = 1.0
     work_per_tick: int = WORK_PER_TICK
+    rpc_timeout_s: float = RPC_TIMEOUT_S
     contact: ContactConfig | None = None
     safety: SafetyLimits | None = None
     plant: PlantConfig | None = None
@@ -91,6 +92,7 @@ def assemble(
         on_end=ended,
         confirms_popups=fittings.confirms_popups,
         work_per_tick=fittings.work_per_tick,
+        rpc_timeout_s=fittings.rpc_timeout_s,
         is_rtsi_input=_is_rtsi_input,
     )
     controller.attach(host)

@@ -108,6 +108,24 @@ def test_settings_reach_the_program(run_json):
     assert records[-1]["signals"] == {"standard_digital_in[3]": True, "standard_digital_out[0]": True}
 
 
+def test_what_is_kept_is_there_for_the_next_run(program, tmp_path, capsys):
+    path = program("def p():\n  write_port_register(256, read_port_register(256) + 1)\n  textmsg(get_flag(3))\nend\n")
+    state = str(tmp_path / "state.json")
+    for options in ((), (), ("--set", "flag[3]=true"), ()):
+        assert main(["run", str(path), "--state", state, *options]) == 0
+    words = [line.split()[-1] for line in capsys.readouterr().out.splitlines() if line.endswith(("True", "False"))]
+    assert words == ["False", "False", "True", "True"]
+    assert json.loads(Path(state).read_text())["signals"] == {"flag[3]": True, "general_register[0]": 4}
+
+
+def test_a_state_file_of_somebody_else_is_left_alone(program, tmp_path, capsys):
+    path = tmp_path / "notes.json"
+    path.write_text('{"mine": 1}')
+    assert main(["run", str(program("textmsg(1)\n")), "--state", str(path)]) == 2
+    assert "It was left as it is" in capsys.readouterr().err
+    assert path.read_text() == '{"mine": 1}'
+
+
 def test_start_joints_speed_robot_and_epoch(run_json):
     text = "def a():\n  textmsg(get_target_joint_positions())\n  textmsg(controller_timestamp())\nend\n"
     _, records = run_json(text, "--joints", "0.1,-1.5,-1.5,-1.5,1.5,0", "--epoch", "2025-01-01", "--robot", "cs620")
@@ -230,7 +248,7 @@ def cell(tmp_path):
 
 
 def test_a_protective_stop_as_json_has_reason_value_limit_and_what_to_try(run_json, cell):
-    code, records = run_json(DOWN, "--cell", str(cell))
+    code, records = run_json(DOWN, "--world", str(cell))
     safety, alarm, end = records
     assert code == 1
     assert (safety["type"], safety["mode"]) == ("safety", "PROTECTIVE_STOP")
@@ -242,7 +260,7 @@ def test_a_protective_stop_as_json_has_reason_value_limit_and_what_to_try(run_js
 
 
 def test_a_protective_stop_for_people_has_the_line_the_reason_and_three_things_to_try(program, capsys, cell):
-    assert main(["run", program(DOWN), "--cell", str(cell)]) == 1
+    assert main(["run", program(DOWN), "--world", str(cell)]) == 1
     captured = capsys.readouterr()
     assert "ALARM R140 in line 4: ProtectiveStop: the TCP is " in captured.err
     assert "behind safety plane 'table'" in captured.err
@@ -275,7 +293,7 @@ def test_an_open_safeguard_says_that_the_program_is_held(program, capsys):
 def test_a_mistake_in_the_cell_file_is_one_of_usage(program, capsys, tmp_path):
     path = tmp_path / "cell.toml"
     path.write_text("[safety]\ntcp_speed = 'fast'\n")
-    assert main(["run", program(DOWN), "--cell", str(path)]) == 2
+    assert main(["run", program(DOWN), "--world", str(path)]) == 2
     assert f"{path}:2: [safety] tcp_speed must be a number > 0 in m/s, got 'fast'" in capsys.readouterr().err
 
 
@@ -295,3 +313,41 @@ def test_a_connection_to_the_outside_paces_the_run_and_the_end_says_so(run_json)
 def test_a_run_without_one_is_not_paced(run_json):
     _, records = run_json("def a():\n  sleep(60)\nend\n")
     assert "paced" not in records[-1]
+
+
+def test_devices_of_a_world_file_are_beside_the_program(run_json, tmp_path):
+    path = tmp_path / "world.toml"
+    path.write_text("[[tcp]]\nname = 'camera'\nport = 5000\nreplies = [{ to = 'where?', send = '7' }]\n")
+    text = 'def main():\n  socket_open("h", 5000)\n  socket_send_line("where?")\n'
+    text += '  textmsg(socket_read_string("socket_0", "", "\\n"))\n  socket_send_line("what?")\n  sleep(1)\nend\n'
+    for option in ("--world", "--cell"):
+        code, records = run_json(text, option, str(path))
+        assert code == 0
+        assert [record["text"] for record in records if record["type"] == "log"] == ["7"]
+        assert [(record["level"], record["device"]) for record in records if record["type"] == "device"] == [
+            ("warning", "camera")
+        ]
+
+
+def test_a_device_that_fails_ends_the_records_too(run_json, tmp_path):
+    (tmp_path / "cell.py").write_text(
+        "from elitescript.testing.world import Device\n\n\nclass Bad(Device):\n    def started(self):\n"
+        "        self.after(0.5, self.fail)\n\n    def fail(self):\n        raise ValueError('lens')\n"
+    )
+    path = tmp_path / "world.toml"
+    path.write_text("[[device]]\nclass = 'cell.py:Bad'\n")
+    code, records = run_json("def main():\n  sleep(1)\nend\n", "--world", str(path))
+    assert code == 1
+    assert (records[-1]["type"], records[-1]["state"], records[-1]["t"]) == ("end", "stopped", 0.5)
+    assert records[-2]["type"] == "device"
+    assert records[-2]["text"] == f"{tmp_path / 'cell.py'}:9: device Bad: ValueError: lens"
+
+
+def test_a_device_that_fails_is_an_error_with_its_place(program, capsys, tmp_path):
+    (tmp_path / "cell.py").write_text(
+        "from elitescript.testing.world import Device\n\n\nclass Bad(Device):\n    def started(self):\n        1 / 0\n"
+    )
+    path = tmp_path / "world.toml"
+    path.write_text("[[device]]\nclass = 'cell.py:Bad'\n")
+    assert main(["run", program("def main():\n  sleep(1)\nend\n"), "--world", str(path)]) == 1
+    assert f"{tmp_path / 'cell.py'}:6: device Bad: ZeroDivisionError" in capsys.readouterr().err

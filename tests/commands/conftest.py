@@ -41,6 +41,8 @@ class FakeMachine:
         self.joint_temperatures: Six = (31.0, 32.0, 33.0, 34.0, 35.0, 36.0)
         self.controller_temperature = 41.5
         self.image: dict[tuple[str, int], Value] = {}
+        self.port_registers: dict[int, int] = {}
+        self.port_coils: dict[int, bool] = {}
         self.tested: list[tuple[Six, Any]] = []
 
     def joints(self) -> JointState:
@@ -85,6 +87,12 @@ class FakeMachine:
 
     def read(self, name: str, index: int = 0) -> Value:
         return self.image.get((name, index), SIGNALS[name].default)
+
+    def port_register(self, address: int, version: tuple[int, ...]) -> int:
+        return version[address - 63] if 63 <= address <= 65 else self.port_registers.get(address, 0)
+
+    def port_coil(self, address: int) -> bool:
+        return self.port_coils.get(address, False)
 
     def tool_pin(self, index: int) -> bool:
         return bool(self.read("tool_digital_in", index))
@@ -134,6 +142,86 @@ class FakeSockets:
         return value
 
 
+class FakeLines:
+    """Serial ports that are open and answer as a test says.
+
+    Attributes:
+        asked: every call, in order.
+        answer: what a slave says, as values; None if it does not answer.
+        is_open: what `enable` and `is_open` return.
+    """
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[Any, ...]] = []
+        self.received = b"abc"
+        self.answer: tuple[int, ...] | None = (1, 2)
+        self.opens = True
+
+    def _ask(self, *what: Any) -> None:
+        self.asked.append(what)
+
+    def enable(self, device: str, settings: Any, *, is_modbus: bool, is_daemons: bool = False) -> bool:
+        self._ask("enable", device, settings, is_modbus, is_daemons)
+        return self.opens
+
+    def disable(self, device: str) -> None:
+        self._ask("disable", device)
+
+    def is_open(self, device: str) -> bool:
+        self._ask("is_open", device)
+        return self.opens
+
+    def mode(self, device: str) -> str:
+        self._ask("mode", device)
+        return "RS485"
+
+    def read(self, device: str, count: int, timeout_s: float) -> bytes:
+        self._ask("read", device, count, timeout_s)
+        return self.received[:count]
+
+    def write(self, device: str, data: bytes) -> int | None:
+        self._ask("write", device, data)
+        return len(data) if self.opens else None
+
+    def flush(self, device: str) -> None:
+        self._ask("flush", device)
+
+    def read_slave(self, *what: Any) -> tuple[int, ...] | None:
+        self._ask("read_slave", *what)
+        return self.answer
+
+    def write_slave(self, *what: Any) -> bool:
+        self._ask("write_slave", *what)
+        return self.answer is not None
+
+
+class FakeModbus:
+    """Signals that work and stand at zero.
+
+    Attributes:
+        asked: every call, in order.
+    """
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[Any, ...]] = []
+        self.codes = (0, 0)
+
+    def status(self, name: str) -> int:
+        self.asked.append(("status", name))
+        return 0
+
+    def errors(self, name: str) -> tuple[int, int]:
+        self.asked.append(("errors", name))
+        return self.codes
+
+    def invalid_s(self, name: str) -> float:
+        self.asked.append(("invalid_s", name))
+        return 0.0
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        return lambda *what, **more: self.asked.append((name, *what, *more.values()))
+
+
 class FakeRobot:
     """The robot that a command sees; `asked` holds what it wanted, in order."""
 
@@ -147,12 +235,18 @@ class FakeRobot:
         self.micro_lines: list[MicroLine] = []
         self.task_files: dict[str, bytes] = {}
         self.sockets = FakeSockets()
+        self.lines = FakeLines()
+        self.modbus = FakeModbus()
         self._random = random.Random(7)
 
     def _ask(self, *what: Any) -> None:
         if self.refusal is not None:
             raise self.refusal
         self.asked.append(what[0] if len(what) == 1 else what)
+
+    def remote_procedures(self, url: str) -> object:
+        self._ask("rpc", url)
+        return object()
 
     def read_task_file(self, path: str, size_max: int) -> bytes:
         if path not in self.task_files:

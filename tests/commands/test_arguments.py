@@ -83,10 +83,6 @@ def test_wrong_number_or_names_of_arguments_are_refused(facts: dict[str, Any], r
     assert robot.asked == []
 
 
-SWITCHED_ON = ("tool_serial_config", "serial_config")
-"""Commands of which only switching off is simulated; their arguments here switch on."""
-
-
 @every_command
 def test_only_what_is_not_simulated_says_so_after_its_arguments_were_checked(facts: dict[str, Any], robot: Any) -> None:
     command = CATALOGUE.get(facts["name"])
@@ -97,7 +93,7 @@ def test_only_what_is_not_simulated_says_so_after_its_arguments_were_checked(fac
     except errors.ScriptError as error:
         refusal = error
     is_refused = isinstance(refusal, errors.NotSimulatedError)
-    assert is_refused == (not command.is_simulated or facts["name"] in SWITCHED_ON)
+    assert is_refused == (not command.is_simulated)
     if is_refused:
         assert refusal is not None
         assert refusal.command == facts["name"]

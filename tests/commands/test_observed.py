@@ -100,5 +100,4 @@ def test_older_names_of_the_serial_port(call: Any, name: str, of: str) -> None:
     command = CATALOGUE.get(name)
     assert command is not None
     assert (command.alias_of, command.evidence) == (of, "observed")
-    with pytest.raises(NotSimulatedError, match=rf"^{name}: "):
-        call(name, 1, 115200, 0, 1) if name.endswith("config") else call(name, 1, 1, 1)
+    assert call(name, 1, 115200, 0, 1) if name.endswith("config") else call(name, 1, 1, 1)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 
-from elitescript.worlds.memory_channels import Link, MemoryChannels, Peer
+from elitescript.worlds.virtual.network import Link, Peer, VirtualNetwork
 
 REVERSE, TRAJECTORY, COMMANDS = 50001, 50003, 50004
 STOPPED, IDLE, SERVOJ, SPEEDJ, TRAJECTORY_MODE, SPEEDL, POSE, FREEDRIVE = -2, 0, 1, 2, 3, 4, 5, 6
@@ -53,7 +53,7 @@ class Pc:
         self.accepted: list[int] = []
         self.closed: list[tuple[int, float]] = []
         self.results: list[int] = []
-        self.channels = MemoryChannels({port: self._server(port) for port in ports})
+        self.channels = VirtualNetwork({port: self._server(port) for port in ports})
 
     def _server(self, port: int):
         return lambda link: _Accepted(link, self, port)

@@ -18,7 +18,7 @@ from elitescript.protocol.dashboard import DashboardConnection
 from elitescript.protocol.primary import PrimaryConnection
 from elitescript.robot import VirtualRobot
 from elitescript.worlds.memory import MemoryWorld
-from elitescript.worlds.memory_channels import MemoryChannels, Peer
+from elitescript.worlds.virtual.network import Peer, VirtualNetwork
 from tests.external_control.newer_control import PROGRAM
 from tests.protocol import primary_client
 
@@ -169,7 +169,7 @@ class Pc:
     def __init__(self):
         self.links = {}
         self.sent = dict.fromkeys((REVERSE, TRAJECTORY, COMMANDS), b"")
-        self.channels = MemoryChannels({port: self._server(port) for port in self.sent})
+        self.channels = VirtualNetwork({port: self._server(port) for port in self.sent})
         self.robot = VirtualRobot(world=MemoryWorld(channels=self.channels))
         self.run = self.robot.start(PROGRAM)
         self.robot.advance(0.05)

@@ -16,6 +16,7 @@ from elitescript.messages.codec import REGISTRY, Codec, CodecError, from_text, t
 from elitescript.messages.enums import RobotMode
 from elitescript.messages.events import Alarm, Event, Printed, SignalChanged
 from elitescript.messages.inputs import ChannelData, Do, Input, PlayTask, RunUnit
+from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import MachineRequest, SetTcp, WriteSignal
 from elitescript.messages.outputs import ChannelRequest, Output
 from elitescript.messages.plant import PlantConfig
@@ -66,6 +67,8 @@ class Maker:
     def message(self, kind: type) -> Any:
         if kind.__name__ == "PlantConfig":
             return kind(lag_s=0.01, seed=3)
+        if kind is LineSettings:
+            return kind(9600, self.random.randrange(3), 2, 8)
         hints = get_type_hints(kind)
         values = {field.name: self.make(hints[field.name]) for field in fields(kind)}
         if kind is Snapshot:

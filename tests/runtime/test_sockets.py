@@ -8,8 +8,8 @@ from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelDat
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
 from elitescript.runtime.sockets import CONNECTIONS_MAX
 from elitescript.worlds.memory import MemoryWorld
-from elitescript.worlds.memory_channels import MemoryChannels, Peer
 from elitescript.worlds.request_channels import RequestWorld
+from elitescript.worlds.virtual.network import Peer, VirtualNetwork
 from tests.runtime.machine import Bench
 
 
@@ -35,7 +35,7 @@ class Recorder(Peer):
 
 def run(body, server=None, *, until=25_000, steps=False):
     """Run a program against a server on port 5000; a body is given without its frame."""
-    channels = MemoryChannels({} if server is None else {5000: server})
+    channels = VirtualNetwork({} if server is None else {5000: server})
     text = "def main():\n" + "".join(f"  {line}\n" for line in body.strip("\n").split("\n")) + "end\n"
     return Bench(world=MemoryWorld(channels=channels), steps=steps).start(text).run(until)
 
@@ -200,6 +200,15 @@ textmsg(socket_read_binary_integer(1))""",
         )
         assert bench.log == ["[1, 1, -1]", "[1, 2]"]
         assert [event.tick for event in bench.machine.events if hasattr(event, "text")] == [1 + 125, 252]
+
+    def test_a_server_that_trickles_does_not_put_the_limit_off(self):
+        class Server(Recorder):
+            def opened(self):
+                self.link.send(b"x")
+                self.link.later(0.004, self.opened)
+
+        bench = run('socket_open("h", 5000)\ntextmsg(socket_read_string(suffix="\\n", timeout=0.1))', Server, until=500)
+        assert [(event.text, event.tick) for event in bench.machine.events] == [("", 26)]
 
     @pytest.mark.parametrize("timeout", ["0", "-1"])
     def test_without_a_limit_it_waits_for_ever(self, timeout):
@@ -430,7 +439,7 @@ class TestSecondaryPrograms:
             def opened(self):
                 self.link.send(b"\x05\x06")
 
-        channels = MemoryChannels({5000: Server})
+        channels = VirtualNetwork({5000: Server})
         bench = Bench(world=MemoryWorld(channels=channels))
         bench.start('def main():\n  socket_open("h", 5000, "a")\n  while True:\n    sync()\n  end\nend\n').run(until=10)
         bench.secondary("""
@@ -445,7 +454,7 @@ end
         class Server(Recorder):
             pass
 
-        bench = Bench(world=MemoryWorld(channels=MemoryChannels({5000: Server})))
+        bench = Bench(world=MemoryWorld(channels=VirtualNetwork({5000: Server})))
         bench.secondary('sec tell():\n  socket_open("h", 5000, "x")\n  socket_send_string(1.5, "x")\nend\n').run()
         assert Server.bytes() == b"1.5"
         assert Server.log[-1][0] == "closed"

@@ -18,8 +18,9 @@ from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage, Warned
 from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, RunUnit
+from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import SetTcp, WriteSignal
-from elitescript.messages.outputs import CloseChannel, OpenChannel, Output
+from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.services import child_link, frames, held_inputs
 from elitescript.services.child_link import BOOTS_MAX, ChildLink
@@ -275,12 +276,17 @@ class TestLink:
 
         with_link(body)
 
-    def test_connections_of_a_dead_child_are_closed(self, children):
+    @pytest.mark.parametrize(
+        "request_",
+        [OpenChannel(7, "tcp", "10.0.0.1", 50001, 1.0), OpenLine(7, "tool", LineSettings(9600, 0, 1, 8))],
+        ids=["connection", "serial line"],
+    )
+    def test_channels_of_a_dead_child_are_closed(self, children, request_):
         async def body(link):
             await link.tick(())
             children[0].is_mute = True
             await link.tick(())
-            children[0].answer(requests=(OpenChannel(7, "tcp", "10.0.0.1", 50001, 1.0),))
+            children[0].answer(requests=(request_,))
             await link.tick([ChannelData(7, b"x"), ChannelData(8, b"of nobody")])
             assert [item[1] for item in children[0].told[-1][1]] == [7]
             children[0].end("it has ended")

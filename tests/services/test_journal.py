@@ -10,13 +10,15 @@ from elitescript.cli.main import main
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.messages.inputs import Do, LoadTask, PlayTask, RunUnit
-from elitescript.messages.machine import WriteSignal
+from elitescript.messages.machine import WritePortCoils, WritePortRegisters, WriteSignal
 from elitescript.messages.plant import PlantConfig
 from elitescript.services.journal import DIGEST_TICKS, Journal, JournalReader
 from elitescript.services.replay import RecordedRobot, Replay
 from elitescript.worlds.memory import MemoryFiles
 
-CONFIG = KernelConfig(power_on=True, plant=PlantConfig(noise_rad=1e-5), signals=(("flag[3]", True),))
+CONFIG = KernelConfig(
+    power_on=True, plant=PlantConfig(noise_rad=1e-5), signals=(("flag[3]", True), ("general_register[9]", 9))
+)
 PROGRAM = (
     'textmsg(random())\nmovej([0.1, -1.4, -1.6, -1.5, 1.5, 0.2])\nwith open("log.txt", "w") as f:\n  f.write("x")\n'
 )
@@ -33,6 +35,8 @@ def recorded(tmp_path):
     inputs = {
         2: [LoadTask("dashboard#1", "job.task"), PlayTask("dashboard#1")],
         300: [Do("rtsi#1", WriteSignal("input_float_register", 0, 0.1))],
+        310: [Do("modbus#1/1", WritePortRegisters(256, (1, 2), 256, 2), is_answered=True)],
+        320: [Do("modbus#1/2", WritePortCoils(33, (True,)), is_answered=True)],
         400: [RunUnit("primary#1", "secondary", 'sec s():\n  textmsg(open("points.txt").read())\nend\n')],
     }
     outputs = [robot.tick(inputs.get(tick, ())) for tick in range(TICKS)]

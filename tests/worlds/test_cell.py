@@ -41,7 +41,7 @@ def test_a_file_sets_limits_and_signals(cell):
     assert read.configurations["plant"].lag_s == 0.03
     assert read.configurations["safety"].normal.tcp_speed_max == 0.5
     assert read.signals == {"standard_digital_in[3]": True, "reduced_mode": True}
-    robot = VirtualRobot("CS66", cell=cell(GOOD))
+    robot = VirtualRobot("CS66", world=cell(GOOD))
     assert robot.signals["standard_digital_in[3]"] is True
     assert robot.state.safety_mode.name == "REDUCED"
     assert robot.run("def p():\n  textmsg(is_within_safety_limits([0.5, -0.1, -0.1, 0, 0, 0]))\nend\n").log == ["False"]
@@ -64,8 +64,8 @@ def test_every_section_is_read_by_something_that_exists(cell):
 
 
 def test_a_section_is_given_once(cell):
-    with pytest.raises(UsageError, match="safety is given by the cell file too"):
-        VirtualRobot("CS66", cell=cell(GOOD), safety=SafetyLimits())
+    with pytest.raises(UsageError, match="safety is given by the world file too"):
+        VirtualRobot("CS66", world=cell(GOOD), safety=SafetyLimits())
 
 
 PLANES = "[safety]\n[[safety.planes]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
@@ -112,5 +112,5 @@ def test_a_file_that_is_no_toml_says_where(cell, text, words):
 
 
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(UsageError, match=r"cell file .*nothing\.toml: No such file"):
+    with pytest.raises(UsageError, match=r"world file .*nothing\.toml: No such file"):
         load_cell(tmp_path / "nothing.toml")

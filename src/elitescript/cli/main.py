@@ -89,6 +89,10 @@ def _dispatch(options: argparse.Namespace) -> int:
         from elitescript.cli.replay import replay
 
         return replay(options)
+    if options.command == "devices":
+        from elitescript.cli.devices import devices
+
+        return devices(options)
     if options.command == "doctor":
         from elitescript.cli.doctor import doctor
 
@@ -137,7 +141,7 @@ def _parser() -> argparse.ArgumentParser:
     import argparse
 
     from elitescript import __version__
-    from elitescript.cli.serving_options import add_ctl, add_doctor, add_replay, add_serve
+    from elitescript.cli.serving_options import add_ctl, add_devices, add_doctor, add_replay, add_serial, add_serve
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 
     parser = argparse.ArgumentParser(
@@ -181,7 +185,14 @@ def _parser() -> argparse.ArgumentParser:
         help="signal or global at the start, e.g. standard_digital_in[3]=true; may be repeated",
     )
     run.add_argument(
-        "--cell", metavar="FILE.toml", help="what is around the robot: safety limits, planes, inputs at the start"
+        "--world", metavar="FILE.toml", help="what is around the robot: devices, wires, safety limits, inputs"
+    )
+    run.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
+    add_serial(run)
+    run.add_argument(
+        "--state",
+        metavar="FILE",
+        help="begin with the registers, flags and general Modbus values of this file, and write them back at the end",
     )
     run.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
     run.add_argument(
@@ -225,10 +236,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="signal or global at the start; may be repeated",
     )
-    plot.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
+    plot.add_argument("--world", metavar="FILE.toml", help="what is around the robot, as for run")
+    plot.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
 
     add_serve(subparsers, firmware)
     add_ctl(subparsers)
+    add_devices(subparsers)
     add_replay(subparsers)
     add_doctor(subparsers)
 

@@ -25,7 +25,7 @@ from elitescript.worlds.program_file import source_of
 UNTIL_S: Final = 300.0
 """Robot time after which a program that goes on is cut off, if nothing else is asked for."""
 
-_OF_PROGRAMS: Final = ("firmware", "until", "seed", "joints", "speed", "task_dir", "set", "cell")
+_OF_PROGRAMS: Final = ("firmware", "until", "seed", "joints", "speed", "task_dir", "set", "world")
 
 
 def plot(options: argparse.Namespace) -> int:
@@ -76,7 +76,7 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
         joints=None if options.joints is None else parse_joints(options.joints),
         speed=1.0 if options.speed is None else options.speed,
         task_dir=options.task_dir or path.resolve().parent,
-        cell=options.cell,
+        world=options.world,
         on_event=report.event,
     )
     for name, value in signals.items():

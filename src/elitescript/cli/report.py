@@ -12,7 +12,16 @@ from elitescript.cli import jsonlines
 from elitescript.cli.writable import Writable
 from elitescript.language.diagnostics import Diagnostic, render, to_json
 from elitescript.language.source import SourceFile
-from elitescript.messages.events import Alarm, Event, Popup, Printed, SafetyModeChanged, TextMessage, Warned
+from elitescript.messages.events import (
+    Alarm,
+    DeviceNoted,
+    Event,
+    Popup,
+    Printed,
+    SafetyModeChanged,
+    TextMessage,
+    Warned,
+)
 from elitescript.messages.timing import seconds
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
@@ -122,6 +131,11 @@ def _warning_record(event: Any) -> dict[str, Any]:
     return {"type": "warning", "t": seconds(event.tick), "text": event.text, "thread": event.thread, "line": event.line}
 
 
+def _device_record(event: Any) -> dict[str, Any]:
+    level = "warning" if event.is_warning else "info"
+    return {"type": "device", "t": seconds(event.tick), "level": level, "device": event.device, "text": event.text}
+
+
 def _alarm_record(event: Any) -> dict[str, Any]:
     return {
         "type": "alarm",
@@ -145,6 +159,7 @@ _RECORDS = {
     Printed: _print_record,
     Popup: _popup_record,
     Warned: _warning_record,
+    DeviceNoted: _device_record,
     Alarm: _alarm_record,
     SafetyModeChanged: _safety_record,
 }
@@ -176,6 +191,10 @@ class TextReport:
         elif isinstance(event, Warned):
             where = f"line {event.line}: " if event.line else ""
             self._problem(event.tick, f"warning: {where}{event.text}")
+        elif isinstance(event, DeviceNoted) and event.is_warning:
+            self._problem(event.tick, f"warning: {event.device}: {event.text}")
+        elif isinstance(event, DeviceNoted):
+            self._line(event.tick, f"[{event.device}] {event.text}")
         elif isinstance(event, SafetyModeChanged):
             self._problem(event.tick, f"safety: {event.mode.name}" + (f": {event.reason}" if event.reason else ""))
         elif isinstance(event, Alarm):

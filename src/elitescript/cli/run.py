@@ -16,9 +16,10 @@ from elitescript.cli.report import JsonReport, Report, TextReport
 from elitescript.cli.settings import parse_epoch, parse_joints, parse_settings
 from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import Trace, step_ticks
-from elitescript.errors import ProgramError, UsageError
+from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.language.source import SourceFile
+from elitescript.messages.events import DeviceNoted
 from elitescript.robot import VirtualRobot
 from elitescript.wiring import EPOCH_S
 from elitescript.worlds.program_file import source_of
@@ -46,7 +47,9 @@ def run(options: argparse.Namespace) -> int:
         task_dir=options.task_dir or path.resolve().parent,
         strict=options.strict,
         epoch_s=EPOCH_S if options.epoch is None else parse_epoch(options.epoch),
-        cell=options.cell,
+        world=options.world,
+        lines=_lines(options.serial),
+        state_file=options.state,
         on_event=report.event,
     )
     for name, value in signals.items():
@@ -77,16 +80,31 @@ def run(options: argparse.Namespace) -> int:
         watch = _Watch(report, options.max_wall)
         pace = _pacer() if options.realtime else None
         with _InterruptHandler(robot) as interrupted:
-            result = robot.run(
-                unit,
-                until_s=options.until,
-                presets=presets,
-                trace=trace,
-                pace=pace,
-                watch=watch,
-            )
+            try:
+                result = robot.run(
+                    unit,
+                    until_s=options.until,
+                    presets=presets,
+                    trace=trace,
+                    pace=pace,
+                    watch=watch,
+                )
+            except ElitescriptError as error:
+                # A device beside the robot has failed. Who reads records is to hear of it, and of the end.
+                if options.json and robot.current is not None:
+                    report.event(DeviceNoted(robot.tick, "world", str(error), is_warning=True))
+                    report.end(robot.current, is_interrupted=False, overruns=None)
+                raise
     report.end(result, is_interrupted=interrupted.happened, overruns=None if pace is None else pace.overruns)
     return INTERRUPTED if interrupted.happened else EXIT_CODES[result.state]
+
+
+def _lines(bindings: list[str]) -> dict[str, str] | None:
+    if not bindings:
+        return None
+    from elitescript.worlds.line_bindings import parse_bindings
+
+    return parse_bindings(bindings)
 
 
 def _pacer() -> Any:

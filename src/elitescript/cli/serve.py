@@ -10,8 +10,9 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.cli import jsonlines
 from elitescript.cli.last_resort import last_resort
@@ -26,10 +27,16 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
 from elitescript.services.jail import is_complete
 from elitescript.services.robot_link import RobotLink
-from elitescript.services.robots import journal_path, probe_jail, robot_link
+from elitescript.services.robots import numbered_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
-from elitescript.services.station import Note, Station
-from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of
+from elitescript.services.state_keeper import StateKeeper
+from elitescript.services.station import DEVICE, Note, Station
+from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of, spare_numbers
+from elitescript.worlds.line_bindings import parse_bindings
+from elitescript.worlds.state_file import StateFile
+
+if TYPE_CHECKING:
+    from elitescript.worlds.virtual.world import World
 
 ROBOTS_MAX: Final = 32
 ALL: Final = "all"
@@ -38,30 +45,37 @@ ALL: Final = "all"
 
 def serve(options: argparse.Namespace) -> int:
     """Serve until a signal comes; return the exit code."""
-    configs = robot_configs(options)
+    configs, worlds = robot_configs(options)
     for config in {config.model: config for config in configs}.values():
         # What cannot be a robot is told before a port is open or a process started.
         _check_ports(options, Kernel(config).description)
-    numbers = [port_numbers(options.instance, chosen_ports(options.port), robot=index) for index in range(len(configs))]
+    chosen = chosen_ports(options.port)
+    numbers = [port_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
+    spares = [spare_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
     _check_host(options)
     if not is_in_process(options):
-        return _run(options, configs, numbers, _on_signals)
+        return _run(options, configs, worlds, numbers, spares, _on_signals)
     # Programs run in this process, and may keep it from hearing signals.
     with last_resort("elitescript serve") as listen:
-        return _run(options, configs, numbers, lambda stop: listen(_threadsafe(stop)))
+        return _run(options, configs, worlds, numbers, spares, lambda stop: listen(_threadsafe(stop)))
 
 
 def _run(
     options: argparse.Namespace,
     configs: list[KernelConfig],
+    worlds: list[World | None],
     numbers: list[dict[str, int]],
+    spares: list[dict[str, int]],
     on_signals: Callable[[asyncio.Event], None],
 ) -> int:
     out = PatientStream(sys.stdout, told_to_programs) if options.json else PatientStream(sys.stdout)
     err = PatientStream(sys.stderr)
     try:
         log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
-        asyncio.run(_serve(options, configs, numbers, log, on_signals))
+        with contextlib.ExitStack() as held:
+            keepers = _keepers(options.state, len(configs), held)
+            configs = list(map(_remembering, configs, keepers))
+            asyncio.run(_serve(options, configs, worlds, keepers, numbers, spares, log, on_signals))
     finally:
         out.close()
         err.close()
@@ -71,18 +85,30 @@ def _run(
 async def _serve(
     options: argparse.Namespace,
     configs: list[KernelConfig],
+    worlds: list[World | None],
+    keepers: list[StateKeeper | None],
     numbers: list[dict[str, int]],
+    spares: list[dict[str, int]],
     log: Log,
     on_signals: Callable[[asyncio.Event], None],
 ) -> None:
+    lines = line_bindings(options.serial, len(configs))
     stop = asyncio.Event()
     on_signals(stop)
     is_lockstep = options.lockstep is not None
     stations = [
-        Station(config.robot_id, make_link(options, config, index), log.take, is_lockstep=is_lockstep)
-        for index, config in enumerate(configs)
+        Station(
+            config.robot_id,
+            make_link(options, config, index),
+            log.take,
+            is_lockstep=is_lockstep,
+            lines=lines,
+            world=worlds[index],
+            keeper=keeper,
+        )
+        for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
     ]
-    server = Server(stations, options.host, numbers, options.instance)
+    server = Server(stations, options.host, numbers, options.instance, spares)
     await server.open()
     try:
         log.ready(options.host, server, configs)
@@ -99,8 +125,30 @@ def make_link(options: argparse.Namespace, config: KernelConfig, index: int) -> 
         task_dir=None if options.task_dir is None else Path(options.task_dir),
         in_process=is_in_process(options),
         is_jailed=not options.no_jail,
-        journal=None if options.journal is None else journal_path(Path(options.journal), index),
+        journal=None if options.journal is None else numbered_path(Path(options.journal), index),
     )
+
+
+def _keepers(path: str | None, count: int, held: contextlib.ExitStack) -> list[StateKeeper | None]:
+    """What remembers for each robot; `held` lets the files go in the end.
+
+    Raises:
+        UsageError: somebody else uses a file.
+    """
+    keepers: list[StateKeeper | None] = [None] * count
+    if path is not None:
+        for index in range(count):
+            file = StateFile(numbered_path(Path(path), index))
+            held.callback(file.release)
+            keepers[index] = StateKeeper(file)
+    return keepers
+
+
+def _remembering(config: KernelConfig, keeper: StateKeeper | None) -> KernelConfig:
+    """A robot that begins with what is kept; what the command line sets counts more."""
+    if keeper is None:
+        return config
+    return replace(config, signals=tuple({**keeper.load(), **dict(config.signals)}.items()))
 
 
 def is_in_process(options: argparse.Namespace) -> bool:
@@ -108,14 +156,16 @@ def is_in_process(options: argparse.Namespace) -> bool:
     return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
 
 
-def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
-    """The robots that the options ask for.
+def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list[World | None]]:
+    """The robots that the options ask for, and what is beside each.
 
     Raises:
         UsageError: an option that makes no sense.
     """
     from elitescript.models.model import load_model
     from elitescript.worlds.cell import Cell, load_cell
+    from elitescript.worlds.surroundings import REAL
+    from elitescript.worlds.virtual.faults import fault_text
 
     if not 1 <= options.robots <= ROBOTS_MAX:
         raise UsageError(f"--robots must be from 1 to {ROBOTS_MAX}, got {options.robots}")
@@ -127,10 +177,12 @@ def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
         raise UsageError(f"--set {min(presets)}: there is no such signal")
     if options.task_dir is not None and not Path(options.task_dir).is_dir():
         raise UsageError(f"--task-dir {options.task_dir}: there is no such folder")
-    cell = Cell() if options.cell is None else load_cell(options.cell)
-    configs = []
+    configs: list[KernelConfig] = []
+    worlds: list[World | None] = []
     for index, model in enumerate(models):
         name = load_model(model).name
+        cell = Cell() if options.world is None else load_cell(options.world, network=REAL)
+        worlds.append(cell.world)
         configs.append(
             KernelConfig(
                 model=name,
@@ -146,10 +198,22 @@ def robot_configs(options: argparse.Namespace) -> list[KernelConfig]:
                 safety=cell.take("safety", None),
                 plant=cell.take("plant", None),
                 signals=tuple({**cell.signals, **signals}.items()),
+                faults=() if cell.world is None else tuple(map(fault_text, cell.world.faults)),
                 strict=options.strict,
             )
         )
-    return configs
+    return configs, worlds
+
+
+def line_bindings(texts: list[str], robots: int) -> dict[str, str]:
+    """What is on the robot's serial ports.
+
+    Raises:
+        UsageError: a binding that makes no sense, or several robots that would share a port.
+    """
+    if texts and robots > 1:
+        raise UsageError(f"--serial {texts[0]}: {robots} robots cannot share a serial port; serve one robot")
+    return parse_bindings(texts)
 
 
 def chosen_ports(texts: list[str]) -> dict[str, int]:
@@ -305,10 +369,11 @@ class Log:
             details = {**what.details, "t": seconds(station.output.tick)}
             head = {"type": "serve", "robot": what.robot, "what": what.kind, "level": level, "text": what.text}
             self._record({**head, **details})
-        elif what.is_problem:
+        elif what.is_problem or what.kind == DEVICE:
             tag = f"{what.robot}: " if self._are_several else ""
-            self._err.write(f"{tag}{seconds(station.output.tick):10.3f} s  {what.text}\n")
-            self._err.flush()
+            stream = self._err if what.is_problem else self._out
+            stream.write(f"{tag}{seconds(station.output.tick):10.3f} s  {what.text}\n")
+            stream.flush()
 
     def end(self) -> None:
         """Everything is closed."""

@@ -12,10 +12,23 @@ SERVE_NOTE = (
 )
 
 
+def add_serial(parser: argparse.ArgumentParser) -> None:
+    """Add `--serial`."""
+    parser.add_argument(
+        "--serial",
+        action="append",
+        default=[],
+        metavar="PORT=DEVICE",
+        help="what is on a serial port: tool=/dev/ttyUSB0, box=socket://HOST:PORT; may be repeated",
+    )
+
+
 def add_serve(
     subparsers: argparse._SubParsersAction[argparse.ArgumentParser], firmware: argparse.ArgumentParser
 ) -> None:
     """Add `serve`."""
+    import argparse
+
     serve = subparsers.add_parser(
         "serve",
         parents=[firmware],
@@ -54,7 +67,15 @@ def add_serve(
     serve.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="signal at the start; may be repeated"
     )
-    serve.add_argument("--cell", metavar="FILE.toml", help="what is around the robot, as for run")
+    serve.add_argument(
+        "--state",
+        metavar="FILE",
+        help="remember registers, flags and general Modbus values in this file over restarts, as the robot does; of "
+        "further robots in files with a number in their names (default: nothing is remembered)",
+    )
+    serve.add_argument("--world", metavar="FILE.toml", help="what is around each robot, as for run")
+    serve.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
+    add_serial(serve)
     serve.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
     serve.add_argument(
         "--no-jail",
@@ -85,6 +106,27 @@ def add_ctl(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     ctl.add_argument("--json", action="store_true", help="print one JSON object")
     ctl.add_argument("verb", metavar="VERB")
     ctl.add_argument("arguments", nargs="*", metavar="ARGUMENT")
+
+
+def add_devices(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add `devices`."""
+    devices = subparsers.add_parser(
+        "devices",
+        help="the devices of a world file on real ports and serial lines",
+        description="Serve the devices of a world file to a real robot or to any other program: TCP devices on their "
+        "ports, serial devices on pseudo-terminals or on serial ports. Ctrl-C ends it.",
+    )
+    devices.add_argument("file", metavar="FILE.toml", help="the world file")
+    devices.add_argument("--host", default="127.0.0.1", metavar="ADDRESS", help="where to listen (default %(default)s)")
+    devices.add_argument(
+        "--port",
+        action="append",
+        default=[],
+        metavar="PORT=NUMBER",
+        help="another number for the port of a device, such as 502=5020 (0: any free one); may be repeated",
+    )
+    add_serial(devices)
+    devices.add_argument("--json", action="store_true", help="print one JSON object per line")
 
 
 def add_replay(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -1,32 +1,30 @@
 """MODBUS-RTU through the serial port of the control box (manual 2.10 sections 3.48 to 3.55).
 
-The port has to be in MODBUS-RTU mode. A read that fails gives an empty list (*assumed*).
+The port has to be in MODBUS-RTU mode. What fails shows in the result, and its reason in the log: another mode, a slave
+that does not answer in time, whose answer is broken, or that refuses (*assumed*).
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final
+from typing import Final
 
-from elitescript.commands.quantities import Boolean, Either, Integer, TimeOut, Vector, Whole
+from elitescript.commands import modbus_rtu as rtu
+from elitescript.commands.context import Robot
+from elitescript.commands.quantities import TimeOut, Whole
 from elitescript.commands.registry import alias, command
-from elitescript.commands.serial import CABINET_PORT, CabinetPort
-from elitescript.errors import NotSimulatedError
-
-_NOT_YET: Final = "MODBUS-RTU is not simulated yet"
+from elitescript.commands.serial import CABINET_PORT, CabinetPort, cabinet_device
 
 _SPELLINGS: Final = {"addr": "address", "time_out": "timeout"}
 
-_Slave = Annotated[int, Integer(1, 247)]
-_Address = Annotated[int, Integer(0)]
-_Count = Annotated[int, Integer(1, 125)]
-_Registers = Annotated[Any, Either(Integer(0, 65535), Vector(Integer(0, 65535), None))]
-_Bits = Annotated[Any, Either(Boolean(), Vector(Boolean(), None))]
-_Values = Annotated[tuple[int, ...], Vector(Integer(), None)]
 
-
-@command(family="modbus_rtu", manual="3.48", spellings=_SPELLINGS, waits=True, is_simulated=False)
+@command(family="modbus_rtu", manual="3.48", spellings=_SPELLINGS, waits=True)
 def serial_modbus_write_registers(
-    slave: _Slave, address: _Address, data: _Registers, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
+    robot: Robot,
+    slave: rtu.Slave,
+    address: rtu.Address,
+    data: rtu.Registers,
+    timeout: TimeOut = 5,
+    port: CabinetPort = CABINET_PORT,
 ) -> Whole:
     """Write holding registers of a slave through the port of the control box (function code 0x10).
 
@@ -40,12 +38,17 @@ def serial_modbus_write_registers(
     Returns:
         How many were written, 0 and less for a failure.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.write(robot, cabinet_device(robot, port), rtu.WRITE_REGISTERS, slave, address, data, timeout)
 
 
-@command(family="modbus_rtu", manual="3.49", spellings=_SPELLINGS, waits=True, is_simulated=False)
+@command(family="modbus_rtu", manual="3.49", spellings=_SPELLINGS, waits=True)
 def serial_modbus_write_bits(
-    slave: _Slave, address: _Address, data: _Bits, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
+    robot: Robot,
+    slave: rtu.Slave,
+    address: rtu.Address,
+    data: rtu.Bits,
+    timeout: TimeOut = 5,
+    port: CabinetPort = CABINET_PORT,
 ) -> Whole:
     """Write coils of a slave through the port of the control box (function code 0x0F).
 
@@ -59,13 +62,18 @@ def serial_modbus_write_bits(
     Returns:
         How many were written, 0 and less for a failure.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.write(robot, cabinet_device(robot, port), rtu.WRITE_COILS, slave, address, data, timeout)
 
 
-@command(family="modbus_rtu", manual="3.50", spellings=_SPELLINGS, waits=True, is_simulated=False)
+@command(family="modbus_rtu", manual="3.50", spellings=_SPELLINGS, waits=True)
 def serial_modbus_read_registers(
-    slave: _Slave, address: _Address, len: _Count, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
-) -> _Values:
+    robot: Robot,
+    slave: rtu.Slave,
+    address: rtu.Address,
+    len: rtu.Count,
+    timeout: TimeOut = 5,
+    port: CabinetPort = CABINET_PORT,
+) -> rtu.Values:
     """Read holding registers of a slave through the port of the control box (function code 0x03).
 
     Args:
@@ -76,15 +84,20 @@ def serial_modbus_read_registers(
         port: device; `/dev/ttyS2` on B1 and MINI boxes.
 
     Returns:
-        The values.
+        The values; an empty list if that fails (*assumed*).
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.read(robot, cabinet_device(robot, port), rtu.READ_HOLDING_REGISTERS, slave, address, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.51", spellings=_SPELLINGS, waits=True, is_simulated=False)
+@command(family="modbus_rtu", manual="3.51", spellings=_SPELLINGS, waits=True)
 def serial_modbus_read_bits(
-    slave: _Slave, address: _Address, len: _Count, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
-) -> _Values:
+    robot: Robot,
+    slave: rtu.Slave,
+    address: rtu.Address,
+    len: rtu.Count,
+    timeout: TimeOut = 5,
+    port: CabinetPort = CABINET_PORT,
+) -> rtu.Values:
     """Read coils of a slave through the port of the control box (function code 0x01).
 
     Args:
@@ -95,15 +108,20 @@ def serial_modbus_read_bits(
         port: device; `/dev/ttyS2` on B1 and MINI boxes.
 
     Returns:
-        The values, each 0 or 1.
+        The values, each 0 or 1; an empty list if that fails (*assumed*).
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.read(robot, cabinet_device(robot, port), rtu.READ_COILS, slave, address, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.52", spellings=_SPELLINGS, waits=True, is_simulated=False)
+@command(family="modbus_rtu", manual="3.52", spellings=_SPELLINGS, waits=True)
 def serial_modbus_read_input_registers(
-    slave: _Slave, address: _Address, len: _Count, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
-) -> _Values:
+    robot: Robot,
+    slave: rtu.Slave,
+    address: rtu.Address,
+    len: rtu.Count,
+    timeout: TimeOut = 5,
+    port: CabinetPort = CABINET_PORT,
+) -> rtu.Values:
     """Read input registers of a slave through the port of the control box (function code 0x04).
 
     Args:
@@ -114,15 +132,20 @@ def serial_modbus_read_input_registers(
         port: device; `/dev/ttyS2` on B1 and MINI boxes.
 
     Returns:
-        The values.
+        The values; an empty list if that fails (*assumed*).
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.read(robot, cabinet_device(robot, port), rtu.READ_INPUT_REGISTERS, slave, address, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.53", spellings=_SPELLINGS, waits=True, is_simulated=False)
+@command(family="modbus_rtu", manual="3.53", spellings=_SPELLINGS, waits=True)
 def serial_modbus_read_input_bits(
-    slave: _Slave, address: _Address, len: _Count, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
-) -> _Values:
+    robot: Robot,
+    slave: rtu.Slave,
+    address: rtu.Address,
+    len: rtu.Count,
+    timeout: TimeOut = 5,
+    port: CabinetPort = CABINET_PORT,
+) -> rtu.Values:
     """Read discrete inputs of a slave through the port of the control box (function code 0x02).
 
     Args:
@@ -133,14 +156,19 @@ def serial_modbus_read_input_bits(
         port: device; `/dev/ttyS2` on B1 and MINI boxes.
 
     Returns:
-        The values, each 0 or 1.
+        The values, each 0 or 1; an empty list if that fails (*assumed*).
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.read(robot, cabinet_device(robot, port), rtu.READ_DISCRETE_INPUTS, slave, address, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.54", spellings=_SPELLINGS, waits=True, is_simulated=False)
+@command(family="modbus_rtu", manual="3.54", spellings=_SPELLINGS, waits=True)
 def serial_modbus_write_single_bit(
-    slave: _Slave, address: _Address, data: Whole, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
+    robot: Robot,
+    slave: rtu.Slave,
+    address: rtu.Address,
+    data: Whole,
+    timeout: TimeOut = 5,
+    port: CabinetPort = CABINET_PORT,
 ) -> Whole:
     """Write one coil of a slave through the port of the control box (function code 0x05).
 
@@ -154,12 +182,17 @@ def serial_modbus_write_single_bit(
     Returns:
         1 if it was written, 0 and less if not.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.write(robot, cabinet_device(robot, port), rtu.WRITE_COIL, slave, address, int(data != 0), timeout)
 
 
-@command(family="modbus_rtu", manual="3.55", spellings=_SPELLINGS, waits=True, is_simulated=False)
+@command(family="modbus_rtu", manual="3.55", spellings=_SPELLINGS, waits=True)
 def serial_modbus_write_single_register(
-    slave: _Slave, address: _Address, data: Whole, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
+    robot: Robot,
+    slave: rtu.Slave,
+    address: rtu.Address,
+    data: rtu.RegisterValue,
+    timeout: TimeOut = 5,
+    port: CabinetPort = CABINET_PORT,
 ) -> Whole:
     """Write one holding register of a slave through the port of the control box (function code 0x06).
 
@@ -173,7 +206,7 @@ def serial_modbus_write_single_register(
     Returns:
         1 if it was written, 0 and less if not.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.write(robot, cabinet_device(robot, port), rtu.WRITE_REGISTER, slave, address, data, timeout)
 
 
 # Older names, in public programs.

@@ -1,31 +1,27 @@
 """MODBUS-RTU through the serial port of the tool (manual 2.10 sections 3.33 to 3.40).
 
-The port has to be in MODBUS-RTU mode. A read that fails gives an empty list (*assumed*).
+The port has to be in MODBUS-RTU mode. What fails shows in the result, and its reason in the log: another mode, a slave
+that does not answer in time, whose answer is broken, or that refuses (*assumed*).
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final
+from typing import Final
 
-from elitescript.commands.quantities import Bool, Boolean, Either, Integer, TimeOut, Vector, Whole
+from elitescript.commands import modbus_rtu as rtu
+from elitescript.commands.context import Robot
+from elitescript.commands.quantities import Bool, TimeOut, Whole
 from elitescript.commands.registry import command
-from elitescript.errors import NotSimulatedError
-
-_NOT_YET: Final = "MODBUS-RTU is not simulated yet"
+from elitescript.commands.serial import TOOL_PORT
 
 _SPELLINGS: Final = {"address": "addr", "time_out": "timeout"}
 _READ_SPELLINGS: Final = {"address": "addr", "timeout": "time_out"}
 
-_Slave = Annotated[int, Integer(1, 247)]
-_Address = Annotated[int, Integer(0)]
-_Count = Annotated[int, Integer(1, 125)]
-_Registers = Annotated[Any, Either(Integer(0, 65535), Vector(Integer(0, 65535), None))]
-_Bits = Annotated[Any, Either(Boolean(), Vector(Boolean(), None))]
-_Values = Annotated[tuple[int, ...], Vector(Integer(), None)]
 
-
-@command(family="modbus_rtu", manual="3.33", spellings=_READ_SPELLINGS, waits=True, is_simulated=False)
-def tool_modbus_read_registers(slave: _Slave, addr: _Address, len: _Count, time_out: TimeOut = 5) -> _Values:
+@command(family="modbus_rtu", manual="3.33", spellings=_READ_SPELLINGS, waits=True)
+def tool_modbus_read_registers(
+    robot: Robot, slave: rtu.Slave, addr: rtu.Address, len: rtu.Count, time_out: TimeOut = 5
+) -> rtu.Values:
     """Read holding registers of a slave through the port of the tool (function code 0x03).
 
     Args:
@@ -35,13 +31,15 @@ def tool_modbus_read_registers(slave: _Slave, addr: _Address, len: _Count, time_
         time_out: longest time to wait; 0 and less wait for ever.
 
     Returns:
-        The values.
+        The values; an empty list if that fails (*assumed*).
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.read(robot, TOOL_PORT, rtu.READ_HOLDING_REGISTERS, slave, addr, len, time_out)
 
 
-@command(family="modbus_rtu", manual="3.34", spellings=_READ_SPELLINGS, waits=True, is_simulated=False)
-def tool_modbus_read_bits(slave: _Slave, addr: _Address, len: _Count, time_out: TimeOut = 5) -> _Values:
+@command(family="modbus_rtu", manual="3.34", spellings=_READ_SPELLINGS, waits=True)
+def tool_modbus_read_bits(
+    robot: Robot, slave: rtu.Slave, addr: rtu.Address, len: rtu.Count, time_out: TimeOut = 5
+) -> rtu.Values:
     """Read coils of a slave through the port of the tool (function code 0x01).
 
     Args:
@@ -51,13 +49,15 @@ def tool_modbus_read_bits(slave: _Slave, addr: _Address, len: _Count, time_out: 
         time_out: longest time to wait; 0 and less wait for ever.
 
     Returns:
-        The values, each 0 or 1.
+        The values, each 0 or 1; an empty list if that fails (*assumed*).
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.read(robot, TOOL_PORT, rtu.READ_COILS, slave, addr, len, time_out)
 
 
-@command(family="modbus_rtu", manual="3.35", spellings=_SPELLINGS, waits=True, is_simulated=False)
-def tool_modbus_write_registers(slave: _Slave, addr: _Address, data: _Registers, timeout: TimeOut = 5) -> Bool:
+@command(family="modbus_rtu", manual="3.35", spellings=_SPELLINGS, waits=True)
+def tool_modbus_write_registers(
+    robot: Robot, slave: rtu.Slave, addr: rtu.Address, data: rtu.Registers, timeout: TimeOut = 5
+) -> Bool:
     """Write holding registers of a slave through the port of the tool (function code 0x10).
 
     Args:
@@ -69,11 +69,13 @@ def tool_modbus_write_registers(slave: _Slave, addr: _Address, data: _Registers,
     Returns:
         True if it worked.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return bool(rtu.write(robot, TOOL_PORT, rtu.WRITE_REGISTERS, slave, addr, data, timeout))
 
 
-@command(family="modbus_rtu", manual="3.36", spellings=_SPELLINGS, waits=True, is_simulated=False)
-def tool_modbus_write_bits(slave: _Slave, addr: _Address, data: _Bits, timeout: TimeOut = 5) -> Bool:
+@command(family="modbus_rtu", manual="3.36", spellings=_SPELLINGS, waits=True)
+def tool_modbus_write_bits(
+    robot: Robot, slave: rtu.Slave, addr: rtu.Address, data: rtu.Bits, timeout: TimeOut = 5
+) -> Bool:
     """Write coils of a slave through the port of the tool (function code 0x0F).
 
     Args:
@@ -85,11 +87,13 @@ def tool_modbus_write_bits(slave: _Slave, addr: _Address, data: _Bits, timeout: 
     Returns:
         True if it worked.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return bool(rtu.write(robot, TOOL_PORT, rtu.WRITE_COILS, slave, addr, data, timeout))
 
 
-@command(family="modbus_rtu", manual="3.37", spellings=_SPELLINGS, waits=True, is_simulated=False)
-def tool_modbus_read_input_registers(slave: _Slave, addr: _Address, len: _Count, timeout: TimeOut = 5) -> _Values:
+@command(family="modbus_rtu", manual="3.37", spellings=_SPELLINGS, waits=True)
+def tool_modbus_read_input_registers(
+    robot: Robot, slave: rtu.Slave, addr: rtu.Address, len: rtu.Count, timeout: TimeOut = 5
+) -> rtu.Values:
     """Read input registers of a slave through the port of the tool (function code 0x04).
 
     Args:
@@ -99,13 +103,15 @@ def tool_modbus_read_input_registers(slave: _Slave, addr: _Address, len: _Count,
         timeout: longest time to wait; 0 and less wait for ever.
 
     Returns:
-        The values.
+        The values; an empty list if that fails (*assumed*).
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.read(robot, TOOL_PORT, rtu.READ_INPUT_REGISTERS, slave, addr, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.38", spellings=_SPELLINGS, waits=True, is_simulated=False)
-def tool_modbus_read_input_bits(slave: _Slave, addr: _Address, len: _Count, timeout: TimeOut = 5) -> _Values:
+@command(family="modbus_rtu", manual="3.38", spellings=_SPELLINGS, waits=True)
+def tool_modbus_read_input_bits(
+    robot: Robot, slave: rtu.Slave, addr: rtu.Address, len: rtu.Count, timeout: TimeOut = 5
+) -> rtu.Values:
     """Read discrete inputs of a slave through the port of the tool (function code 0x02).
 
     Args:
@@ -115,13 +121,15 @@ def tool_modbus_read_input_bits(slave: _Slave, addr: _Address, len: _Count, time
         timeout: longest time to wait; 0 and less wait for ever.
 
     Returns:
-        The values, each 0 or 1.
+        The values, each 0 or 1; an empty list if that fails (*assumed*).
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.read(robot, TOOL_PORT, rtu.READ_DISCRETE_INPUTS, slave, addr, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.39", spellings=_SPELLINGS, waits=True, is_simulated=False)
-def tool_modbus_write_single_bit(slave: _Slave, addr: _Address, data: Whole, timeout: TimeOut = 5) -> Whole:
+@command(family="modbus_rtu", manual="3.39", spellings=_SPELLINGS, waits=True)
+def tool_modbus_write_single_bit(
+    robot: Robot, slave: rtu.Slave, addr: rtu.Address, data: Whole, timeout: TimeOut = 5
+) -> Whole:
     """Write one coil of a slave through the port of the tool (function code 0x05).
 
     Args:
@@ -133,11 +141,13 @@ def tool_modbus_write_single_bit(slave: _Slave, addr: _Address, data: Whole, tim
     Returns:
         1 if it was written, 0 and less if not.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.write(robot, TOOL_PORT, rtu.WRITE_COIL, slave, addr, int(data != 0), timeout)
 
 
-@command(family="modbus_rtu", manual="3.40", spellings=_SPELLINGS, waits=True, is_simulated=False)
-def tool_modbus_write_single_register(slave: _Slave, addr: _Address, data: Whole, timeout: TimeOut = 5) -> Whole:
+@command(family="modbus_rtu", manual="3.40", spellings=_SPELLINGS, waits=True)
+def tool_modbus_write_single_register(
+    robot: Robot, slave: rtu.Slave, addr: rtu.Address, data: rtu.RegisterValue, timeout: TimeOut = 5
+) -> Whole:
     """Write one holding register of a slave through the port of the tool (function code 0x06).
 
     Args:
@@ -149,4 +159,4 @@ def tool_modbus_write_single_register(slave: _Slave, addr: _Address, data: Whole
     Returns:
         1 if it was written, 0 and less if not.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return rtu.write(robot, TOOL_PORT, rtu.WRITE_REGISTER, slave, addr, data, timeout)

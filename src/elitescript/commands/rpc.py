@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from elitescript.commands.quantities import Anything, Choice, Str
 from elitescript.commands.registry import command
-from elitescript.errors import NotSimulatedError
+
+if TYPE_CHECKING:
+    from elitescript.commands.context import Robot
 
 
-@command(family="rpc", manual="5.2.1", is_simulated=False)
-def rpc_factory(type: Annotated[str, Choice("xmlrpc")], url: Str) -> Annotated[Any, Anything("RPC handle")]:
+@command(family="rpc", manual="5.2.1")
+def rpc_factory(
+    robot: Robot, type: Annotated[str, Choice("xmlrpc")], url: Str
+) -> Annotated[Any, Anything("RPC handle")]:
     """Handle whose methods are the procedures of a server; it connects when the first method is called.
+
+    A call that fails is an alarm with the server's text; `except Exception as error` finds the number and the text of a
+    fault in `error.faultCode` and `error.faultString`.
 
     Args:
         type: protocol.
@@ -20,4 +27,4 @@ def rpc_factory(type: Annotated[str, Choice("xmlrpc")], url: Str) -> Annotated[A
     Returns:
         The handle.
     """
-    raise NotSimulatedError("remote procedure calls are not simulated yet")
+    return robot.remote_procedures(url)

@@ -1,13 +1,15 @@
 """RS-485 ports of the tool and of the control box (manual 2.10 sections 3.29 to 3.56).
 
-The ports cannot be switched on yet. Switching them off works, and so does asking whether they are on: programs of the
-pendant do both before they begin.
+A port stays configured when the program ends (*assumed*). What fails shows in the result, and its reason in the log;
+only the use of a port that belongs to a daemon is an alarm. Text goes out as UTF-8, of which ASCII is a part
+(*assumed*).
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Final
 
+from elitescript.commands.context import Robot
 from elitescript.commands.quantities import (
     Anything,
     Bool,
@@ -21,65 +23,96 @@ from elitescript.commands.quantities import (
     Vector,
 )
 from elitescript.commands.registry import alias, command
-from elitescript.errors import NotSimulatedError
+from elitescript.errors import ArgumentRangeError
+from elitescript.messages.line import LineSettings
 
-_NOT_YET: Final = "serial ports are not simulated yet"
-
+TOOL_PORT: Final = "tool"
 CABINET_PORT: Final = "/dev/ttymxc0"
+_SECOND_PORT: Final = "/dev/ttyS2"
+_SECOND_PORT_SINCE: Final = (2, 14)
 
-CabinetPort = Annotated[str, Choice(CABINET_PORT, "/dev/ttyS2")]
+CabinetPort = Annotated[str, Choice(CABINET_PORT, _SECOND_PORT)]
 """Device of the control box; the second one is that of B1 and MINI boxes, since 2.14."""
 
 _Parity = Annotated[int, Integer(0, 2)]
 _StopBits = Annotated[int, Choice(1, 2)]
 _Data = Annotated[Any, Either(Text(), Integer(), Octets(), Vector(Integer(), None, "byte"))]
 _Received = Annotated[Any, Anything("list[int] or bytes", "byte")]
+_MODBUS_SIZE: Final = 8
 _ByteCount = Annotated[int, Integer(0, unit="byte")]
 
 
+def cabinet_device(robot: Robot, port: str) -> str:
+    """The port of the control box that a program names.
+
+    Raises:
+        ArgumentRangeError: the firmware does not have it.
+    """
+    if port == _SECOND_PORT and robot.profile.release < _SECOND_PORT_SINCE:
+        text = f"port must be {CABINET_PORT!r}, got {port!r}, which firmware {robot.profile.name} does not have"
+        raise ArgumentRangeError(text, argument="port", value=port, limit=CABINET_PORT)
+    return port
+
+
+def _octets(data: Any) -> bytes:
+    """What goes over the line for a value: of numbers the low 8 bits."""
+    if isinstance(data, str):
+        return data.encode("utf-8", "replace")
+    if isinstance(data, bytes):
+        return data
+    return bytes(number & 0xFF for number in (data if isinstance(data, tuple) else (data,)))
+
+
+def _received(data: bytes, is_number: bool) -> list[int] | bytes:
+    return list(data) if is_number else data
+
+
 @command(family="serial", manual="3.29")
-def tool_serial_is_open() -> Bool:
+def tool_serial_is_open(robot: Robot) -> Bool:
     """Whether the serial port of the tool is enabled.
 
     Returns:
         True if it is.
     """
-    return False
+    return robot.lines.is_open(TOOL_PORT)
 
 
-@command(family="serial", manual="3.30")
+@command(family="serial", manual="3.30", waits=True)
 def tool_serial_config(
+    robot: Robot,
     enabled: Bool,
     baud_rate: Annotated[int, Choice(9600, 19200, 38400, 57600, 115200, 1000000, 2000000, unit="baud")],
     parity: _Parity,
     stop_bits: _StopBits,
-    size: Annotated[int, Integer(unit="bit")] = 8,
+    size: Annotated[int, Integer(5, 8, unit="bit")] = 8,
     modbus_rtu: Bool = False,
     usage: Annotated[int, Choice(0, 1)] = 0,
 ) -> Bool:
     """Enable, disable and set up the serial port of the tool.
 
-    Only disabling it is simulated yet.
+    What waits in the port is lost, whatever is changed (*assumed*).
 
     Args:
         enabled: True enables the port.
         baud_rate: baud rate.
         parity: 0 none, 1 odd, 2 even.
         stop_bits: number of stop bits.
-        size: bits of a character; always 8 in MODBUS-RTU mode.
+        size: bits of a character, 5 to 8 (*assumed*); always 8 in MODBUS-RTU mode.
         modbus_rtu: True for MODBUS-RTU, False for plain bytes.
         usage: 0 the port belongs to programs, 1 to a plug-in; programs that use it then get an alarm.
 
     Returns:
         True if the port is open now.
     """
-    if enabled:
-        raise NotSimulatedError(_NOT_YET)
-    return False
+    if not enabled:
+        robot.lines.disable(TOOL_PORT)
+        return False
+    settings = LineSettings(baud_rate, parity, stop_bits, 8 if modbus_rtu else size)
+    return robot.lines.enable(TOOL_PORT, settings, is_modbus=modbus_rtu, is_daemons=usage == 1)
 
 
-@command(family="serial", manual="3.31", waits=True, is_simulated=False)
-def tool_serial_read(read_count: _ByteCount, is_number: Bool, time_out: TimeOut) -> _Received:
+@command(family="serial", manual="3.31", waits=True)
+def tool_serial_read(robot: Robot, read_count: _ByteCount, is_number: Bool, time_out: TimeOut) -> _Received:
     """Read from the serial port of the tool.
 
     Args:
@@ -90,11 +123,11 @@ def tool_serial_read(read_count: _ByteCount, is_number: Bool, time_out: TimeOut)
     Returns:
         What arrived in time.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return _received(robot.lines.read(TOOL_PORT, read_count, time_out), is_number)
 
 
-@command(family="serial", manual="3.32", is_simulated=False)
-def tool_serial_write(write_data: _Data) -> _ByteCount:
+@command(family="serial", manual="3.32")
+def tool_serial_write(robot: Robot, write_data: _Data) -> _ByteCount:
     """Send through the serial port of the tool.
 
     Args:
@@ -103,21 +136,22 @@ def tool_serial_write(write_data: _Data) -> _ByteCount:
     Returns:
         Number of bytes that were sent; 0 and less for a failure.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return robot.lines.write(TOOL_PORT, _octets(write_data)) or 0
 
 
 @command(family="serial", manual="3.41")
-def tool_serial_mode() -> Str:
+def tool_serial_mode(robot: Robot) -> Str:
     """Mode of the serial port of the tool.
 
     Returns:
         `"MODBUS-RTU"`, `"RS485"`, or `"CLOSE"` when the port is off.
     """
-    return "CLOSE"
+    return robot.lines.mode(TOOL_PORT)
 
 
-@command(family="serial", manual="3.43")
+@command(family="serial", manual="3.43", waits=True)
 def serial_config(
+    robot: Robot,
     enable: Bool,
     baud: Annotated[
         int, Choice(2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600, 500000, unit="baud")
@@ -130,7 +164,7 @@ def serial_config(
 ) -> Bool:
     """Enable, disable and set up the serial port of the control box.
 
-    Only disabling it is simulated yet.
+    What waits in the port is lost, whatever is changed (*assumed*).
 
     Args:
         enable: True enables the port.
@@ -144,14 +178,21 @@ def serial_config(
     Returns:
         True if it worked.
     """
-    if enable:
-        raise NotSimulatedError(_NOT_YET)
-    return True
+    device = cabinet_device(robot, port)
+    if not enable:
+        robot.lines.disable(device)
+        return True
+    if modbus_rtu and size != _MODBUS_SIZE:
+        text = f"serial_config: size must be {_MODBUS_SIZE} bit with modbus_rtu, got {size}; nothing was changed"
+        robot.warn_once(f"serial_config {device}", text)
+        return False
+    return robot.lines.enable(device, LineSettings(baud, parity_bit, stop_bit, size), is_modbus=modbus_rtu)
 
 
-@command(family="serial", manual="3.44", spellings={"timeout": "time_out"}, waits=True, is_simulated=False)
+@command(family="serial", manual="3.44", spellings={"timeout": "time_out"}, waits=True)
 def serial_read(
-    len: Annotated[int, Integer(unit="byte")],
+    robot: Robot,
+    len: _ByteCount,
     is_number: Bool = True,
     time_out: TimeOut = 0.1,
     port: CabinetPort = CABINET_PORT,
@@ -167,11 +208,11 @@ def serial_read(
     Returns:
         What arrived in time.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return _received(robot.lines.read(cabinet_device(robot, port), len, time_out), is_number)
 
 
-@command(family="serial", manual="3.45", is_simulated=False)
-def serial_write(data: _Data, port: CabinetPort = CABINET_PORT) -> Bool:
+@command(family="serial", manual="3.45")
+def serial_write(robot: Robot, data: _Data, port: CabinetPort = CABINET_PORT) -> Bool:
     """Send through the serial port of the control box.
 
     Args:
@@ -181,11 +222,12 @@ def serial_write(data: _Data, port: CabinetPort = CABINET_PORT) -> Bool:
     Returns:
         True if it worked.
     """
-    raise NotSimulatedError(_NOT_YET)
+    octets = _octets(data)
+    return robot.lines.write(cabinet_device(robot, port), octets) == len(octets)
 
 
 @command(family="serial", manual="3.46")
-def serial_is_open(port: CabinetPort = CABINET_PORT) -> Bool:
+def serial_is_open(robot: Robot, port: CabinetPort = CABINET_PORT) -> Bool:
     """Whether the serial port of the control box is enabled.
 
     Args:
@@ -194,11 +236,11 @@ def serial_is_open(port: CabinetPort = CABINET_PORT) -> Bool:
     Returns:
         True if it is.
     """
-    return False
+    return robot.lines.is_open(cabinet_device(robot, port))
 
 
 @command(family="serial", manual="3.47")
-def serial_mode(port: CabinetPort = CABINET_PORT) -> Str:
+def serial_mode(robot: Robot, port: CabinetPort = CABINET_PORT) -> Str:
     """Mode of the serial port of the control box.
 
     Args:
@@ -207,17 +249,19 @@ def serial_mode(port: CabinetPort = CABINET_PORT) -> Str:
     Returns:
         `"MODBUS-RTU"`, `"RS485"`, or `"CLOSE"` when the port is off.
     """
-    return "CLOSE"
+    return robot.lines.mode(cabinet_device(robot, port))
 
 
-@command(family="serial", manual="3.56", is_simulated=False)
-def serial_flush(port: CabinetPort = CABINET_PORT) -> None:
-    """Drop what waits in the serial port of the control box, in both directions (*assumed*).
+@command(family="serial", manual="3.56")
+def serial_flush(robot: Robot, port: CabinetPort = CABINET_PORT) -> None:
+    """Drop what has arrived in the serial port of the control box and is not read (*assumed*).
+
+    What is being sent goes out all the same (*assumed*).
 
     Args:
         port: device; `/dev/ttyS2` on B1 and MINI boxes.
     """
-    raise NotSimulatedError(_NOT_YET)
+    robot.lines.flush(cabinet_device(robot, port))
 
 
 # Older name, in the vendor's SDK (four arguments) and in public programs (six).

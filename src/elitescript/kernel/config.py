@@ -15,12 +15,9 @@ from elitescript.messages.profile import DEFAULT_FIRMWARE, Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.models.model import RobotModel
+from elitescript.runtime.host import RPC_TIMEOUT_S
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.wiring import EPOCH_S
-
-BUG_FIX: Final = 0
-BUILD: Final = 0
-"""Of the version that clients are told, besides the firmware profile (*assumed*)."""
 
 DEFAULT_CONFIGURATION: Final = "default.configuration"
 
@@ -55,7 +52,11 @@ class KernelConfig:
     plant: PlantConfig | None = None
     signals: tuple[tuple[str, Value], ...] = ()
     """Levels at the start, by the names of `--set`."""
+    faults: tuple[str, ...] = ()
+    """What goes wrong on channels, as `worlds.virtual.faults.fault_text` writes it."""
     work_per_tick: int = WORK_PER_TICK
+    rpc_timeout_s: float = RPC_TIMEOUT_S
+    """How long a remote procedure call waits for its answer; 0 and less wait for ever."""
     strict: bool = False
     """Refuse what a Python 3 controller refuses, instead of warning."""
 
@@ -69,7 +70,7 @@ def describe(config: KernelConfig, model: RobotModel, profile: Profile) -> Robot
         type_id=model.type_id,
         serial_number=config.serial_number,
         robot_id=config.robot_id,
-        firmware=(*profile.release, BUG_FIX, BUILD),
+        firmware=profile.version,
         q_min=_six([low for low, _ in ranges]),
         q_max=_six([high for _, high in ranges]),
         qd_max=_six([joint.qd_max for joint in model.joints]),

@@ -13,14 +13,16 @@ from elitescript.controller.picture import Pictures
 from elitescript.controller.refusals import refusal_text
 from elitescript.controller.signal_view import Signals
 from elitescript.errors import ScriptError, UsageError
+from elitescript.kernel.answers import shown_after
 from elitescript.kernel.config import KernelConfig, describe
 from elitescript.kernel.conversations import Conversations
 from elitescript.kernel.interpreter_logs import InterpreterLogs
 from elitescript.kernel.programs import Programs
 from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Event, Popup, TaskStateChanged, TextMessage, Warned
+from elitescript.messages.events import DeviceNoted, Event, Popup, TaskStateChanged, TextMessage, Warned
 from elitescript.messages.inputs import (
+    AddFault,
     AddLog,
     ChannelClosed,
     ChannelCredit,
@@ -51,9 +53,12 @@ from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.models.model import load_model
 from elitescript.protocol.outcomes import done, refused
+from elitescript.runtime.line import close_lines
 from elitescript.runtime.world import FilesRefused, World
 from elitescript.wiring import Fittings, assemble
-from elitescript.worlds.request_channels import RequestWorld
+from elitescript.worlds.request_channels import FaultyWorld, RequestWorld
+from elitescript.worlds.virtual.faults import fault_of
+from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 
 
 class Kernel:
@@ -77,6 +82,7 @@ class Kernel:
         "_controller",
         "_conversations",
         "_events",
+        "_faulty",
         "_host",
         "_is_popup_blocking",
         "_is_remote",
@@ -92,7 +98,11 @@ class Kernel:
 
     def __init__(self, config: KernelConfig, world: World | None = None) -> None:
         model, firmware = load_model(config.model), profile(config.firmware)
-        outside = RequestWorld(FilesRefused() if world is None else world.files)
+        requests = RequestWorld(FilesRefused() if world is None else world.files)
+        self._faulty = FaultyChannels(
+            requests.channels, map(fault_of, config.faults), seed=config.seed, say=self._note_fault
+        )
+        outside = FaultyWorld(requests.files, self._faulty)
         self.description = describe(config, model, firmware)
         self.overruns = 0
         self._events: list[Event] = []
@@ -100,13 +110,14 @@ class Kernel:
         self._popup = ""
         self._is_popup_blocking = False
         self._is_remote = config.remote
-        self._channels = outside.channels
+        self._channels = requests.channels
         fittings = Fittings(
             epoch_s=config.epoch_s,
             seed=config.seed,
             joints=config.joints,
             speed=config.speed,
             work_per_tick=config.work_per_tick,
+            rpc_timeout_s=config.rpc_timeout_s,
             contact=config.contact,
             safety=config.safety,
             plant=config.plant,
@@ -162,6 +173,8 @@ class Kernel:
 
     def _take(self, inputs: Sequence[Input]) -> None:
         self._conversations.go_on()
+        for event in self._faulty.arrivals(self._controller.tick):
+            self._hand(event)
         for item in inputs:
             HANDLERS[type(item)](self, item)
         if (late := self._tasks.due()) is not None:
@@ -172,7 +185,8 @@ class Kernel:
         if why_not:
             self._emit(Warned(self._controller.tick, why_not))
         if item.is_answered:
-            self._reply(item.origin, refused(why_not) if why_not else done())
+            shown = shown_after(self._controller, self.description.firmware, item.request)
+            self._reply(item.origin, refused(why_not) if why_not else done(shown))
 
     def _attempt(self, request: MachineRequest) -> str:
         """Do what is asked; return why it cannot be done, empty if it is."""
@@ -210,17 +224,38 @@ class Kernel:
         self._is_remote = item.is_remote
 
     def _reboot(self, _item: Reboot) -> None:
-        """What the real controller forgets besides is not known; signals, TCP and payload stay (*assumed*)."""
+        """Signals, TCP and payload stay, serial ports close; what the real controller forgets is *assumed*."""
         controller = self._controller
         controller.request(PowerOff())
         controller.request(AskSafety("restart_safety", "the controller was started anew"))
+        close_lines(self._host.background.lines, self._host.connections)
         self._popup = ""
         self._tasks.forget()
+        self._host.background.close()
 
     def _arrived(self, item: VariablesArrived) -> None:
         self._host.watchdogs.arrived(item.names, self._controller.tick)
 
+    def _add_fault(self, item: AddFault) -> None:
+        try:
+            if item.text:
+                self._faulty.add(fault_of(item.text))
+            else:
+                self._faulty.clear()
+        except UsageError as error:
+            self._emit(Warned(self._controller.tick, f"fault refused: {error}"))
+            self._reply(item.origin, refused(str(error)))
+        else:
+            self._reply(item.origin, done())
+
+    def _note_fault(self, text: str) -> None:
+        self._emit(DeviceNoted(self._controller.tick, "fault", text))
+
     def _channel(self, item: ChannelEvent) -> None:
+        for event in self._faulty.incoming(item):
+            self._hand(event)
+
+    def _hand(self, item: ChannelEvent) -> None:
         if not self._tasks.channel_event(item):
             self._host.channel_event(item)
 
@@ -268,6 +303,7 @@ HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
     VariablesArrived: Kernel._arrived,
     ShowPopup: Kernel._show_popup,
     ClosePopup: Kernel._close_popup,
+    AddFault: Kernel._add_fault,
     AddLog: Kernel._add_log,
     SetRemote: Kernel._set_remote,
     Reboot: Kernel._reboot,

@@ -26,6 +26,7 @@ from elitescript.errors import UsageError
 from elitescript.messages import machine, motion, outputs, snapshot, state, yielding
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
+from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import ChannelRequest
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.shapes import (
@@ -58,6 +59,7 @@ REGISTRY: Final[tuple[type, ...]] = (
     *get_args(motion.TrackRequest),
     *get_args(yielding.YieldRequest),
     motion.MicroLine,
+    LineSettings,
     outputs.Output,
     outputs.Reply,
     snapshot.RobotDescription,
@@ -82,6 +84,10 @@ _BOUNDS: Final[dict[tuple[str, str], tuple[int, int]]] = {
     ("RobotState", "node"): (INT32_LOW, INT32_HIGH),
     ("LineMarked", "number"): (INT32_LOW, INT32_HIGH),
     ("OpenChannel", "port"): (0, 65535),
+    ("LineSettings", "baud"): (1, 10_000_000),
+    ("LineSettings", "parity"): (0, 2),
+    ("LineSettings", "stop_bits"): (1, 2),
+    ("LineSettings", "size"): (5, 8),
     ("RobotDescription", "type_id"): (0, INT32_HIGH),
     ("RobotDescription", "firmware"): (0, INT32_HIGH),
     ("RobotDescription", "safety_checksum"): (0, 2**32 - 1),

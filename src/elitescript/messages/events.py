@@ -63,6 +63,16 @@ class Warned:
 
 
 @dataclass(frozen=True, slots=True)
+class DeviceNoted:
+    """A virtual device beside the robot has something to say."""
+
+    tick: int
+    device: str
+    text: str
+    is_warning: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Alarm:
     """An error that stopped the program."""
 
@@ -182,6 +192,7 @@ Event = (
     | Printed
     | Popup
     | Warned
+    | DeviceNoted
     | Alarm
     | SignalChanged
     | MotionStarted

@@ -189,6 +189,15 @@ class ChannelClosed:
     reason: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class AddFault:
+    """Something goes wrong on channels from now on, or nothing any more; see `worlds.virtual.faults`."""
+
+    origin: str
+    text: str
+    """The fault as `fault_text` writes it; empty to end all faults."""
+
+
 ChannelEvent = ChannelOpened | ChannelData | ChannelCredit | ChannelClosed
 
 Input = (
@@ -212,4 +221,5 @@ Input = (
     | ChannelData
     | ChannelCredit
     | ChannelClosed
+    | AddFault
 )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from elitescript.messages.events import Event
+from elitescript.messages.line import LineSettings
 from elitescript.messages.snapshot import Snapshot
 
 CHANNEL_WINDOW: Final = 65_536
@@ -26,6 +27,20 @@ class OpenChannel:
     address: str
     port: int
     timeout_s: float
+
+
+NOT_CONNECTED: Final = "nothing is connected"
+"""Reason of a `ChannelOpened` for a serial port that is bound to nothing: it opens all the same, and is silent."""
+
+
+@dataclass(frozen=True, slots=True)
+class OpenLine:
+    """Open a serial line; the answer is `ChannelOpened`. A line that is open already is closed before."""
+
+    channel: int
+    device: str
+    """`tool`, or the device of the control box, such as `/dev/ttymxc0`."""
+    settings: LineSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +66,7 @@ class CreditChannel:
     size: int
 
 
-ChannelRequest = OpenChannel | SendChannel | CloseChannel | CreditChannel
+ChannelRequest = OpenChannel | OpenLine | SendChannel | CloseChannel | CreditChannel
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,8 @@ from elitescript.errors import ScriptStateError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
-from elitescript.runtime.alarms import summary_of
+from elitescript.runtime.alarms import abandoned, summary_of
+from elitescript.runtime.background import Background
 from elitescript.runtime.context import POPUP
 from elitescript.runtime.interpreter import Interpreter
 from elitescript.runtime.program import Program
@@ -29,11 +30,14 @@ from elitescript.runtime.world import NoWorld, World
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
-    from elitescript.runtime.sockets import Connection
+    from elitescript.runtime.connection import Receiver
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
 STOPPED: Final = "stopped"
+
+RPC_TIMEOUT_S: Final = 60.0
+"""How long a remote procedure call waits for its answer (*assumed*)."""
 
 SECONDARY_WARNING: Final = "[SEC] Exception: "
 
@@ -50,15 +54,18 @@ class ScriptHost:
         confirms_popups: whether a popup that blocks is confirmed at once, because nobody is there to press its
             button; if not, `confirm_popup` does it.
         work_per_tick: checkpoints that a thread may pass in one tick.
+        rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         is_rtsi_input: whether clients can send an input of that name.
 
     Attributes:
         result: how the last program ended; empty while one runs and before the first.
         alarm: what ended it, if an alarm did.
+        background: what goes on whether a program runs or not.
         interpreter: statements of interpreter mode.
         movers: which strands wait for which move.
         abortable: those of these moves that `abort_move` ends.
-        connections: every open TCP connection by its channel.
+        rpc_timeout_s: see above.
+        connections: who listens to each open channel.
         watchdogs: RTSI inputs that the program watches.
     """
 
@@ -77,10 +84,12 @@ class ScriptHost:
         "_world",
         "abortable",
         "alarm",
+        "background",
         "connections",
         "interpreter",
         "movers",
         "result",
+        "rpc_timeout_s",
         "watchdogs",
     )
 
@@ -94,6 +103,7 @@ class ScriptHost:
         on_end: Callable[[str], None] = lambda state: None,
         confirms_popups: bool = True,
         work_per_tick: int = WORK_PER_TICK,
+        rpc_timeout_s: float = RPC_TIMEOUT_S,
         is_rtsi_input: Callable[[str], bool] = lambda name: True,
     ) -> None:
         self._machine = machine
@@ -112,9 +122,11 @@ class ScriptHost:
         self._queries = Queries(self._scheduler, self._namespace, self._spawn)
         self.interpreter = Interpreter(self._scheduler, profile.interpreter_queue_limit)
         self.watchdogs = Watchdogs(machine, is_rtsi_input)
+        self.rpc_timeout_s = rpc_timeout_s
         self.movers: dict[int, list[Strand]] = {}
         self.abortable: set[int] = set()
-        self.connections: dict[int, Connection] = {}
+        self.connections: dict[int, Receiver] = {}
+        self.background = Background(machine, self._scheduler, self.connections)
         self.result = ""
         self.alarm: Alarm | None = None
 
@@ -262,6 +274,7 @@ class ScriptHost:
         """Run every thread that is due, until each waits or has used up its work of this tick."""
         scheduler = self._scheduler
         scheduler.begin_tick(tick)
+        self.background.run_tick(tick, is_running=self.is_running)
         if not self.is_paused:
             self.watchdogs.look(tick)
         try:
@@ -281,7 +294,9 @@ class ScriptHost:
         due_secondary = self._secondaries.next_tick(tick)
         due_query = self._queries.next_tick(tick)
         due_watch = None if self.is_paused else self.watchdogs.next_tick()
-        return min((at for at in (due, due_secondary, due_query, due_watch) if at is not None), default=None)
+        due_outside = self.background.next_tick(tick, is_running=self.is_running)
+        dues = due, due_secondary, due_query, due_watch, due_outside
+        return min((at for at in dues if at is not None), default=None)
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
         """A move is over; the threads that wait for it go on at the next `run_tick`."""
@@ -290,8 +305,7 @@ class ScriptHost:
 
     def channel_event(self, event: ChannelEvent) -> None:
         """Something has happened on a channel; the threads that wait for it go on at the next `run_tick`."""
-        connection = self.connections.get(event.channel)
-        if connection is not None:
+        if (connection := self.connections.get(event.channel)) is not None:
             connection.take(event)
 
     def _settle(self) -> bool:
@@ -364,17 +378,7 @@ class ScriptHost:
             self._queries.ended(strand)
 
     def _strand_abandoned(self, strand: Strand) -> None:
-        self._machine.emit(
-            Alarm(
-                self._machine.tick,
-                "R131",
-                "RuntimeError",
-                f"thread {strand.name!r} does not let itself be stopped; it is given up where it stands",
-                strand.line,
-                0,
-                strand.name,
-            )
-        )
+        self._machine.emit(abandoned(strand, self._machine.tick))
 
     def _failed(self, error: BaseException, program: Program) -> None:
         """An exception left a strand. What a stopped one raises on its way out is lost with it."""

@@ -208,7 +208,7 @@ class Program:
     def close(self) -> None:
         """Let go of what the program holds; its globals stay readable."""
         self.context.flush()
-        self.context.close_sockets()
+        self.context.close_connections()
         self._files.close()
         self._identities.clear()
 

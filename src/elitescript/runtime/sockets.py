@@ -1,8 +1,7 @@
 """The TCP connections of a program: by name, shared by all of its threads, in virtual time.
 
 A connection stands in a dict that the host shares among programs, by the number of its channel; the host hands it what
-arrives. What has arrived waits here until a thread reads it. No more than `CHANNEL_WINDOW` bytes do: the peer may send
-more when they are read.
+arrives.
 """
 
 from __future__ import annotations
@@ -12,9 +11,9 @@ from typing import Any, Final
 
 from elitescript.commands.context import Rule
 from elitescript.errors import ScriptStateError
-from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW
-from elitescript.messages.timing import TICKS_PER_S, seconds, ticks_for
+from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.runtime.connection import Connection, Receiver
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
 from elitescript.runtime.world import Channels
@@ -25,149 +24,7 @@ CONNECT_TICKS: Final = 2 * TICKS_PER_S
 CONNECTIONS_MAX: Final = 64
 """Names that one program may have in use (*assumed*)."""
 
-_OPENING: Final = "opening"
-_OPEN: Final = "open"
-_CLOSED: Final = "closed"
-
-_CREDIT_SIZE: Final = CHANNEL_WINDOW // 4
-"""Bytes read after which the peer hears of it."""
-
 NO_NETWORK: Final = "this run has no network"
-
-
-class Connection:
-    """One connection.
-
-    Args:
-        channel: its number.
-        channels: carry the bytes.
-        scheduler: of the threads that wait for it.
-
-    Attributes:
-        reason: why it is closed; empty if the peer or the program did it.
-        received: what has arrived and is not read.
-    """
-
-    __slots__ = (
-        "_channels",
-        "_outgoing",
-        "_room",
-        "_scheduler",
-        "_state",
-        "_taken",
-        "_waiting",
-        "channel",
-        "queued",
-        "reason",
-        "received",
-        "sent",
-    )
-
-    def __init__(self, channel: int, channels: Channels, scheduler: Scheduler) -> None:
-        self.channel = channel
-        self.reason = ""
-        self.received = bytearray()
-        self.queued = 0
-        """Bytes that the program has sent so far."""
-        self.sent = 0
-        """How many of them are handed over."""
-        self._channels = channels
-        self._scheduler = scheduler
-        self._state = _OPENING
-        self._outgoing = bytearray()
-        self._room = CHANNEL_WINDOW
-        self._taken = 0
-        self._waiting: list[Strand] = []
-
-    @property
-    def is_opening(self) -> bool:
-        """Whether the attempt to connect is under way."""
-        return self._state is _OPENING
-
-    @property
-    def is_open(self) -> bool:
-        """Whether bytes can come and go."""
-        return self._state is _OPEN
-
-    @property
-    def is_closed(self) -> bool:
-        """Whether it is over; what arrived before can still be read."""
-        return self._state is _CLOSED
-
-    # ---------------------------------------------------------------- what arrives
-
-    def take(self, event: ChannelEvent) -> None:
-        """Take note of what has happened on the channel, and let the threads that wait for it look."""
-        if isinstance(event, ChannelData):
-            if len(self.received) + len(event.data) + self._taken > CHANNEL_WINDOW:
-                self._channels.close(self.channel)
-                self._end(f"the peer sent more than {CHANNEL_WINDOW} bytes that nobody has read")
-            else:
-                self.received += event.data
-        elif isinstance(event, ChannelCredit):
-            self._room += event.size
-            self._push()
-        elif isinstance(event, ChannelOpened) and event.is_open:
-            self._state = _OPEN
-        elif isinstance(event, ChannelOpened | ChannelClosed):
-            self._end(event.reason)
-        self._wake()
-
-    def wait(self, reason: str, until: int | None) -> bool:
-        """Let the calling thread wait until something happens here, or until a tick; whether something did.
-
-        Raises:
-            Stopped: the thread was stopped.
-        """
-        strand = self._scheduler.current
-        assert strand is not None
-        self._waiting.append(strand)
-        try:
-            return self._scheduler.wait(reason, until)
-        finally:
-            self._waiting.remove(strand)
-
-    def _wake(self) -> None:
-        for strand in self._waiting:
-            self._scheduler.wake(strand)
-
-    # ---------------------------------------------------------------- what the program does
-
-    def drop(self, size: int) -> None:
-        """Forget bytes that are read; the peer may send as many more."""
-        del self.received[:size]
-        self._taken += size
-        if self._taken >= _CREDIT_SIZE and self.is_open:
-            self._channels.credit(self.channel, self._taken)
-            self._taken = 0
-
-    def send(self, data: bytes) -> None:
-        """Queue bytes for the peer and hand over as many as there is room for."""
-        self._outgoing += data
-        self.queued += len(data)
-        self._push()
-
-    def _push(self) -> None:
-        size = min(self._room, len(self._outgoing))
-        if size:
-            self._channels.send(self.channel, bytes(self._outgoing[:size]))
-            del self._outgoing[:size]
-            self._room -= size
-            self.sent += size
-
-    def close(self, reason: str = "") -> None:
-        """Close it from this side, whatever is under way."""
-        if self._state is not _CLOSED:
-            if self._outgoing:
-                self._channels.send(self.channel, bytes(self._outgoing))
-            self._channels.close(self.channel)
-            self._end(reason)
-            self._wake()
-
-    def _end(self, reason: str) -> None:
-        self._state = _CLOSED
-        self.reason = reason
-        self._outgoing.clear()
 
 
 class Sockets:
@@ -186,7 +43,7 @@ class Sockets:
         self,
         channels: Channels,
         scheduler: Scheduler,
-        connections: dict[int, Connection],
+        connections: dict[int, Receiver],
         warn_once: Callable[[str, str], None],
     ) -> None:
         self._channels = channels
@@ -296,26 +153,12 @@ class Sockets:
             Stopped: the thread was stopped.
         """
         connection = self._by_name.get(name)
-        strand = self._caller
         reason = f"data on socket {name!r}"
-        until = self._scheduler.now + max(1, ticks_for(timeout_s)) if timeout_s > 0.0 else None
-        is_last = strand.is_secondary
-        while connection is not None:
-            value, used = rule(connection.received, is_last)
-            connection.drop(used)
-            if value is not None:
-                return value
-            if not connection.is_open:
-                break
-            if used == 0:
-                is_last = not connection.wait(reason, until)
-        if not strand.is_secondary:
+        if connection is not None and (value := connection.read(rule, reason, timeout_s)) is not None:
+            return value
+        if not self._caller.is_secondary:
             self._scheduler.wait(reason, self._scheduler.now + 1)
-        if connection is None:
-            return rule(bytearray(), True)[0]
-        value, used = rule(connection.received, True)
-        connection.drop(used)
-        return value
+        return rule(bytearray(), True)[0] if connection is None else connection.rest(rule)
 
     @property
     def _caller(self) -> Strand:

@@ -17,6 +17,7 @@ from elitescript.errors import ArgumentTypeError, ScriptPermissionError
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
+    from elitescript.messages.line import LineSettings
 
 TASK_PATH: Final = "/task/"
 """The task folder as scripts see it; ends in `/` because programs append names to it (*assumed*)."""
@@ -60,7 +61,7 @@ class Files(Protocol):
 
 
 class Channels(Protocol):
-    """Connections to TCP servers, by number.
+    """Connections to TCP servers, and serial lines, by number.
 
     Nothing here waits: what comes of a request arrives as an event at a later tick. At most `CHANNEL_WINDOW` bytes are
     on their way in each direction; see `messages.outputs`.
@@ -72,6 +73,14 @@ class Channels(Protocol):
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
         """Try to connect; return the channel, or 0 if there is nothing to connect to. Ends in `ChannelOpened`."""
+
+    def open_line(self, device: str, settings: LineSettings) -> int:
+        """Open a serial line; return the channel, or 0 if there are no lines. Ends in `ChannelOpened`.
+
+        Args:
+            device: `tool`, or the device of the control box, such as `/dev/ttymxc0`.
+            settings: of the line.
+        """
 
     def send(self, channel: int, data: bytes) -> None:
         """Send bytes; `ChannelCredit` tells when they have left."""
@@ -98,7 +107,7 @@ class World(Protocol):
 
     @property
     def channels(self) -> Channels:
-        """Connections to TCP servers."""
+        """Connections to TCP servers, and serial lines."""
 
 
 class FilesRefused:
@@ -144,6 +153,10 @@ class NoChannels:
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
         """There is nothing to connect to."""
+        return 0
+
+    def open_line(self, device: str, settings: LineSettings) -> int:
+        """There is no line."""
         return 0
 
     def send(self, channel: int, data: bytes) -> None:

@@ -1,4 +1,4 @@
-"""The outgoing TCP connections of a robot's programs.
+"""The outgoing TCP connections of a robot's programs, and their serial lines.
 
 The robot asks by channel requests and hears by channel events; it never has a socket. Everything is bounded: channels,
 attempts to connect, and the bytes that are on their way in either direction (`messages.outputs.CHANNEL_WINDOW`). A
@@ -13,19 +13,25 @@ from __future__ import annotations
 import asyncio
 import socket
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from os import strerror
+from re import search
 from typing import Any, Final
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import (
     CHANNEL_WINDOW,
+    NOT_CONNECTED,
     ChannelRequest,
     CloseChannel,
     CreditChannel,
     OpenChannel,
+    OpenLine,
     SendChannel,
 )
 from elitescript.services.liveness import watch_peer
+from elitescript.services.serial_ports import SerialPorts
+from elitescript.worlds.line_bindings import bridge_address
 
 CHANNELS_MAX: Final = 64
 LEAVING_MAX: Final = 64
@@ -34,6 +40,8 @@ READ_BYTES: Final = 16 * 1024
 UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
 """Bytes that may wait for a peer; who keeps to the window stays below it."""
 TIMEOUT_MAX_S: Final = 60.0
+LINE_TIMEOUT_S: Final = 2.0
+"""How long a connection may take that stands for a serial line."""
 LINGER_S: Final = 5.0
 """How long a connection that is closed has to get rid of what was sent before."""
 
@@ -45,15 +53,18 @@ class Broker:
 
     Args:
         post: takes what the robot is to hear.
+        lines: what is on the robot's serial ports, by device; see `worlds.line_bindings`.
     """
 
-    __slots__ = ("_attempts", "_channels", "_leaving", "_post")
+    __slots__ = ("_attempts", "_channels", "_leaving", "_lines", "_ports", "_post")
 
-    def __init__(self, post: Post) -> None:
+    def __init__(self, post: Post, lines: Mapping[str, str] | None = None) -> None:
         self._post = post
         self._channels: dict[int, _Channel] = {}
         self._attempts: dict[int, asyncio.Task[None]] = {}
         self._leaving: deque[_Channel] = deque()
+        self._lines = dict(lines or {})
+        self._ports = SerialPorts(post)
 
     @property
     def count(self) -> int:
@@ -66,6 +77,12 @@ class Broker:
             match request:
                 case OpenChannel():
                     self._open(request)
+                case OpenLine():
+                    self._open_line(request)
+                case SendChannel(number, data) if number in self._ports:
+                    self._ports.send(number, data)
+                case CreditChannel(number, size) if number in self._ports:
+                    self._ports.credit(number, size)
                 case SendChannel(number, data):
                     self._send(number, data)
                 case CreditChannel(number, size):
@@ -85,6 +102,7 @@ class Broker:
         for channel in self._leaving:
             channel.drop()
         self._leaving.clear()
+        self._ports.close_all()
 
     def _open(self, request: OpenChannel) -> None:
         why = ""
@@ -98,6 +116,21 @@ class Broker:
             self._post([ChannelOpened(request.channel, False, why)])
             return
         self._attempts[request.channel] = asyncio.get_running_loop().create_task(self._connect(request))
+
+    def _open_line(self, request: OpenLine) -> None:
+        """Open what is bound to a serial port. Another channel of the same port is closed already, by the robot."""
+        number, target = request.channel, self._lines.get(request.device)
+        if target is None:
+            self._post([ChannelOpened(number, False, NOT_CONNECTED)])
+            return
+        if number in self._channels or number in self._attempts or number in self._ports:
+            self._post([ChannelOpened(number, False, f"channel {number} is in use")])
+            return
+        address = bridge_address(target)
+        if address is None:
+            self._ports.open(number, target, request.settings)
+        else:
+            self._open(OpenChannel(number, "tcp", *address, LINE_TIMEOUT_S))
 
     async def _connect(self, request: OpenChannel) -> None:
         number = request.channel
@@ -129,6 +162,7 @@ class Broker:
             self._post([ChannelClosed(number, f"{UNSENT_MAX} bytes wait for a peer that does not read")])
 
     def _close(self, number: int) -> None:
+        self._ports.close(number)
         if (task := self._attempts.pop(number, None)) is not None:
             task.cancel()
         self._part(number)
@@ -270,5 +304,11 @@ class _Channel(asyncio.BufferedProtocol):
 
 
 def reason_of(error: BaseException) -> str:
-    """Why a connection failed, in a few words."""
+    """Why a connection failed, in a few words: those of the operating system, where it has any."""
+    number = getattr(error, "errno", None)
+    if number is None and (found := search(r"\[Errno (\d+)\]", str(error))):
+        # Of several addresses each has failed; programs hear of the first.
+        number = int(found[1])
+    if number is not None and number > 0:
+        return strerror(number).lower()
     return str(getattr(error, "strerror", None) or str(error) or type(error).__name__)

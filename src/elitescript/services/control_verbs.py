@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 
 from elitescript.controller.signal_view import signal_write
 from elitescript.errors import UsageError
-from elitescript.messages.inputs import Do, Input, PlayTask
+from elitescript.messages.inputs import AddFault, Do, Input, PlayTask
 from elitescript.messages.machine import (
     AskSafety,
     MachineRequest,
@@ -183,6 +183,28 @@ def _popup(request: Request) -> Order:
     return _dashboard_order("popup -c", request)
 
 
+def _disturb(request: Request) -> Order:
+    """`disturb KIND on=PLACE NAME=VALUE...`, or `disturb end`."""
+    from ast import literal_eval
+
+    from elitescript.worlds.virtual.faults import fault_from, fault_text
+
+    kind, *words = request.arguments
+    if kind == "end" and not words:
+        return Order((AddFault(request.origin, ""),), "nothing goes wrong any more", failure="disturb")
+    settings: dict[str, Any] = {"kind": kind}
+    for word in words:
+        name, equals, text = word.partition("=")
+        if not equals:
+            raise UsageError(f"disturb takes KIND on=PLACE NAME=VALUE..., not {word!r}")
+        try:
+            settings[name] = literal_eval(text)
+        except (ValueError, SyntaxError):
+            settings[name] = text
+    fault = fault_from(settings)
+    return Order((AddFault(request.origin, fault_text(fault)),), str(fault), failure="disturb")
+
+
 def _control(word: str) -> Callable[[Request], Order]:
     return lambda request: _dashboard_order(f"remoteControl -{word}", request)
 
@@ -239,6 +261,7 @@ _ROWS: Final = (
     Verb("unlock", "", "End a protective stop.", _safety("unlock_protective_stop", "protective stop unlocked")),
     Verb("violation", "[REASON]", "Break a safety limit.", _safety("violate", "safety violation")),
     Verb("fault", "[REASON]", "Have the safety system fail.", _safety("fail", "safety fault")),
+    Verb("disturb", "KIND on=PLACE...|end", "Let something go wrong on a connection or serial line.", _disturb),
     Verb(
         "restart",
         "",

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from elitescript.messages.inputs import ChannelClosed, Input
-from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChannel
+from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChannel, OpenLine
 from elitescript.services.inbox import CHANNEL_EVENTS, WORK_NS, price_ns
 
 HELD_MAX: Final = 50_000
@@ -66,7 +66,7 @@ class HeldInputs:
     def note(self, requests: Iterable[ChannelRequest]) -> None:
         """The child opens and closes connections."""
         for request in requests:
-            if isinstance(request, OpenChannel):
+            if isinstance(request, OpenChannel | OpenLine):
                 self._channels.add(request.channel)
             elif isinstance(request, CloseChannel):
                 self._channels.discard(request.channel)

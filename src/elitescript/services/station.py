@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 from operator import attrgetter
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
@@ -21,16 +21,24 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
+from elitescript.services.binding import bind_one
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.inbox import WAITING_MAX, Inbox
-from elitescript.services.listener import Listener, bind
+from elitescript.services.listener import Listener
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.shares import Shares
-from elitescript.services.table import PORTS_PER_INSTANCE, services_of
+from elitescript.services.state_keeper import StateKeeper
+from elitescript.services.table import services_of
+
+if TYPE_CHECKING:
+    from elitescript.services.served_world import ServedWorld
+    from elitescript.worlds.virtual.world import World
 
 RTSI: Final = "rtsi"
+DEVICE: Final = "device"
+"""Kind of the notes that are words of virtual devices."""
 PENDING_MAX: Final = 10_000
 """Inputs that may wait while time stands still."""
 REPORT_TICKS: Final = 10 * TICKS_PER_S
@@ -66,6 +74,9 @@ class Station:
         link: the way to the robot.
         is_lockstep: time waits for RTSI clients; see `services.lockstep`.
         listen: hears every event of the robot and every note; must not block.
+        lines: what is on the robot's serial ports; see `worlds.line_bindings`.
+        world: virtual devices beside the robot.
+        keeper: remembers what the robot keeps; nobody does if None.
     """
 
     __slots__ = (
@@ -78,12 +89,14 @@ class Station:
         "_inbox",
         "_is_lockstep",
         "_is_standing",
+        "_keeper",
         "_listen",
         "_news",
         "_overruns_before",
         "_relief",
         "_stepped",
         "_task",
+        "_world",
         "broker",
         "link",
         "listeners",
@@ -93,12 +106,22 @@ class Station:
         "waits_for",
     )
 
-    def __init__(self, name: str, link: RobotLink, listen: Listen, *, is_lockstep: bool = False) -> None:
+    def __init__(
+        self,
+        name: str,
+        link: RobotLink,
+        listen: Listen,
+        *,
+        is_lockstep: bool = False,
+        lines: Mapping[str, str] | None = None,
+        world: World | None = None,
+        keeper: StateKeeper | None = None,
+    ) -> None:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
         self._by_urgency: list[Listener] = []
-        self.broker = Broker(self.post)
+        self.broker = Broker(self.post, lines)
         self.output: Output
         self.shares = Shares()
         self.waits_for = ""
@@ -106,6 +129,9 @@ class Station:
         self._listen = listen
         self._is_lockstep = is_lockstep
         self._is_standing = False
+        self._keeper = keeper
+        if keeper is not None:
+            keeper.tell = lambda text: self.note("state", text, is_problem=True)
         self._overruns_before = 0
         self._failure: Exception | None = None
         # Time that waits for clients waits for what they ask, too.
@@ -121,6 +147,11 @@ class Station:
         self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
+        self._world: ServedWorld | None = None
+        if world is not None:
+            from elitescript.services.served_world import beside
+
+            self._world = beside(self, world)
 
     # ---------------------------------------------------------------- what clients call
 
@@ -184,21 +215,25 @@ class Station:
 
     # ---------------------------------------------------------------- life
 
-    def bind(self, host: str, numbers: Mapping[str, int]) -> None:
+    def bind(self, host: str, numbers: Mapping[str, int], spares: Mapping[str, int] | None = None) -> None:
         """Take all ports, or none; clients that connect wait until `open`.
 
         The robot's link must be open.
+
+        Args:
+            host: address to listen at.
+            numbers: of every service.
+            spares: what to take instead of a number that this user may not have.
 
         Raises:
             UsageError: a port cannot be had.
         """
         try:
             for service in services_of(self.link.description.firmware):
-                number = numbers[service.name]
-                try:
-                    bound = bind(host, number)
-                except OSError as error:
-                    raise UsageError(_why_not(service.name, host, number, error)) from error
+                name = service.name
+                bound, spare = bind_one(name, host, numbers[name], (spares or {}).get(name))
+                if spare:
+                    self.note("spare_port", spare, is_problem=True, port=name, number=bound.getsockname()[1])
                 connect = service.open(self.link.description)
                 self.listeners[service.name] = Listener(service, self, connect, bound)
             self._by_urgency = sorted(self.listeners.values(), key=lambda listener: listener.service.name != RTSI)
@@ -212,7 +247,9 @@ class Station:
         """Bring the robot up, with one tick, so that there is something to show."""
         await self.link.open()
         self.output = await self.link.tick(())
-        self.broker.carry_out(self.output.requests)
+        if self._world is not None:
+            self._world.begin(self.output)
+        self._carry_out(self.output)
 
     async def open(self) -> None:
         """Accept clients, and let time pass from now on."""
@@ -240,12 +277,16 @@ class Station:
             self._relief.cancel()
         for listener in self.listeners.values():
             await listener.close()
+        if self._world is not None:
+            self._world.close_all()
         self.broker.close_all()
         for waiter in (*self._stepped, *self._answered):
             waiter.cancel()
         if self._cycle is not None:
             self._cycle.close()
         await self.link.close()
+        if self._keeper is not None:
+            await self._keeper.close()
 
     # ---------------------------------------------------------------- time
 
@@ -323,7 +364,8 @@ class Station:
         self._comers.clear()
         if self._inbox.refused:
             self._tell_refused()
-        return self._inbox.take(self.link.room)
+        inputs = self._inbox.take(self.link.room)
+        return inputs if self._world is None else inputs + self._world.inputs(self.output.tick + 1)
 
     def _tell_refused(self) -> None:
         count, self._inbox.refused = self._inbox.refused, 0
@@ -336,8 +378,10 @@ class Station:
         for listener in self._by_urgency:
             if listener.clients:
                 listener.publish(output)
-        self.broker.carry_out(output.requests)
+        self._carry_out(output)
         self._hear(output)
+        if self._keeper is not None:
+            self._keeper.take(output.snapshot.signals)
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
         self._begin_reading()
@@ -345,6 +389,10 @@ class Station:
             if not waiter.done():
                 waiter.set_result(output)
         self._answered.clear()
+
+    def _carry_out(self, output: Output) -> None:
+        """Do what programs ask of their connections; virtual devices see the tick."""
+        self.broker.carry_out(output.requests if self._world is None else self._world.take(output))
 
     def _begin_reading(self) -> None:
         """Everybody has got the tick; now there is time for what clients send."""
@@ -368,18 +416,3 @@ def _counted(snapshot: Snapshot, overruns: int) -> Snapshot:
     """A snapshot with that many overruns. `dataclasses.replace` takes some times as long."""
     fields: tuple[Any, ...] = (*_ALL_BUT_OVERRUNS(snapshot), overruns)
     return Snapshot(*fields)
-
-
-def _why_not(name: str, host: str, number: int, error: OSError) -> str:
-    import errno
-
-    if error.errno == errno.EADDRINUSE:
-        return (
-            f"port {number} ({name}) is in use: another controller or `elitescript serve` has it. Stop that one, move "
-            f"all ports by {PORTS_PER_INSTANCE} with --instance 1, or this one with --port {name}=NUMBER (0: any free)"
-        )
-    if error.errno == errno.EACCES:
-        return f"port {number} ({name}) may not be had by this user: choose one above 1023 with --port {name}=NUMBER"
-    if error.errno == errno.EADDRNOTAVAIL:
-        return f"--host {host}: this computer does not have that address"
-    return f"port {number} ({name}) at {host}: {error.strerror or error}"

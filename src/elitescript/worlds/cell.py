@@ -1,8 +1,9 @@
-"""The cell around a robot as a TOML file: safety limits, and whatever else a test sets up as a whole.
+"""The world around a robot as a TOML file: safety limits, devices, wires, and whatever else a test sets up as a whole.
 
 `SECTIONS` says who reads which section: a class with `from_table`, which gets the section's table and raises
 `UsageError` for what makes no sense. Its message begins with the place, as `[safety] tcp_speed must be ...`; file and
-line are put before it here. The section `[signals]` holds levels at the start, by the names of `--set`.
+line are put before it here. The section `[signals]` holds levels at the start, by the names of `--set`. What is beside
+the robot, `[[tcp]]`, `[[wire]]` and so on, is read by `virtual.scenario`.
 """
 
 from __future__ import annotations
@@ -10,10 +11,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
+
+if TYPE_CHECKING:
+    from elitescript.worlds.virtual.world import World
 
 SECTIONS: Final[dict[str, str]] = {
     "safety": "elitescript.controller.safety_limits:SafetyLimits",
@@ -24,20 +28,25 @@ SECTIONS: Final[dict[str, str]] = {
 
 SIGNALS_SECTION: Final = "signals"
 
+WORLD_SECTIONS: Final = ("world", "tcp", "rpc", "modbus", "serial", "device", "wire", "schedule", "parts", "fault")
+"""Sections of what is beside the robot; all but `[world]` are lists of tables."""
+
 
 class Cell:
-    """What a cell file says.
+    """What a world file says.
 
     Attributes:
         configurations: by section, what its owner made of it; sections that are not in the file are missing.
         signals: levels at the start.
+        world: what is beside the robot; None if nothing is.
     """
 
-    __slots__ = ("configurations", "signals")
+    __slots__ = ("configurations", "signals", "world")
 
     def __init__(self, configurations: dict[str, Any] | None = None, signals: dict[str, Value] | None = None) -> None:
         self.configurations: dict[str, Any] = configurations or {}
         self.signals: dict[str, Value] = signals or {}
+        self.world: World | None = None
 
     def take(self, section: str, given: Any) -> Any:
         """What the caller has given for a section, else what the file says; None if neither does.
@@ -47,12 +56,16 @@ class Cell:
         """
         found = self.configurations.get(section)
         if given is not None and found is not None:
-            raise UsageError(f"{section} is given by the cell file too; give it in one of both")
+            raise UsageError(f"{section} is given by the world file too; give it in one of both")
         return found if given is None else given
 
 
-def load_cell(path: str | Path) -> Cell:
-    """Read a cell file.
+def load_cell(path: str | Path, *, network: str = "") -> Cell:
+    """Read a world file.
+
+    Args:
+        path: of the file.
+        network: where connections lead that no device of it takes, if it does not say so; see `virtual.scenario`.
 
     Raises:
         UsageError: no such file, no TOML, an unknown section or key, or a value that makes no sense; the text names
@@ -65,25 +78,43 @@ def load_cell(path: str | Path) -> Cell:
         text = file.read_text(encoding="utf-8")
         tables = tomllib.loads(text)
     except OSError as error:
-        raise UsageError(f"cell file {file}: {error.strerror or error}") from error
+        raise UsageError(f"world file {file}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
-        raise UsageError(f"cell file {file} is not UTF-8: {error.reason} at byte {error.start}") from error
+        raise UsageError(f"world file {file} is not UTF-8: {error.reason} at byte {error.start}") from error
     except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"cell file {file} is not TOML: {error}") from error
+        raise UsageError(f"world file {file} is not TOML: {error}") from error
     cell = Cell()
+    beside: dict[str, Any] = {}
     for section, table in tables.items():
         try:
-            _read_section(cell, section, table)
+            if section in WORLD_SECTIONS:
+                beside[section] = table
+            else:
+                _read_section(cell, section, table)
         except UsageError as error:
-            line = line_of(text, section, table, str(error))
-            raise UsageError(f"{file}:{line}: {error}" if line else f"{file}: {error}") from error
+            raise _located(file, text, section, table, error) from error
+    if beside:
+        from elitescript.worlds.virtual.scenario import build_world
+
+        try:
+            cell.world = build_world(beside, file.parent, network=network)
+        except UsageError as error:
+            section = _place_in(str(error))[0]
+            raise _located(file, text, section, tables.get(section), error) from error
+        cell.world.cell = cell
     return cell
+
+
+def _located(file: Path, text: str, section: str, table: object, error: UsageError) -> UsageError:
+    line = line_of(text, section, table, str(error))
+    return UsageError(f"{file}:{line}: {error}" if line else f"{file}: {error}")
 
 
 def _read_section(cell: Cell, section: str, table: object) -> None:
     if section != SIGNALS_SECTION and section not in SECTIONS:
-        known = ", ".join(f"[{name}]" for name in (*SECTIONS, SIGNALS_SECTION))
-        raise UsageError(f"[{section}] is not known; there are {known}")
+        known = [f"[{name}]" for name in (*SECTIONS, SIGNALS_SECTION, WORLD_SECTIONS[0])]
+        known += [f"[[{name}]]" for name in WORLD_SECTIONS[1:]]
+        raise UsageError(f"[{section}] is not known; there are {', '.join(known)}")
     if not isinstance(table, Mapping):
         raise UsageError(f"[{section}] must be a table: write [{section}] on a line of its own, its keys below")
     if section == SIGNALS_SECTION:

@@ -32,9 +32,9 @@ class MemoryWorld:
     def __init__(self, files: Mapping[str, bytes] | None = None, channels: Channels | None = None) -> None:
         self.files = MemoryFiles(files or {})
         if channels is None:
-            from elitescript.worlds.memory_channels import MemoryChannels
+            from elitescript.worlds.virtual.network import VirtualNetwork
 
-            channels = MemoryChannels()
+            channels = VirtualNetwork()
         self.channels = channels
 
 

@@ -1,11 +1,11 @@
-"""TCP connections of this computer, looked at between two ticks.
+"""TCP connections and serial ports of this computer, looked at between two ticks.
 
 While one is open, ticks are held back to the wall clock, so that time-outs and polling mean what they say to the peer.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING
 
@@ -13,17 +13,31 @@ from elitescript.messages.timing import PERIOD_S
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
+    from elitescript.messages.line import LineSettings
+    from elitescript.worlds.serial_channel import SerialChannel
     from elitescript.worlds.tcp_channel import TcpChannel
 
 
 class RealChannels:
-    """Implements `runtime.world.Channels` with the network of this computer."""
+    """Implements `runtime.world.Channels` with the network and the serial ports of this computer.
 
-    __slots__ = ("_first_tick", "_last", "_open", "_start_s")
+    Args:
+        lines: what is on the robot's serial ports; see `line_bindings`.
 
-    def __init__(self) -> None:
+    Raises:
+        UsageError: a binding that makes no sense.
+    """
+
+    __slots__ = ("_first_tick", "_last", "_lines", "_open", "_start_s")
+
+    def __init__(self, lines: Mapping[str, str] | None = None) -> None:
         self._last = 0
-        self._open: dict[int, TcpChannel] = {}
+        self._lines: Mapping[str, str] = {}
+        if lines:
+            from elitescript.worlds.line_bindings import check_bindings
+
+            self._lines = check_bindings(lines)
+        self._open: dict[int, TcpChannel | SerialChannel] = {}
         self._first_tick = -1
         self._start_s = 0.0
 
@@ -39,6 +53,22 @@ class RealChannels:
 
         self._last += 1
         self._open[self._last] = TcpChannel(self._last, address, port)
+        return self._last
+
+    def open_line(self, device: str, settings: LineSettings) -> int:
+        """Open what is bound to a port; 0 if nothing is."""
+        target = self._lines.get(device)
+        if target is None:
+            return 0
+        from elitescript.worlds.line_bindings import bridge_address
+
+        address = bridge_address(target)
+        if address is not None:
+            return self.open(*address, 0.0)
+        from elitescript.worlds.serial_channel import SerialChannel
+
+        self._last += 1
+        self._open[self._last] = SerialChannel(self._last, target, settings)
         return self._last
 
     def send(self, channel: int, data: bytes) -> None:

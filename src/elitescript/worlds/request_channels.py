@@ -1,4 +1,4 @@
-"""TCP connections that somebody else holds: what programs ask for is collected, the host is told what comes of it."""
+"""Channels that somebody else holds: what programs ask for is collected, the host is told what comes of it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,16 @@ from collections.abc import Sequence
 from typing import Final
 
 from elitescript.messages.inputs import ChannelEvent
-from elitescript.messages.outputs import ChannelRequest, CloseChannel, CreditChannel, OpenChannel, SendChannel
-from elitescript.runtime.world import Files
+from elitescript.messages.line import LineSettings
+from elitescript.messages.outputs import (
+    ChannelRequest,
+    CloseChannel,
+    CreditChannel,
+    OpenChannel,
+    OpenLine,
+    SendChannel,
+)
+from elitescript.runtime.world import Channels, Files
 
 TCP: Final = "tcp"
 
@@ -25,6 +33,21 @@ class RequestWorld:
     def __init__(self, files: Files) -> None:
         self.files = files
         self.channels = RequestChannels()
+
+
+class FaultyWorld:
+    """A world with another network.
+
+    Args:
+        files: the task folder.
+        channels: the network.
+    """
+
+    __slots__ = ("channels", "files")
+
+    def __init__(self, files: Files, channels: Channels) -> None:
+        self.files = files
+        self.channels = channels
 
 
 class RequestChannels:
@@ -47,6 +70,12 @@ class RequestChannels:
         """Ask for a connection; numbers begin with 1 and do not return."""
         self._last += 1
         self._requests.append(OpenChannel(self._last, TCP, address, port, timeout_s))
+        return self._last
+
+    def open_line(self, device: str, settings: LineSettings) -> int:
+        """Ask for a serial line; it has the next number of a channel."""
+        self._last += 1
+        self._requests.append(OpenLine(self._last, device, settings))
         return self._last
 
     def send(self, channel: int, data: bytes) -> None:

@@ -1,0 +1,23 @@
+"""Settings of a serial line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class LineSettings:
+    """How characters go over a serial line."""
+
+    baud: int
+    """Bits per second."""
+    parity: int
+    """0 none, 1 odd, 2 even."""
+    stop_bits: int
+    size: int
+    """Data bits of a character."""
+
+    @property
+    def character_s(self) -> float:
+        """How long one character takes: start bit, data, parity, stop bits."""
+        return (1 + self.size + (self.parity != 0) + self.stop_bits) / self.baud

@@ -1,0 +1,122 @@
+"""One request to a slave on a serial line, and its answer among all that arrives meanwhile.
+
+A line brings more than answers: noise, what a slave says too late, and with some adapters the bytes that were sent. The
+answer is looked for at every byte, by slave, function, the length that the request implies and checksum, so nothing in
+front of it does harm. Source: MODBUS over Serial Line Specification and Implementation Guide V1.02, chapter 2.5.1.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import Final
+
+from elitescript.modbus.pdu import (
+    EXCEPTION_BIT,
+    READ_COILS,
+    READ_DISCRETE_INPUTS,
+    READ_HOLDING_REGISTERS,
+    READ_INPUT_REGISTERS,
+    WRITE_COIL,
+    WRITE_REGISTER,
+    AnswerError,
+    values_of,
+)
+from elitescript.modbus.rtu_frames import answer_length, crc16, rtu_frame
+
+GAP_CHARACTERS: Final = 3.5
+GAP_MIN_S: Final = 0.00175
+"""Silence before a request: so many characters, but not less than this."""
+
+_EXCEPTION_LENGTH: Final = 5
+_WRITTEN_LENGTH: Final = 8
+_AROUND: Final = 5
+"""Bytes of an answer to a reading function besides the values."""
+
+
+def gap_s(character_s: float) -> float:
+    """How long a line must be silent before a request.
+
+    Args:
+        character_s: time of one character.
+    """
+    return max(GAP_CHARACTERS * character_s, GAP_MIN_S)
+
+
+class RtuExchange:
+    """One request and what comes of it.
+
+    Args:
+        slave: its number, 1 to 247.
+        request: what it is asked, as `pdu` builds it.
+
+    Attributes:
+        frame: the bytes to send.
+        repeats: whether the answer repeats the request, and so looks like an echo of it.
+    """
+
+    __slots__ = ("_length", "_request", "_slave", "frame", "repeats")
+
+    def __init__(self, slave: int, request: bytes) -> None:
+        self._slave = slave
+        self._request = request
+        function = request[0]
+        self.frame = rtu_frame(slave, request)
+        self.repeats = function in (WRITE_COIL, WRITE_REGISTER)
+        count = int.from_bytes(request[3:5], "big")
+        if function in (READ_COILS, READ_DISCRETE_INPUTS):
+            self._length = _AROUND + ceil(count / 8)
+        elif function in (READ_HOLDING_REGISTERS, READ_INPUT_REGISTERS):
+            self._length = _AROUND + 2 * count
+        else:
+            self._length = _WRITTEN_LENGTH
+
+    def echo_end(self, data: bytes | bytearray) -> int:
+        """Where an echo of the request ends; 0 if there is none."""
+        return data.find(self.frame) + len(self.frame) if self.frame in data else 0
+
+    def answer(self, data: bytes | bytearray) -> tuple[int, ...] | None:
+        """What the slave says, if its answer is complete: the values that were read, nothing if it has written.
+
+        Raises:
+            DeviceError: the slave refuses.
+        """
+        for begin in self._begins(data):
+            is_refusal = bool(data[begin + 1] & EXCEPTION_BIT)
+            length = _EXCEPTION_LENGTH if is_refusal else self._length
+            frame = data[begin : begin + length]
+            if _is_sound(frame, length):
+                try:
+                    return values_of(self._request, bytes(frame[1:-2]))
+                except AnswerError:
+                    # Of an earlier request: other values were asked for.
+                    continue
+        return None
+
+    def has_begun(self, data: bytes | bytearray) -> bool:
+        """Whether something in the data looks like the begin of an answer that is not complete, or not sound."""
+        return any(not _is_frame(data, begin) for begin in self._begins(data))
+
+    def _begins(self, data: bytes | bytearray) -> list[int]:
+        """Where the slave's number and the function stand one after the other."""
+        function = self._request[0]
+        heads = (bytes((self._slave, function)), bytes((self._slave, function | EXCEPTION_BIT)))
+        return sorted(begin for head in heads for begin in _finds(data, head))
+
+
+def _is_frame(data: bytes | bytearray, begin: int) -> bool:
+    """Whether a whole answer begins there, of whatever length: to an earlier request, for instance."""
+    length = answer_length(data[begin : begin + 3])
+    return length is not None and _is_sound(data[begin : begin + length], length)
+
+
+def _is_sound(frame: bytes | bytearray, length: int) -> bool:
+    return len(frame) == length and crc16(frame[:-2]) == frame[-2] | frame[-1] << 8
+
+
+def _finds(data: bytes | bytearray, what: bytes) -> list[int]:
+    places = []
+    place = data.find(what)
+    while place >= 0:
+        places.append(place)
+        place = data.find(what, place + 1)
+    return places

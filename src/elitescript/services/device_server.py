@@ -1,0 +1,327 @@
+"""Virtual devices on real ports and lines: `elitescript devices`.
+
+The same devices as beside a virtual robot, in the time of the wall clock: a real robot, or any other program, connects
+to their TCP ports; each serial line is a pseudo-terminal or a serial port of this computer. There is no robot here:
+signals are remembered, so that wires and schedules work, and that is all.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, Final
+
+from elitescript.controller.signal_view import signal_write
+from elitescript.errors import UsageError
+from elitescript.messages.events import DeviceNoted, Event
+from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened, Input
+from elitescript.messages.line import LineSettings
+from elitescript.messages.machine import WriteSignal
+from elitescript.messages.outputs import CHANNEL_WINDOW, Output
+from elitescript.messages.signals import SIGNALS, Value, signal_name
+from elitescript.protocol.connection import Connection
+from elitescript.services.cycle import Cycle
+from elitescript.services.serial_ports import SerialPorts
+from elitescript.worlds.virtual.agenda import DeviceError
+from elitescript.worlds.virtual.network import Endpoint
+from elitescript.worlds.virtual.serial import LineDevice
+from elitescript.worlds.virtual.world import World
+
+USUAL_BAUD: Final = 115_200
+CONNECT_S: Final = 2.0
+
+Say = Callable[[str, bool], None]
+"""Takes a text, and whether it is a problem."""
+
+
+class DeviceServer:
+    """Devices on ports and lines of this computer.
+
+    Args:
+        world: the devices.
+        host: address at which they listen.
+        ports: number of the port of this computer by that of a device; the same if it is not there.
+        lines: serial port of this computer by the name of a line; a pseudo-terminal if it is not there.
+        say: takes what there is to say.
+
+    Attributes:
+        places: what each device is reached by, in words, once `open` has returned.
+    """
+
+    def __init__(self, world: World, host: str, ports: Mapping[int, int], lines: Mapping[str, str], say: Say) -> None:
+        self._world = world
+        self._host = host
+        self._numbers = dict(ports)
+        self._targets = dict(lines)
+        self._say = say
+        self._values: dict[str, Value] = {}
+        self._servers: list[asyncio.Server] = []
+        self._ends: dict[int, _End] = {}
+        self._ports = SerialPorts(self._heard)
+        self._terminals: list[_Terminal] = []
+        self.places: list[str] = []
+        world.on_device_failure = lambda error: say(f"{error}; the device is disconnected", True)
+
+    # ---------------------------------------------------------------- the robot that is not there
+
+    @property
+    def tick(self) -> int:
+        """The time is that of the world itself."""
+        return 0
+
+    def read(self, name: str, index: int) -> Value:
+        """A level that was set before."""
+        row = SIGNALS[name]
+        return self._values.get(signal_name(row, index), row.default)
+
+    def write(self, request: WriteSignal) -> None:
+        """Remember a level."""
+        name = signal_name(SIGNALS[request.name], request.index)
+        if self.read(request.name, request.index) != request.value:
+            self._values[name] = request.value
+            self._world.signal_changed(name, request.value)
+
+    def connect(self, service: str, origin: str) -> Connection:
+        """There is no robot."""
+        raise UsageError(f"service: there is no robot here whose port {service} could be reached")
+
+    def output(self) -> Output:
+        """There is no robot."""
+        raise UsageError("there is no robot here")
+
+    def post(self, inputs: Sequence[Input]) -> None:
+        """There is no robot."""
+
+    def emit(self, event: Event) -> None:
+        """Say what a device says."""
+        if isinstance(event, DeviceNoted):
+            self._say(f"{event.device}: {event.text}", event.is_warning)
+
+    # ---------------------------------------------------------------- life
+
+    async def open(self) -> None:
+        """Take all ports and lines, or none.
+
+        Raises:
+            UsageError: one cannot be had.
+        """
+        network = self._world.network
+        try:
+            for endpoint in network.servers:
+                await self._listen(endpoint)
+            for line in network.lines:
+                self._open_line(line)
+        except BaseException:
+            self.close()
+            raise
+        if self._world.cell is not None:
+            for name, value in self._world.cell.signals.items():
+                self.write(signal_write(name, value))
+        self._world.begin(self)
+
+    async def run(self) -> None:
+        """Let time pass until cancelled."""
+        cycle, tick = Cycle(), 0
+        try:
+            while True:
+                await cycle.next()
+                tick += 1
+                self.step(tick)
+        finally:
+            cycle.close()
+
+    def step(self, tick: int) -> None:
+        """One tick."""
+        try:
+            events = self._world.channels.arrivals(tick)
+            self._world.settle()
+        except DeviceError as error:
+            self._say(str(error), True)
+            return
+        for event in events:
+            end = self._ends.get(event.channel)
+            if end is not None:
+                end.take(event)
+
+    def close(self) -> None:
+        """Give everything back."""
+        for server in self._servers:
+            server.close()
+        for end in list(self._ends.values()):
+            end.drop()
+        for terminal in self._terminals:
+            terminal.close()
+        self._ports.close_all()
+
+    # ---------------------------------------------------------------- TCP
+
+    async def _listen(self, endpoint: Endpoint) -> None:
+        address, port = endpoint if isinstance(endpoint, tuple) else ("", endpoint)
+        number = self._numbers.get(port, port)
+        loop = asyncio.get_running_loop()
+        try:
+            server = await loop.create_server(lambda: _Client(self, address, port), self._host, number)
+        except OSError as error:
+            raise UsageError(
+                f"port {number} at {self._host}: {error.strerror or error}; another one: --port {port}=NUMBER (0: any)"
+            ) from error
+        self._servers.append(server)
+        owner: Any = getattr(self._world.network.servers[endpoint], "__self__", None)
+        self.places.append(f"{getattr(owner, 'title', port)} {server.sockets[0].getsockname()[1]}")
+
+    def admit(self, end: _End, address: str, port: int) -> int:
+        """A client has come."""
+        channel = self._world.channels.open(address, port, CONNECT_S)
+        self._ends[channel] = end
+        return channel
+
+    def send(self, channel: int, data: bytes) -> None:
+        """Something for a device."""
+        self._world.channels.send(channel, data)
+
+    def credit(self, channel: int, size: int) -> None:
+        """What a device sent has left."""
+        self._world.channels.credit(channel, size)
+
+    def forget(self, channel: int) -> None:
+        """A client has gone."""
+        if self._ends.pop(channel, None) is not None:
+            self._world.channels.close(channel)
+
+    # ---------------------------------------------------------------- lines
+
+    def _open_line(self, line: str) -> None:
+        device = getattr(self._world.network.lines[line], "__self__", None)
+        baud = device.baud if isinstance(device, LineDevice) and device.baud else USUAL_BAUD
+        settings = LineSettings(baud, 0, 1, 8)
+        target = self._targets.get(line)
+        channel = self._world.channels.open_line(line, settings)
+        end: _End
+        if target is None:
+            end = _Terminal(self, channel)
+            self._terminals.append(end)
+            target = end.path
+        else:
+            end = _Port(self._ports, channel)
+            self._ports.open(channel, target, settings)
+        self._ends[channel] = end
+        self.places.append(f"{getattr(device, 'title', line)} {target}")
+
+    def _heard(self, inputs: list[Input]) -> None:
+        """Something has happened on a serial port of this computer."""
+        for item in inputs:
+            if isinstance(item, ChannelData):
+                self.send(item.channel, item.data)
+                self._ports.credit(item.channel, len(item.data))
+            elif isinstance(item, ChannelOpened | ChannelClosed) and item.reason:
+                self._say(item.reason, True)
+
+
+class _End:
+    """The other end of a channel: a client, a terminal, a serial port."""
+
+    def take(self, event: ChannelEvent) -> None:
+        """A device has done something."""
+
+    def drop(self) -> None:
+        """Close at once."""
+
+
+class _Client(_End, asyncio.Protocol):
+    """A TCP client of a device."""
+
+    def __init__(self, server: DeviceServer, address: str, port: int) -> None:
+        self._server = server
+        self._place = address, port
+        self._channel = 0
+        self._room = CHANNEL_WINDOW
+        self._transport: asyncio.Transport | None = None
+
+    def connection_made(self, transport: Any) -> None:
+        self._transport = transport
+        transport.pause_reading()
+        self._channel = self._server.admit(self, *self._place)
+
+    def data_received(self, data: bytes) -> None:
+        self._server.send(self._channel, data)
+        self._room -= len(data)
+        if self._room <= 0 and self._transport is not None:
+            self._transport.pause_reading()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._transport = None
+        self._server.forget(self._channel)
+
+    def take(self, event: ChannelEvent) -> None:
+        transport = self._transport
+        if transport is None or transport.is_closing():
+            return
+        match event:
+            case ChannelOpened(_, True, _):
+                transport.resume_reading()
+            case ChannelOpened():
+                transport.abort()
+            case ChannelData(_, data):
+                transport.write(data)
+                self._server.credit(self._channel, len(data))
+            case ChannelCredit(_, size):
+                if self._room <= 0 < self._room + size:
+                    transport.resume_reading()
+                self._room += size
+            case ChannelClosed():
+                transport.close()
+
+    def drop(self) -> None:
+        if self._transport is not None:
+            self._transport.abort()
+
+
+class _Terminal(_End):
+    """A pseudo-terminal: what opens its path talks to the device."""
+
+    def __init__(self, server: DeviceServer, channel: int) -> None:
+        if not hasattr(os, "openpty"):
+            raise UsageError("this system has no pseudo-terminals; name a serial port with --serial LINE=DEVICE")
+        import tty
+
+        self._fd, self._other = os.openpty()
+        tty.setraw(self._other)
+        os.set_blocking(self._fd, False)
+        self.path = os.ttyname(self._other)
+        asyncio.get_running_loop().add_reader(self._fd, partial(self._read, server, channel))
+        self._credit = partial(server.credit, channel)
+
+    def _read(self, server: DeviceServer, channel: int) -> None:
+        try:
+            data = os.read(self._fd, 4096)
+        except OSError:
+            return
+        server.send(channel, data)
+
+    def take(self, event: ChannelEvent) -> None:
+        if isinstance(event, ChannelData):
+            self._credit(len(event.data))
+            try:
+                os.write(self._fd, event.data)
+            except OSError:
+                return  # nobody reads it, as on a real line
+
+    def close(self) -> None:
+        """Give it back."""
+        asyncio.get_running_loop().remove_reader(self._fd)
+        os.close(self._fd)
+        os.close(self._other)
+
+
+class _Port(_End):
+    """A serial port of this computer."""
+
+    def __init__(self, ports: SerialPorts, channel: int) -> None:
+        self._ports = ports
+        self._channel = channel
+
+    def take(self, event: ChannelEvent) -> None:
+        if isinstance(event, ChannelData) and self._channel in self._ports:
+            self._ports.send(self._channel, event.data)

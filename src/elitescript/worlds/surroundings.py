@@ -1,0 +1,79 @@
+"""What a robot asks of the surroundings that live in its time; `worlds.virtual` is made of this."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from elitescript.messages.events import Event
+    from elitescript.messages.inputs import Input
+    from elitescript.messages.machine import WriteSignal
+    from elitescript.messages.outputs import Output
+    from elitescript.messages.signals import Value
+    from elitescript.protocol.connection import Connection
+    from elitescript.runtime.world import Channels
+    from elitescript.worlds.cell import Cell
+
+
+VIRTUAL: Final = "virtual"
+REAL: Final = "real"
+"""Where connections lead that no device takes: nowhere, or into the network of this computer."""
+
+
+class RobotPort(Protocol):
+    """The robot as its surroundings see it."""
+
+    @property
+    def tick(self) -> int:
+        """The present tick."""
+
+    def read(self, name: str, index: int) -> Value:
+        """A point of the signal image."""
+
+    def write(self, request: WriteSignal) -> None:
+        """Set a point; it takes effect in the tick that is about to run."""
+
+    def emit(self, event: Event) -> None:
+        """Add to the record of what happens."""
+
+    def connect(self, service: str, origin: str) -> Connection:
+        """A connection to a port of the robot, as its server sees it.
+
+        Raises:
+            UsageError: there is no such port.
+        """
+
+    def output(self) -> Output:
+        """What the last tick gives to whoever is connected to a port."""
+
+    def post(self, inputs: Sequence[Input]) -> None:
+        """What somebody asks for who is connected to a port, in the tick that is about to run."""
+
+
+class Surroundings:
+    """Devices and wires around one robot; the base class is an empty cell without a network.
+
+    Attributes:
+        channels: the network that programs see.
+        cell: what a world file says besides; None without one.
+    """
+
+    channels: Channels
+    cell: Cell | None = None
+
+    def begin(self, robot: RobotPort) -> None:
+        """Belong to a robot from now on."""
+
+    def fault(self, kind: str, on: int | str, **settings: Any) -> None:
+        """Let something go wrong on channels from now on."""
+
+    def lead_outside(self, channels: Channels) -> None:
+        """Let what is not declared here be reached through other channels."""
+
+    def signal_changed(self, name: str, value: Value) -> None:
+        """A signal of the robot has changed in the tick that runs."""
+
+    def settle(self) -> None:
+        """The tick has run: act on the signals that have changed in it."""

@@ -1,0 +1,237 @@
+"""Everything around one robot: a network with devices, signals, faults."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from elitescript.errors import UsageError
+from elitescript.messages.events import DeviceNoted
+from elitescript.messages.signals import Value
+from elitescript.runtime.world import Channels
+from elitescript.worlds.real_channels import RealChannels
+from elitescript.worlds.surroundings import REAL, VIRTUAL, RobotPort, Surroundings
+from elitescript.worlds.virtual.agenda import Agenda, DeviceError
+from elitescript.worlds.virtual.device import Device
+from elitescript.worlds.virtual.faults import Fault, check_together
+from elitescript.worlds.virtual.faulty_channels import FaultyChannels
+from elitescript.worlds.virtual.network import VirtualNetwork
+from elitescript.worlds.virtual.signals import SignalHub
+
+if TYPE_CHECKING:
+    from elitescript.worlds.virtual.client import PortLink, TcpClient
+
+_HOME: Final = str(Path(__file__).parents[2])
+_LIBRARY: Final = str(Path(traceback.__file__).parent)
+
+
+class World(Surroundings):
+    """Devices, wires and faults around one robot, in the robot's own time.
+
+    Nothing in it knows a clock: a program runs as fast as without it, and every run with the same seed is the same.
+    What is not in it does not exist: a connection to another port is refused.
+
+    Args:
+        devices: what is there.
+        wires: how signals depend on each other; devices as well.
+        faults: what goes wrong on channels.
+        seed: of everything that is drawn in it.
+        network: `virtual`: there is nothing but the devices; `real`: what is not a device leads to the network and the
+            serial ports of this computer, which holds the run back to the wall clock while a connection is open.
+
+    Attributes:
+        signals: of the robot, as all devices share them.
+        network: what programs reach.
+        agenda: what happens when.
+        seed: see above.
+        devices: all of them, wires too.
+
+    Raises:
+        UsageError: two devices want the same place, or one is part of another world.
+
+    Example:
+        An output closes a gripper, which raises an input 0.3 s later.
+
+        >>> from elitescript import VirtualRobot
+        >>> from elitescript.testing.world import Wire, World
+        >>> gripper = Wire(when="standard_digital_out[0]", then="standard_digital_in[1]", after_s=0.3)
+        >>> robot = VirtualRobot("CS66", world=World(wires=[gripper]))
+        >>> run = robot.run('''
+        ... def grip():
+        ...   set_standard_digital_out(0, True)
+        ...   while not get_standard_digital_in(1):
+        ...     sync()
+        ...   end
+        ...   textmsg("closed")
+        ... end
+        ... ''')
+        >>> run.log, run.time_s
+        (['closed'], 0.3)
+    """
+
+    def __init__(
+        self,
+        devices: Iterable[Device] = (),
+        wires: Iterable[Device] = (),
+        faults: Iterable[Fault] = (),
+        *,
+        seed: int = 0,
+        network: str = VIRTUAL,
+    ) -> None:
+        if network not in (VIRTUAL, REAL):
+            raise UsageError(f"network: must be {VIRTUAL} or {REAL}, got {network!r}")
+        if isinstance(seed, bool) or not isinstance(seed, int):
+            raise UsageError(f"seed: must be a whole number, got {seed!r}")
+        self.seed = seed
+        self.agenda = Agenda()
+        self.agenda.on_failure = self._failed
+        self.signals = SignalHub(self.agenda)
+        self.network = VirtualNetwork(agenda=self.agenda, outside=RealChannels() if network == REAL else None)
+        self._faults = list(faults)
+        check_together(self._faults)
+        self._faulty = FaultyChannels(self.network, self._faults, seed=seed, say=self._note_fault)
+        self.channels: Channels = self._faulty
+        self.devices: list[Device] = []
+        self._robot: RobotPort | None = None
+        self._links: list[PortLink] = []
+        self._connections = 0
+        self.on_device_failure: Callable[[DeviceError], None] | None = None
+        """Told when the code of a device has failed; as long as it is None the run ends with the error."""
+        for device in (*devices, *wires):
+            self.add(device)
+
+    def add(self, device: Device) -> None:
+        """Put one more device there."""
+        if not isinstance(device, Device):
+            raise UsageError(f"a world is made of devices and wires, not of {device!r}")
+        device.join(self)
+        self.devices.append(device)
+        if type(device).signal_changed is not Device.signal_changed:
+            device.cell.listen(device.signal_changed)
+        if self._robot is not None:
+            self._start(device)
+
+    def fault(self, kind: str, on: int | str, **settings: Any) -> None:
+        """Let something go wrong from now on; see `Fault`. `at_s` counts from the robot's start.
+
+        Raises:
+            UsageError: there is no such fault, or it makes no sense there.
+        """
+        fault = Fault(kind, on, **settings)
+        now = replace(fault, at_s=max(fault.at_s, self.agenda.time_s))
+        check_together([*self._faults, now])
+        self.add_fault(now)
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """What goes wrong, or will."""
+        return tuple(self._faults)
+
+    def add_fault(self, fault: Fault) -> None:
+        """Let something go wrong at its time."""
+        self._faults.append(fault)
+        self._faulty.add(fault)
+
+    def end_faults(self) -> None:
+        """Nothing goes wrong any more."""
+        self._faults.clear()
+        self._faulty.clear()
+
+    # ---------------------------------------------------------------- the robot's side
+
+    def begin(self, robot: RobotPort) -> None:
+        """Belong to a robot, from its first tick on.
+
+        Raises:
+            UsageError: it belongs to another one.
+        """
+        if self._robot is not None:
+            raise UsageError("this world belongs to another robot already; make a new one for each robot")
+        self._robot = robot
+        self.agenda.clock = lambda: robot.tick
+        self.signals.robot = robot
+        for device in self.devices:
+            self._start(device)
+
+    def _start(self, device: Device) -> None:
+        self.agenda.attempt(device.begin, device)
+        self.agenda.attempt(device.started, device)
+
+    def lead_outside(self, channels: Channels) -> None:
+        self.network.outside = channels
+
+    def signal_changed(self, name: str, value: Value) -> None:
+        self.signals.changed(name, value)
+
+    def settle(self) -> None:
+        self.signals.settle()
+        if self._links:
+            self._publish(self._links)
+
+    def _publish(self, links: list[PortLink]) -> None:
+        """Show the tick to the devices that are connected to ports of the robot."""
+        assert self._robot is not None
+        links[:] = [link for link in links if link.is_open]
+        waiting = [link for link in links if link.wants_tick]
+        if waiting:
+            output = self._robot.output()
+            for link in waiting:
+                link.publish(output)
+            self.agenda.put(1, lambda: None)  # they look at the next tick too
+
+    def connect(self, client: TcpClient) -> PortLink:
+        """Connect a device to a port of the robot.
+
+        Raises:
+            UsageError: there is no robot, or it has no such port.
+        """
+        from elitescript.worlds.virtual.client import PortLink
+
+        if self._robot is None:
+            raise UsageError("there is no robot yet to connect to")
+        self._connections += 1
+        connection = self._robot.connect(client.service, f"{client.service}#world{self._connections}")
+        link = PortLink(connection, self._robot, self.agenda, client)
+        self._links.append(link)
+        return link
+
+    # ---------------------------------------------------------------- the devices' side
+
+    def say(self, device: Device, text: str, *, is_warning: bool = False) -> None:
+        """Put words of a device into the record of the run."""
+        if self._robot is not None:
+            self._robot.emit(DeviceNoted(self.agenda.tick, device.title, text, is_warning))
+
+    def _note_fault(self, text: str) -> None:
+        if self._robot is not None:
+            self._robot.emit(DeviceNoted(self.agenda.tick, "fault", text))
+
+    def _failed(self, owner: object, error: Exception) -> None:
+        """The code of a device has raised."""
+        if not isinstance(owner, Device):
+            raise error
+        owner.leave()
+        author = owner.author
+        self.network.drop(owner, f"{author.title} has failed")
+        failure = DeviceError(describe(author, error))
+        if self.on_device_failure is None:
+            raise failure from error
+        self.on_device_failure(failure)
+
+
+def describe(device: Device, error: Exception) -> str:
+    """Where the code of a device failed, and how."""
+    place = place_in(error)
+    kind = type(device).__name__
+    named = device.title if device.title == kind else f"{device.title} ({kind})"
+    return f"{place + ': ' if place else ''}device {named}: {type(error).__name__}: {error}"
+
+
+def place_in(error: Exception) -> str:
+    """File and line where code that is not ours has failed; empty if none has."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not frame.filename.startswith((_HOME, _LIBRARY, "<"))]
+    return f"{own[-1].filename}:{own[-1].lineno}" if own else ""

@@ -1,0 +1,224 @@
+"""Virtual devices beside a served robot: a real kernel, no sockets, no clock."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from elitescript.kernel import Kernel, KernelConfig
+from elitescript.messages.events import DeviceNoted, TextMessage
+from elitescript.messages.inputs import AddFault, RunUnit
+from elitescript.messages.line import LineSettings
+from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, SendChannel
+from elitescript.protocol.outcomes import read_outcome
+from elitescript.services.served_world import ServedWorld
+from elitescript.services.table import SERVICES
+from elitescript.testing.world import Device, Fault, ModbusDevice, SerialDevice, TcpClient, TcpServer, Wire, World
+from elitescript.worlds.request_channels import RequestChannels
+from elitescript.worlds.virtual.faults import fault_text
+from tests.worlds.virtual.programs import robot_in
+
+
+class Camera(TcpServer):
+    port = 5000
+    latency_s = 0.05
+
+    def line_received(self, connection, line):
+        self.log(f"asked {line}")
+        return f"<{line}>"
+
+
+class Scale(SerialDevice):
+    line = "box"
+
+    def line_received(self, line):
+        return f"{self.random.random():.3f}"
+
+
+def devices():
+    return [
+        Camera(),
+        Scale(),
+        ModbusDevice(line="tool", unit=1, holding_registers=[42]),
+        Wire(when="standard_digital_out[0]", then="standard_digital_in[1]", after_s=0.3),
+    ]
+
+
+PROGRAM = """
+def main():
+  socket_open("h", 5000)
+  socket_send_line("where?")
+  textmsg(socket_read_string("socket_0", "", "\\n"))
+  serial_config(True, 9600, 0, 1)
+  serial_write("W\\n")
+  textmsg(serial_read(6, False, 0.5))
+  tool_serial_config(True, 115200, 0, 1, 8, True)
+  textmsg(tool_modbus_read_registers(1, 0, 1))
+  set_standard_digital_out(0, True)
+  while not get_standard_digital_in(1):
+    sync()
+  end
+  textmsg("closed")
+end
+"""
+
+
+class Bench:
+    """A kernel with a world beside it, ticked as a station does."""
+
+    def __init__(self, world, **config):
+        self.kernel = Kernel(KernelConfig(power_on=True, **config))
+        self.said = []
+        self.others = []
+        self.world = ServedWorld(world, lambda text, is_problem: self.said.append((text, is_problem)), self.connect)
+        self.output = self.kernel.tick()
+        self.world.begin(self.output)
+        self.events = []
+        self.replies = []
+
+    def connect(self, service, origin):
+        row = next(row for row in SERVICES if row.name == service)
+        return row.open(self.kernel.description)(origin)
+
+    def run(self, ticks, *inputs):
+        for _ in range(ticks):
+            self.output = self.kernel.tick([*inputs, *self.world.inputs(self.output.tick + 1)])
+            inputs = ()
+            self.others += self.world.take(self.output)
+            self.events += self.output.events
+            self.replies += self.output.replies
+
+    @property
+    def log(self):
+        return [(event.tick, event.text) for event in self.events if isinstance(event, TextMessage)]
+
+
+def test_a_program_meets_the_same_devices_as_in_virtual_time():
+    bench = Bench(World(devices=devices()))
+    bench.run(400, RunUnit("test", "program", PROGRAM))
+    found = robot_in(World(devices=devices())).run(PROGRAM)
+    # The kernel has run one tick before.
+    assert bench.log == [(event.tick + 1, event.text) for event in found.events if isinstance(event, TextMessage)]
+    assert bench.said == [("Camera: asked where?", False)]
+    assert bench.others == []
+
+
+def test_what_no_device_has_is_left_to_others():
+    world = World(devices=[Camera()], network="real")
+    bench = Bench(world)
+    requests = RequestChannels()
+    camera, other = requests.open("h", 5000, 2.0), requests.open("h", 5001, 2.0)
+    requests.open_line("tool", LineSettings(9600, 0, 1, 8))
+    for channel in (camera, other):
+        requests.send(channel, b"x")
+        requests.close(channel)
+    rest = bench.world.take(replace(bench.output, requests=requests.take()))
+    assert [(type(request), request.channel) for request in rest] == [
+        (OpenChannel, other),
+        (OpenLine, other + 1),
+        (SendChannel, other),
+        (CloseChannel, other),
+    ]
+
+
+def test_a_world_without_another_network_refuses_the_rest():
+    bench = Bench(World(devices=[Camera()]))
+    text = 'def main():\n  textmsg(socket_open("h", 5001))\nend\n'
+    bench.run(5, RunUnit("test", "program", text))
+    assert [text for _, text in bench.log] == ["False"]
+
+
+def test_a_device_that_fails_is_disconnected_and_the_robot_goes_on():
+    class Broken(Camera):
+        def line_received(self, connection, line):
+            return 1 / 0
+
+    class Early(Device):
+        def started(self):
+            raise ValueError("no")
+
+    bench = Bench(World(devices=[Broken(), Early()]))
+    text = """
+def main():
+  socket_open("h", 5000)
+  socket_send_line("x")
+  sleep(0.1)
+  textmsg(socket_is_connected())
+end
+"""
+    bench.run(100, RunUnit("test", "program", text))
+    assert [text for _, text in bench.log] == ["False"]
+    problems = [text for text, is_problem in bench.said if is_problem]
+    assert "device Early: ValueError: no; the device is disconnected" in problems[0]
+    assert "device Broken: ZeroDivisionError" in problems[1]
+
+
+ASK = """
+def main():
+  socket_open("h", 5000)
+  for n in range(3):
+    socket_send_line("x")
+    textmsg(socket_read_string("socket_0", "", "\\n", 0.2))
+  end
+end
+"""
+
+
+def test_faults_of_a_configuration_act_in_the_kernel():
+    fault = fault_text(Fault("drop", 5000, direction="to_robot", nth=2, count=1))
+    bench = Bench(World(devices=[Camera(latency_s=0)]), faults=(fault,))
+    bench.run(200, RunUnit("test", "program", ASK))
+    assert [text for _, text in bench.log] == ["<x>", "", "<x>"]
+    assert [event.text for event in bench.events if isinstance(event, DeviceNoted)] == ["drop on port 5000 acts"]
+
+
+def test_faults_come_and_go_by_inputs():
+    bench = Bench(World(devices=[Camera()]))
+    bench.run(1, AddFault("ctl#1", fault_text(Fault("refuse", 5000))))
+    bench.run(10, RunUnit("test", "program", 'def main():\n  textmsg(socket_open("h", 5000))\nend\n'))
+    bench.run(1, AddFault("ctl#2", ""))
+    bench.run(10, RunUnit("test", "program", 'def main():\n  textmsg(socket_open("h", 5000))\nend\n'))
+    assert [text for _, text in bench.log] == ["False", "True"]
+    assert [(reply.origin, read_outcome(reply.text).is_done) for reply in bench.replies] == [
+        ("ctl#1", True),
+        ("ctl#2", True),
+    ]
+
+
+@pytest.mark.parametrize("text", ["nonsense", '{"kind": "drop"}', '{"kind": "reconnect", "on": 5000}'])
+def test_a_fault_that_makes_no_sense_is_refused(text):
+    bench = Bench(World())
+    bench.run(1, AddFault("ctl#1", text))
+    assert not read_outcome(bench.replies[0].text).is_done
+
+
+def test_the_end_of_the_service_closes_what_is_open():
+    closed = []
+
+    class Server(Camera):
+        def closed(self, connection):
+            closed.append(connection.number)
+
+    world = World(devices=[Server()])
+    bench = Bench(world)
+    bench.run(5, RunUnit("test", "program", 'def main():\n  socket_open("h", 5000)\n  sleep(10)\nend\n'))
+    bench.world.close_all()
+    world.network.arrivals(bench.output.tick + 5)
+    assert closed == [1]
+
+
+def test_a_device_is_a_client_of_any_port_of_a_served_robot():
+    heard = []
+
+    class Panel(TcpClient):
+        service = "dashboard"
+
+        def line_received(self, line):
+            heard.append(line)
+            return "robotMode" if len(heard) == 1 else None
+
+    bench = Bench(World(devices=[Panel()]))
+    bench.run(10)
+    assert heard[0].startswith("EliRobot dashboard shell")
+    assert any("RUNNING" in line for line in heard[1:])
