@@ -408,7 +408,9 @@ class Station:
 
     def _left_out(self, ticks: int) -> None:
         is_playing = self.output.snapshot.robot.task_state is TaskState.PLAYING
-        text = f"the computer was away for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
+        text = (
+            f"the computer was away or too slow for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
+        )
         self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
 
 
