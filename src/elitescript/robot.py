@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from elitescript.controller.contact import ContactConfig
-from elitescript.controller.controller import Controller
 from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
@@ -21,7 +20,7 @@ from elitescript.language.options import SECONDARY
 from elitescript.language.source import SourceFile
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, SignalChanged
-from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask, WriteSignal
+from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
@@ -40,6 +39,9 @@ from elitescript.worlds.program_file import source_of
 from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.surroundings import Surroundings
 
+if TYPE_CHECKING:
+    from elitescript.worlds.state_file import StateFile
+
 IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
 
@@ -48,6 +50,12 @@ TRACE_TICKS_MAX: Final = 10_000
 
 Pace = Callable[[int], None]
 Watch = Callable[["VirtualRobot"], None]
+
+
+def _state_file(path: str | Path) -> StateFile:
+    from elitescript.worlds.state_file import StateFile
+
+    return StateFile(path)
 
 
 class VirtualRobot:
@@ -72,6 +80,8 @@ class VirtualRobot:
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
+        state_file: a file with the registers, flags and general Modbus values that the robot remembers: read now,
+            written when `run` or `advance` returns. Nothing is remembered if None.
         on_event: receives every event at the moment it happens.
 
     Raises:
@@ -96,6 +106,7 @@ class VirtualRobot:
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
+        state_file: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
@@ -135,10 +146,14 @@ class VirtualRobot:
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
-        for name, value in cell.signals.items():
+        self._state_file = None if state_file is None else _state_file(state_file)
+        kept = {} if self._state_file is None else self._state_file.load()
+        for name, value in {**kept, **cell.signals}.items():
             self.signals[name] = value
         if self._surroundings is not None:
-            self._surroundings.begin(_RobotPort(self.controller))
+            from elitescript.kernel.own_ports import OwnPorts
+
+            self._surroundings.begin(OwnPorts(self.controller, self._host, self.model, self.profile))
 
     # ---------------------------------------------------------------- reading
 
@@ -306,6 +321,11 @@ class VirtualRobot:
         if self._interrupted_as:
             self._finish(self._interrupted_as)
             self._interrupted_as = ""
+        self._remember()
+
+    def _remember(self) -> None:
+        if self._state_file is not None:
+            self._state_file.save(self.controller.signals.image)
 
     def _world_for(self, source_name: str) -> World:
         if self._fixed_world is not None:
@@ -386,6 +406,7 @@ class VirtualRobot:
         if self._trace is not None:
             self._trace.finish(self.controller)
             self._trace = None
+        self._host.background.close()
         state = self.controller.state()
         run.time_s = seconds(self.tick - run.start_tick)
         run.joints = state.q_target
@@ -404,6 +425,7 @@ class VirtualRobot:
             self._host.run_tick(self.tick)
             run.globals = self._host.monitor()
         self._rest(run)
+        self._remember()
 
     def _report_stuck(self) -> None:
         threads = self.threads()
@@ -442,21 +464,3 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
-
-
-class _RobotPort:
-    """The robot as its surroundings see it."""
-
-    __slots__ = ("_controller",)
-
-    def __init__(self, controller: Controller) -> None:
-        self._controller = controller
-
-    def read(self, name: str, index: int) -> Value:
-        return self._controller.read(name, index)
-
-    def write(self, request: WriteSignal) -> None:
-        self._controller.put(self._controller.tick, request)
-
-    def emit(self, event: Event) -> None:
-        self._controller.emit(event)

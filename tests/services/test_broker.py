@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import socket
 from collections.abc import AsyncIterator
 
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
 from elitescript.services.broker import CHANNELS_MAX, Broker
-from elitescript.services.tcp import bind
+from elitescript.services.listener import bind
 from tests.services.served import run
 
 
@@ -152,6 +153,57 @@ def test_what_was_sent_before_the_close_arrives() -> None:
             scene.broker.carry_out([SendChannel(1, b"last"), CloseChannel(1)])
             assert await reader.read() == b"last"
             assert not any(isinstance(item, ChannelClosed) for item in scene.heard)
+
+    run(test())
+
+
+def test_a_peer_that_ends_its_half_gets_what_was_sent_before() -> None:
+    sent = 4 * CHANNEL_WINDOW
+
+    async def test() -> None:
+        async with outside() as scene:
+            reader, writer = await scene.open(1)
+            writer.transport.pause_reading()
+            scene.broker.carry_out([SendChannel(1, bytes(sent))])
+            writer.write(b"all")
+            writer.write_eof()
+            assert (await scene.hear(ChannelClosed)).reason == ""
+            assert [item for item in scene.heard if isinstance(item, ChannelData)] == [ChannelData(1, b"all")]
+            assert scene.broker.count == 0
+            scene.broker.carry_out([SendChannel(1, b"late"), CreditChannel(1, 5), CloseChannel(1)])
+            writer.transport.resume_reading()
+            assert len(await reader.read(-1)) == sent
+            for _ in range(20):
+                await asyncio.sleep(0)
+            assert not any(isinstance(item, ChannelClosed) for item in scene.heard)
+
+    run(test())
+
+
+def test_a_peer_that_ends_its_half_and_does_not_read_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("elitescript.services.broker.LINGER_S", 0.01)
+
+    async def test() -> None:
+        async with outside() as scene:
+            _, writer = await scene.open(1)
+            writer.transport.pause_reading()
+            for _ in range(3):
+                scene.broker.carry_out([SendChannel(1, bytes(4 * CHANNEL_WINDOW))])
+            writer.write_eof()
+            assert (await scene.hear(ChannelClosed)).reason == ""
+            (leaving,) = scene.broker._leaving
+            while not leaving.is_gone:
+                await asyncio.sleep(0.001)
+
+    run(test())
+
+
+def test_connections_of_programs_are_watched() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            await scene.open(1)
+            raw = scene.broker._channels[1]._transport.get_extra_info("socket")
+            assert raw.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
 
     run(test())
 

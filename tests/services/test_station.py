@@ -12,8 +12,8 @@ from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.outputs import Output
 from elitescript.services import station
+from elitescript.services.listener import bind
 from elitescript.services.table import NAMES
-from elitescript.services.tcp import bind
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Scene, run, serving
 

@@ -29,10 +29,12 @@ from elitescript.runtime.strand import Stopped, Strand
 from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
 
 if TYPE_CHECKING:
+    from elitescript.runtime.background import Background
     from elitescript.runtime.connection import Receiver
     from elitescript.runtime.interpreter import Interpreter
     from elitescript.runtime.line import Line
     from elitescript.runtime.lines import Lines
+    from elitescript.runtime.modbus_signals import ModbusSignals
     from elitescript.runtime.rpc import RemoteProcedures
     from elitescript.runtime.sockets import Sockets
     from elitescript.runtime.watchdogs import Watchdogs
@@ -76,6 +78,9 @@ class TaskPort(Protocol):
 
     def thread_failed(self, error: BaseException) -> None:
         """An exception left a thread."""
+
+    background: Background
+    """What goes on whether a program runs or not."""
 
     interpreter: Interpreter
     """Interpreter mode."""
@@ -198,6 +203,11 @@ class Context:
             channels, connections = self._world.channels, self._port.connections
             self._procedures = RemoteProcedures(channels, self.scheduler, connections, self._port.rpc_timeout_s)
         return self._procedures.handle(url)
+
+    @property
+    def modbus(self) -> ModbusSignals:
+        """The MODBUS TCP signals of the controller."""
+        return self._port.background.modbus(self._world.channels)
 
     def close_connections(self) -> None:
         """Close every connection; the program is over."""

@@ -70,8 +70,11 @@ def main(descriptor: int) -> None:
     except (EOFError, ConnectionError, BrokenPipeError):
         os._exit(0)
     except BaseException as error:
-        kind = "usage" if isinstance(error, ElitescriptError) else "bug"
-        text = str(error) if kind == "usage" else "".join(traceback.format_exception(error))[-8000:]
+        kind = "usage" if isinstance(error, ElitescriptError | MemoryError) else "bug"
+        if isinstance(error, MemoryError):
+            text = "the program has used up the memory that the robot's process may have"
+        else:
+            text = str(error) if kind == "usage" else "".join(traceback.format_exception(error))[-8000:]
         line.send(frames.FAILED, to_text([kind, text.encode("utf-8", "replace").decode()]))
         # No destructor of a program's object is to run now.
         os._exit(1)

@@ -25,6 +25,7 @@ from elitescript.messages.outputs import (
     SendChannel,
 )
 from elitescript.messages.signals import Value
+from elitescript.protocol.connection import Connection
 from elitescript.worlds.virtual.agenda import DeviceError
 from elitescript.worlds.virtual.world import World
 
@@ -35,6 +36,9 @@ T = TypeVar("T")
 Say = Callable[[str, bool], None]
 """Takes a text, and whether it is a problem."""
 
+Connect = Callable[[str, str], Connection]
+"""Makes a connection from the name of a port and its origin."""
+
 
 class ServedWorld:
     """A world beside a served robot.
@@ -42,12 +46,14 @@ class ServedWorld:
     Args:
         world: its devices.
         say: takes what they have to say.
+        connect: makes connections to ports of the robot.
     """
 
-    __slots__ = ("_channels", "_inputs", "_output", "_say", "_world")
+    __slots__ = ("_channels", "_connect", "_inputs", "_output", "_say", "_world")
 
-    def __init__(self, world: World, say: Say) -> None:
+    def __init__(self, world: World, say: Say, connect: Connect) -> None:
         self._world = world
+        self._connect = connect
         self._say = say
         self._inputs: list[Input] = []
         self._output: Output | None = None
@@ -65,6 +71,19 @@ class ServedWorld:
     def write(self, request: WriteSignal) -> None:
         """Set a point in the next tick."""
         self._inputs.append(Do(ORIGIN, request))
+
+    def connect(self, service: str, origin: str) -> Connection:
+        """A connection to a port of the robot."""
+        return self._connect(service, origin)
+
+    def output(self) -> Output:
+        """The last tick."""
+        assert self._output is not None
+        return self._output
+
+    def post(self, inputs: Sequence[Input]) -> None:
+        """Inputs for the next tick."""
+        self._inputs += inputs
 
     def emit(self, event: Event) -> None:
         """Put what a device says into the log."""

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
@@ -18,12 +20,16 @@ from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
+from elitescript.protocol.connection import Connection
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
+from elitescript.services.inbox import WAITING_MAX, Inbox
+from elitescript.services.listener import Listener, bind
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
+from elitescript.services.shares import Shares
+from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.table import PORTS_PER_INSTANCE, services_of
-from elitescript.services.tcp import Listener, bind
 
 if TYPE_CHECKING:
     from elitescript.services.served_world import ServedWorld
@@ -66,17 +72,20 @@ class Station:
         listen: hears every event of the robot and every note; must not block.
         lines: what is on the robot's serial ports; see `worlds.line_bindings`.
         world: virtual devices beside the robot.
+        keeper: remembers what the robot keeps; nobody does if None.
     """
 
     __slots__ = (
         "_cycle",
         "_failure",
         "_followers",
+        "_inbox",
         "_is_lockstep",
         "_is_standing",
+        "_keeper",
         "_listen",
         "_news",
-        "_pending",
+        "_overruns_before",
         "_relief",
         "_stepped",
         "_task",
@@ -86,7 +95,7 @@ class Station:
         "listeners",
         "name",
         "output",
-        "reading_ns",
+        "shares",
         "waits_for",
     )
 
@@ -99,20 +108,26 @@ class Station:
         is_lockstep: bool = False,
         lines: Mapping[str, str] | None = None,
         world: World | None = None,
+        keeper: StateKeeper | None = None,
     ) -> None:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
         self.broker = Broker(self.post, lines)
         self.output: Output
-        self.reading_ns = 0
+        self.shares = Shares()
         self.waits_for = ""
         """Origin of the client that time waits for in lockstep."""
         self._listen = listen
         self._is_lockstep = is_lockstep
         self._is_standing = False
+        self._keeper = keeper
+        if keeper is not None:
+            keeper.tell = lambda text: self.note("state", text, is_problem=True)
+        self._overruns_before = 0
         self._failure: Exception | None = None
-        self._pending: list[Input] = []
+        # Time that waits for clients waits for what they ask, too.
+        self._inbox = Inbox(inf) if is_lockstep else Inbox()
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
@@ -123,13 +138,17 @@ class Station:
         if world is not None:
             from elitescript.services.served_world import ServedWorld
 
-            self._world = ServedWorld(world, lambda text, is_problem: self.note(DEVICE, text, is_problem=is_problem))
+            self._world = ServedWorld(world, self._say, self._connect)
 
     # ---------------------------------------------------------------- what clients call
 
     def post(self, inputs: list[Input]) -> None:
         """Take inputs for the next tick."""
-        self._pending += inputs
+        self._inbox.post(inputs)
+
+    def waiting_of(self, origin: str) -> int:
+        """Inputs of a client that could not go in at the last tick."""
+        return self._inbox.waiting_of(origin)
 
     def wake(self) -> None:
         """Something has changed that time may have waited for."""
@@ -183,21 +202,22 @@ class Station:
 
     # ---------------------------------------------------------------- life
 
-    def bind(self, host: str, numbers: Mapping[str, int]) -> None:
+    def bind(self, host: str, numbers: Mapping[str, int], spares: Mapping[str, int] | None = None) -> None:
         """Take all ports, or none; clients that connect wait until `open`.
 
         The robot's link must be open.
+
+        Args:
+            host: address to listen at.
+            numbers: of every service.
+            spares: what to take instead of a number that this user may not have.
 
         Raises:
             UsageError: a port cannot be had.
         """
         try:
             for service in services_of(self.link.description.firmware):
-                number = numbers[service.name]
-                try:
-                    bound = bind(host, number)
-                except OSError as error:
-                    raise UsageError(_why_not(service.name, host, number, error)) from error
+                bound = self._bound(service.name, host, numbers[service.name], (spares or {}).get(service.name))
                 connect = service.open(self.link.description)
                 self.listeners[service.name] = Listener(service, self, connect, bound)
         except BaseException:
@@ -205,6 +225,18 @@ class Station:
                 listener.release()
             self.listeners.clear()
             raise
+
+    def _bound(self, name: str, host: str, number: int, spare: int | None) -> socket.socket:
+        try:
+            return bind(host, number)
+        except PermissionError as error:
+            if spare is None:
+                raise UsageError(_why_not(name, host, number, error)) from error
+        except OSError as error:
+            raise UsageError(_why_not(name, host, number, error)) from error
+        text = f"port {number} ({name}) may not be had by this user: {name} is served at {spare}"
+        self.note("spare_port", text, is_problem=True, port=name, number=spare)
+        return self._bound(name, host, spare, None)
 
     async def boot(self) -> None:
         """Bring the robot up, with one tick, so that there is something to show."""
@@ -246,6 +278,8 @@ class Station:
         if self._cycle is not None:
             self._cycle.close()
         await self.link.close()
+        if self._keeper is not None:
+            await self._keeper.close()
 
     # ---------------------------------------------------------------- time
 
@@ -297,11 +331,11 @@ class Station:
 
     def _relieve(self) -> None:
         """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
-        self.reading_ns = 0
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
-                if len(self._pending) < PENDING_MAX or client.origin == self.waits_for:
+                if len(self._inbox) < PENDING_MAX or client.origin == self.waits_for:
                     client.relieve()
+        self._begin_reading()
         self._relief = asyncio.get_running_loop().call_later(PERIOD_S, self._relieve)
 
     def _gate(self) -> Gate:
@@ -315,25 +349,44 @@ class Station:
         self._pass_on(output)
 
     def _taken(self) -> list[Input]:
-        inputs, self._pending = self._pending, []
+        if self._inbox.refused:
+            self._tell_refused()
+        inputs = self._inbox.take(self.link.room)
         return inputs if self._world is None else inputs + self._world.inputs(self.output.tick + 1)
+
+    def _tell_refused(self) -> None:
+        count, self._inbox.refused = self._inbox.refused, 0
+        text = f"{count} inputs were refused: {WAITING_MAX} wait for the robot already"
+        self.note("overfull", text, is_problem=True, count=count)
 
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
         self.output = output
-        self.reading_ns = 0
         for listener in self.listeners.values():
             if listener.clients:
                 listener.publish(output)
         self._carry_out(output)
         self._hear(output)
+        if self._keeper is not None:
+            self._keeper.take(output.snapshot.signals)
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
+        self._begin_reading()
         if self._stepped:
             waiters, self._stepped = self._stepped, []
             for waiter in waiters:
                 if not waiter.done():
                     waiter.set_result(output)
+
+    def _say(self, text: str, is_problem: bool) -> None:
+        self.note(DEVICE, text, is_problem=is_problem)
+
+    def _connect(self, service: str, origin: str) -> Connection:
+        """A connection of a virtual device to a port."""
+        listener = self.listeners.get(service)
+        if listener is None:
+            raise UsageError(f"service: the robot has the ports {', '.join(self.listeners)}, not {service!r}")
+        return listener.connect(origin)
 
     def _carry_out(self, output: Output) -> None:
         """Do what programs ask of their connections; virtual devices see the tick."""
@@ -342,6 +395,14 @@ class Station:
         else:
             self.broker.carry_out(self._world.take(output.requests))
             self._world.heard(output)
+
+    def _begin_reading(self) -> None:
+        """Everybody has got the tick; now there is time for what clients send."""
+        for listener in self.listeners.values():
+            listener.begin_tick()
+        overruns = self.overruns
+        self.shares.begin_tick(is_late=overruns > self._overruns_before)
+        self._overruns_before = overruns
 
     def _hear(self, output: Output) -> None:
         for event in output.events:

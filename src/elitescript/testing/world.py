@@ -12,6 +12,7 @@ from pathlib import Path
 from elitescript.errors import UsageError
 from elitescript.worlds.cell import load_cell
 from elitescript.worlds.virtual.agenda import DeviceError
+from elitescript.worlds.virtual.client import ModbusClient, TcpClient
 from elitescript.worlds.virtual.device import Device
 from elitescript.worlds.virtual.faults import Fault
 from elitescript.worlds.virtual.modbus import ModbusDevice
@@ -40,12 +41,14 @@ __all__ = [
     "Device",
     "DeviceError",
     "Fault",
+    "ModbusClient",
     "ModbusDevice",
     "Parts",
     "RobotSignals",
     "RpcFault",
     "Schedule",
     "SerialDevice",
+    "TcpClient",
     "TcpConnection",
     "TcpServer",
     "Wire",
