@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import ceil
 from typing import Any
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
@@ -21,6 +22,7 @@ class Device:
 
     Attributes:
         latency: ticks from a request to its answer.
+        ticks_each: ticks that it works on each request before the next one; answers leave when they are ready.
         per_segment: how many requests of a segment it answers; None for all.
         alter: makes of an answer the bytes that are sent.
         requests: tick, unit and request of all that have come.
@@ -31,6 +33,7 @@ class Device:
         self.tables.input_registers = list(range(500))
         self.slave = Slave(self.tables)
         self.latency = 1
+        self.ticks_each = 0.0
         self.per_segment: int | None = None
         self.is_silent = False
         self.breaks_after: int | None = None
@@ -39,6 +42,7 @@ class Device:
         )
         self.requests: list[tuple[int, int, bytes]] = []
         self.segments: list[int] = []
+        self.busy_until = 0.0
 
     def writes(self) -> list[bytes]:
         """The requests that wrote."""
@@ -95,6 +99,9 @@ class Network:
             answer = device.slave.answer(frame.pdu)
             if frame.unit and not device.is_silent:
                 parts.append(device.alter(frame, answer))
+            if device.ticks_each:
+                device.busy_until = max(device.busy_until, self.tick) + device.ticks_each
+                self._tell(ceil(device.busy_until) - self.tick, ChannelData(channel, parts.pop()))
         if parts:
             self._tell(device.latency, ChannelData(channel, b"".join(parts)))
 

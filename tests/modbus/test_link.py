@@ -8,7 +8,7 @@ from elitescript.messages.inputs import ChannelClosed, ChannelData
 from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.modbus import pdu
 from elitescript.modbus.signals import Kind
-from elitescript.modbus.tcp_frames import tcp_frame
+from elitescript.modbus.tcp_frames import TcpFrame, tcp_frame
 from tests.modbus.bench import HOST, Bench, Device
 
 S = 250
@@ -36,6 +36,8 @@ def test_a_signal_connects_first() -> None:
         ("no route to host", 113),
         ("network is unreachable", 101),
         ("host is down", 112),
+        ("No route to host", 113),
+        ("no answer within 2 s", 110),
         ("something new", 5),
     ],
 )
@@ -283,15 +285,40 @@ def test_one_request_at_a_time_while_nobody_misses_a_turn() -> None:
 
 def test_the_window_grows_while_signals_miss_turns_and_the_device_answers_all() -> None:
     bench = Bench()
-    for number in range(100):
+    for number in range(200):
+        bench.add(str(number), first=number, hertz=250)
+    bench.run(60)
+    assert bench.device.segments[:20].count(2) >= 1
+    assert max(bench.device.segments) == 200
+    assert bench.link().exchange.window == 256
+    before = sum(signal.missed for signal in bench.master.signals.values())
+    bench.run(S)
+    assert sum(signal.missed for signal in bench.master.signals.values()) == before
+
+
+@pytest.mark.parametrize("latency", [2, 3])
+def test_more_signals_than_a_slow_device_can_serve_take_turns(latency: int) -> None:
+    bench = Bench()
+    bench.device.latency = latency
+    for number in range(200):
         bench.add(str(number), first=number, hertz=250)
     bench.run(S)
-    assert bench.device.segments[:20].count(2) >= 1
-    assert bench.link().exchange.window == max(bench.device.segments) == 64
-    missed = sum(signal.missed for signal in bench.master.signals.values())
-    assert missed < 100 * S * 0.5
-    asked = {n: sum(request[2] == n for _, _, request in bench.device.requests) for n in range(100)}
+    rate = len([tick for tick, _, _ in bench.device.requests if tick > S // 2]) / (S / 2)
+    assert rate == pytest.approx(min(200, 256 / latency), rel=0.03)
+    asked = {n: sum(request[2] == n for _, _, request in bench.device.requests) for n in range(200)}
     assert max(asked.values()) - min(asked.values()) <= 2
+
+
+def test_a_device_that_works_off_one_request_after_the_other_is_not_asked_for_more_than_helps() -> None:
+    bench = Bench()
+    bench.device.ticks_each = 1.25
+    for number in range(100):
+        bench.add(str(number), first=number, hertz=250)
+    bench.run(8 * S)
+    assert bench.link().exchange.window == 8
+    assert bench.warnings == []
+    rate = len([tick for tick, _, _ in bench.device.requests if tick > 4 * S]) / (4 * S)
+    assert rate == pytest.approx(1 / 1.25, rel=0.1)
 
 
 def test_200_signals_at_250_hz_on_four_connections_miss_nothing() -> None:
@@ -346,6 +373,40 @@ def test_a_device_that_breaks_off_at_a_burst_is_not_in_error_for_it() -> None:
     assert len(bench.network.opened) == 2
     assert bench.warnings == []
     assert all(signal.fault_tick is None for signal in bench.master.signals.values())
+
+
+def test_a_device_that_answers_nothing_of_a_burst_gets_one_at_a_time() -> None:
+    bench = Bench()
+    bench.device.per_segment = 1
+    bench.device.alter = lambda frame, answer: (
+        b"" if bench.device.segments[-1] > 1 else tcp_frame(frame.transaction, frame.unit, answer)
+    )
+    for number in range(10):
+        bench.add(str(number), first=number, hertz=250)
+    bench.run(2 * S)
+    assert bench.link().exchange.is_single
+    assert bench.warnings == []
+    assert sum(size > 1 for size in bench.device.segments) == 1
+
+
+def test_a_device_that_is_silent_at_a_burst_and_afterwards_is_only_in_error() -> None:
+    bench = Bench()
+    for number in range(10):
+        bench.add(str(number), first=number, hertz=250)
+
+    def until_a_burst(frame: TcpFrame, answer: bytes) -> bytes:
+        bench.device.is_silent |= bench.device.segments[-1] > 1
+        return b"" if bench.device.is_silent else tcp_frame(frame.transaction, frame.unit, answer)
+
+    good, bench.device.alter = bench.device.alter, until_a_burst
+    bench.run(2 * S)
+    assert bench.device.is_silent
+    assert not bench.link().exchange.is_single
+    bench.device.is_silent, bench.device.alter = False, good
+    bench.run(4 * S)
+    assert not bench.link().exchange.is_single
+    assert bench.link().exchange.window > 1
+    assert {bench.master.codes(name) for name in bench.master.signals} == {(0, 0)}
 
 
 def test_what_is_sent_once_takes_no_part_in_a_burst() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
-from elitescript.services.broker import CHANNELS_MAX, Broker
+from elitescript.services.broker import CHANNELS_MAX, Broker, reason_of
 from elitescript.services.listener import bind
 from tests.services.served import run
 
@@ -235,10 +235,27 @@ def test_a_refused_connection_says_why() -> None:
             scene.broker.carry_out([OpenChannel(1, "tcp", "127.0.0.1", port, 2.0)])
             answer = await scene.hear(ChannelOpened)
             assert not answer.is_open
-            assert answer.reason
+            assert answer.reason == "connection refused"
             assert scene.broker.count == 0
 
     run(test())
+
+
+@pytest.mark.parametrize(
+    ("error", "reason"),
+    [
+        (ConnectionResetError(104, "Connection reset by peer"), "connection reset by peer"),
+        (OSError(113, "Connect call failed ('10.0.0.1', 502)"), "no route to host"),
+        (
+            OSError("Multiple exceptions: [Errno 111] Connect call failed, [Errno 101] no"),
+            "connection refused",
+        ),
+        (OSError("no idea"), "no idea"),
+        (ValueError(), "ValueError"),
+    ],
+)
+def test_reasons_are_in_the_words_of_the_operating_system(error: Exception, reason: str) -> None:
+    assert reason_of(error) == reason
 
 
 def test_nonsense_is_refused() -> None:

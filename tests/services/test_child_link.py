@@ -105,7 +105,7 @@ def clock(monkeypatch):
 
 def with_link(body: Callable[[ChildLink], Awaitable[None]], **options: Any) -> None:
     async def run() -> None:
-        link = ChildLink(KernelConfig(), grace_s=0.0, **options)
+        link = ChildLink(KernelConfig(), **{"grace_s": 0.0, **options})
         await link.open()
         try:
             await body(link)
@@ -198,6 +198,38 @@ class TestLink:
             assert children[0].is_asked is is_given_up
 
         with_link(body)
+
+    def test_a_child_that_is_a_little_late_is_waited_for_so_that_no_tick_is_missing(self, children):
+        async def body(link):
+            await link.tick(())
+            loop = asyncio.get_running_loop()
+            children[0].is_mute = True
+            for tick in range(1, 20):
+                loop.call_soon(children[0].answer)
+                found = await link.tick(())
+                assert (found.tick, found.snapshot.robot.tick) == (tick, tick)
+
+        with_link(body, grace_s=PATIENT_S / 2, patience_s=PATIENT_S)
+
+    def test_who_waits_again_and_again_runs_out_of_grace(self, children, monkeypatch):
+        waited: list[float] = []
+
+        async def wait(link, is_over, longest_s):
+            waited.append(longest_s)
+            now[0] += longest_s
+
+        now = [100.0]
+
+        async def body(link):
+            await link.tick(())
+            monkeypatch.setattr(child_link.time, "monotonic", lambda: now[0])
+            monkeypatch.setattr(ChildLink, "_wait_until", wait)
+            children[0].is_mute = True
+            for _ in range(6):
+                await link.tick(())
+            assert waited == pytest.approx([0.02, 0.0025, 0.0025, 0.0, 0.0, 0.0])
+
+        with_link(body, grace_s=0.02)
 
     def test_every_answer_begins_the_silence_anew(self, children, clock):
         async def body(link):

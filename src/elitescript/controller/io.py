@@ -8,7 +8,7 @@ manual says of the ES series).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 from elitescript.errors import ArgumentRangeError, ScriptStateError
@@ -82,6 +82,10 @@ class SignalImage:
     def read(self, name: str, index: int = 0) -> Value:
         """The level of one point."""
         return self._values[name][index]
+
+    def levels(self, name: str) -> Sequence[Value]:
+        """The levels of one family."""
+        return self._values[name]
 
     @property
     def image(self) -> Mapping[str, tuple[Value, ...]]:

@@ -228,7 +228,7 @@ class Kernel:
         controller = self._controller
         controller.request(PowerOff())
         controller.request(AskSafety("restart_safety", "the controller was started anew"))
-        close_lines(self._host.lines, self._host.connections)
+        close_lines(self._host.background.lines, self._host.connections)
         self._popup = ""
         self._tasks.forget()
         self._host.background.close()

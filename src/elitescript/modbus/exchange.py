@@ -1,9 +1,10 @@
 """Requests and answers on one open connection of a master: who waits, what is under way, how much of it at a time.
 
 No more than a window of requests waits for answers. The window is 1 until signals miss their turns. Then it is tried
-out: a burst of twice as many, and if each is answered, that is the window from now on. A device that does not
+out: a burst of twice as many, and if each is answered, that is the window from now on. It stays there if the burst
+took much longer than a single request: more would wait in the device, and not come sooner. A device that does not
 answer all of a burst gets one request at a time for good, and what it has left out is asked for again as if nothing
-had happened.
+had happened. If it has answered none, the next single request tells whether it was the burst or the device.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.modbus.signals import BROADCAST, NO_ERROR, UNDEFINED_ERROR, Signal
 from elitescript.modbus.tcp_frames import TcpSplitter
 
-WINDOW_MAX: Final = 64
+WINDOW_MAX: Final = 256
+"""The largest window: all 200 signals in each tick, where answers come in the next one or a little later."""
 REPLY_TICKS: Final = TICKS_PER_S
 """How long an answer may take (*assumed*)."""
 SILENCE_TICKS: Final = 3 * REPLY_TICKS
@@ -24,6 +26,9 @@ SILENCE_TICKS: Final = 3 * REPLY_TICKS
 PROBE_TICKS: Final = TICKS_PER_S // 10
 """How long the answers to a burst may take at least; more if the device is slow."""
 PROBE_ROUNDS: Final = 4
+PATIENCE_ROUNDS: Final = 2
+PATIENCE_TICKS: Final = 2
+"""A burst that takes longer than so many round trips and ticks is the last one."""
 
 TIMED_OUT: Final = 110
 
@@ -50,10 +55,14 @@ class Exchange:
         "_flight",
         "_heard_tick",
         "_is_pressed",
+        "_is_suspect",
+        "_probe_begin",
         "_probe_end",
         "_probe_size",
+        "_probe_ticks",
         "_proven",
         "_queue",
+        "_quickest_ticks",
         "_slowest_ticks",
         "_splitter",
         "_transaction",
@@ -82,12 +91,18 @@ class Exchange:
         self._turns = 0
         self._heard_tick = 0
         self._slowest_ticks = 0
+        self._quickest_ticks = REPLY_TICKS
         self._is_pressed = False
+        self._is_suspect = False
+        """Whether no request of a burst was answered, and none since."""
         self._proven = 1
         """The largest window that was answered."""
         self._probe_size = 0
         """Requests of the burst that is under way."""
+        self._probe_begin = 0
         self._probe_end = 0
+        self._probe_ticks = 0
+        """How long the last burst took."""
 
     # ---------------------------------------------------------------- reading
 
@@ -110,6 +125,11 @@ class Exchange:
     def is_probing(self) -> bool:
         """Whether a burst is under way that is larger than what was answered before."""
         return self._probe_size > 0
+
+    @property
+    def room(self) -> int:
+        """How many requests could be sent now."""
+        return self.window - len(self._flight)
 
     @property
     def single_requests(self) -> int:
@@ -161,9 +181,14 @@ class Exchange:
         self._chained = None
         self._probe_size = 0
 
-    def fall_back(self) -> None:
-        """The device does not cope with several requests: one at a time, and again what it has not answered."""
-        self.is_single = True
+    def fall_back(self, *, is_certain: bool = True) -> None:
+        """Back to one request at a time, and again what was not answered.
+
+        Args:
+            is_certain: whether the device does not cope with more, for all that is known.
+        """
+        self.is_single = self.is_single or is_certain
+        self._is_suspect = not is_certain
         self.window = self._proven = 1
         self._probe_size = 0
         self._chained = None
@@ -181,9 +206,10 @@ class Exchange:
             return False
         if self._probe_size:
             if tick >= self._probe_end:
-                self.fall_back()
+                self.fall_back(is_certain=len(flight) < self._probe_size)
             return False
         late = [number for number, (_, _, sent) in flight.items() if tick >= sent + REPLY_TICKS]
+        self._is_suspect = self._is_suspect and not late
         for number in late:
             signal = flight.pop(number)[0]
             if signal is self._chained:
@@ -248,19 +274,24 @@ class Exchange:
         self._transaction = transaction
         if len(flight) > self._proven:
             self._probe_size = len(flight)
+            self._probe_begin = tick
             self._probe_end = tick + max(PROBE_TICKS, PROBE_ROUNDS * self._slowest_ticks)
         return b"".join(parts)
 
     def _window(self, tick: int) -> int:
         """How many requests may be under way in this tick."""
-        if self._is_pressed:
-            self._is_pressed = False
-            # Turns that are missed because the device is silent are no reason to ask it for more.
-            is_prompt = not self._flight or tick - next(iter(self._flight.values()))[2] <= self._slowest_ticks
-            if is_prompt and self.has_heard and not self.is_single and self.window == self._proven:
-                self.window = min(WINDOW_MAX, 2 * self.window)
-        if self.window > self._proven and any(signal.is_once for signal, _, _ in self._flight.values()):
-            return self._proven
+        if self.window == self._proven and not self._is_pressed:
+            return self.window
+        flight = self._flight
+        # Turns that are missed because the device is silent are no reason to ask it for more.
+        is_prompt = not flight or tick - next(iter(flight.values()))[2] < self._slowest_ticks
+        is_quick = self._probe_ticks <= PATIENCE_ROUNDS * self._quickest_ticks + PATIENCE_TICKS
+        is_tame = self.is_single or self._is_suspect or not self.has_heard
+        if self._is_pressed and is_prompt and is_quick and not is_tame and self.window == self._proven:
+            self.window = min(WINDOW_MAX, 2 * self.window)
+        self._is_pressed = False
+        if not is_prompt or any(signal.is_once for signal, _, _ in flight.values()):
+            return min(self.window, self._proven)
         return self.window
 
     def incoming(self, data: bytes, tick: int) -> None:
@@ -276,8 +307,12 @@ class Exchange:
                 self._chained = None
             if tick - sent > self._slowest_ticks:
                 self._slowest_ticks = tick - sent
+            if tick - sent < self._quickest_ticks:
+                self._quickest_ticks = tick - sent
             self._heard_tick = tick
             self.has_heard = True
+            if self._is_suspect:
+                self._is_suspect, self.is_single = False, True
             if unit != signal.unit:
                 signal.fail(tick, UNDEFINED_ERROR, NO_ERROR)
                 self._complain(signal, f"slave {unit} has answered instead of {signal.unit}")
@@ -291,3 +326,4 @@ class Exchange:
         if self._probe_size and not flight and not self._splitter.is_lost:
             self._proven = self._probe_size
             self._probe_size = 0
+            self._probe_ticks = tick - self._probe_begin

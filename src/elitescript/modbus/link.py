@@ -33,8 +33,12 @@ ERROR_NUMBERS: Final = {
     "host is down": 112,
     "no route to host": 113,
     "the address is not known": 113,
+    "name or service not known": 113,
 }
 """Error numbers of TCP/IP on Linux by their text; a peer that just closes counts as a reset, others as `IO_ERROR`."""
+
+_LATE: Final = "no answer within"
+"""How others say that an attempt to connect took too long."""
 
 _TIMED_OUT: Final = "connection timed out"
 _CLOSED_BY_DEVICE: Final = "the device has closed the connection"
@@ -249,7 +253,7 @@ class Link:
                     exchange.press()
                 else:
                     due.append(signal)
-        if exchange.has_waiting:
+        if exchange.has_waiting or len(due) > exchange.room:
             # There is not time for all of them: it is the turn of those that were asked for longest ago.
             due.sort(key=_turn)
         for signal in due:
@@ -306,7 +310,7 @@ class Link:
             self.exchange.fall_back()
             self.retry_tick = tick
             return
-        self._fail(tick, ERROR_NUMBERS.get(reason, IO_ERROR), reason or _CLOSED_BY_DEVICE)
+        self._fail(tick, error_number(reason), reason or _CLOSED_BY_DEVICE)
         self._attempts += 1
         self.retry_tick = tick + (1 if was_useful else RETRY_TICKS[min(self._attempts, len(RETRY_TICKS)) - 1])
 
@@ -351,6 +355,11 @@ class Link:
                 self._channels.send(self._channel, tcp_frame(number, signal.unit, signal.request))
         self._hang_up()
         self._is_reset = False
+
+
+def error_number(reason: str) -> int:
+    """The error number of TCP/IP that stands for the text of a reason."""
+    return TIMED_OUT if reason.startswith(_LATE) else ERROR_NUMBERS.get(reason.lower(), IO_ERROR)
 
 
 def _turn(signal: Signal) -> int:

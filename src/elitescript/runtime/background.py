@@ -1,4 +1,4 @@
-"""What goes on behind the programs, whether one runs or not: the MODBUS TCP signals.
+"""What is there behind the programs, whether one runs or not: the MODBUS TCP signals and the serial ports.
 
 Nothing of it exists before a program asks for it.
 """
@@ -12,6 +12,7 @@ from elitescript.runtime.scheduler import Scheduler
 
 if TYPE_CHECKING:
     from elitescript.runtime.connection import Receiver
+    from elitescript.runtime.line import Line
     from elitescript.runtime.modbus_signals import ModbusSignals
     from elitescript.runtime.world import Channels
 
@@ -23,15 +24,19 @@ class Background:
         machine: the controller.
         scheduler: of the threads that wait for something here.
         connections: who listens to each open channel.
+
+    Attributes:
+        lines: the serial ports that were configured, by device.
     """
 
-    __slots__ = ("_connections", "_machine", "_modbus", "_scheduler")
+    __slots__ = ("_connections", "_machine", "_modbus", "_scheduler", "lines")
 
     def __init__(self, machine: Machine, scheduler: Scheduler, connections: dict[int, Receiver]) -> None:
         self._machine = machine
         self._scheduler = scheduler
         self._connections = connections
         self._modbus: ModbusSignals | None = None
+        self.lines: dict[str, Line] = {}
 
     def modbus(self, channels: Channels) -> ModbusSignals:
         """The MODBUS TCP signals.
@@ -55,7 +60,7 @@ class Background:
         return None if self._modbus is None else self._modbus.next_tick(tick, is_running=is_running)
 
     def close(self) -> None:
-        """The run is over, or the controller starts anew: forget everything, close every connection."""
+        """The run is over, or the controller starts anew: forget the signals, close their connections."""
         if self._modbus is not None:
             self._modbus.close()
             self._modbus = None

@@ -31,7 +31,6 @@ from elitescript.runtime.world import NoWorld, World
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
     from elitescript.runtime.connection import Receiver
-    from elitescript.runtime.line import Line
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -67,7 +66,6 @@ class ScriptHost:
         abortable: those of these moves that `abort_move` ends.
         rpc_timeout_s: see above.
         connections: who listens to each open channel.
-        lines: the serial ports that were configured, by device.
         watchdogs: RTSI inputs that the program watches.
     """
 
@@ -89,7 +87,6 @@ class ScriptHost:
         "background",
         "connections",
         "interpreter",
-        "lines",
         "movers",
         "result",
         "rpc_timeout_s",
@@ -129,7 +126,6 @@ class ScriptHost:
         self.movers: dict[int, list[Strand]] = {}
         self.abortable: set[int] = set()
         self.connections: dict[int, Receiver] = {}
-        self.lines: dict[str, Line] = {}
         self.background = Background(machine, self._scheduler, self.connections)
         self.result = ""
         self.alarm: Alarm | None = None

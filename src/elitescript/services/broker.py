@@ -14,6 +14,8 @@ import asyncio
 import socket
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from os import strerror
+from re import search
 from typing import Any, Final
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
@@ -302,5 +304,11 @@ class _Channel(asyncio.BufferedProtocol):
 
 
 def reason_of(error: BaseException) -> str:
-    """Why a connection failed, in a few words."""
+    """Why a connection failed, in a few words: those of the operating system, where it has any."""
+    number = getattr(error, "errno", None)
+    if number is None and (found := search(r"\[Errno (\d+)\]", str(error))):
+        # Of several addresses each has failed; programs hear of the first.
+        number = int(found[1])
+    if number is not None and number > 0:
+        return strerror(number).lower()
     return str(getattr(error, "strerror", None) or str(error) or type(error).__name__)

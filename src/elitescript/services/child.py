@@ -39,11 +39,12 @@ def serve(line: frames.BlockingLine) -> None:
     kernel: Kernel | None = None
     while True:
         letter, text = line.receive()
-        data = from_text(text)
         if letter == frames.TICK and kernel is not None:
-            output = kernel.tick([inputs_shape.decode(item) for item in data])
-            line.send(*writer.message(output))
-        elif letter == frames.LOCK_IN:
+            inputs = () if text == frames.NO_INPUTS else [inputs_shape.decode(item) for item in from_text(text)]
+            line.send(*writer.message(kernel.tick(inputs)))
+            continue
+        data = from_text(text)
+        if letter == frames.LOCK_IN:
             is_jailed, memory_max = data
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))

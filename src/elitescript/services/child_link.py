@@ -1,8 +1,9 @@
 """The way to a robot in a child process: no program that runs there can hold up whoever serves it.
 
-A tick is sent to the child, and its output taken, within the period. A child that is late is not waited for: clients
-see the last picture meanwhile, the ticks queue up, and the child makes up for them. One that is silent for too long
-(`patience`), ends or talks nonsense is killed and reported; a fresh child goes on from the last picture, soon or later.
+A tick is sent to the child, and its output taken, within the period. A child that is a little late is waited for, so
+that nothing is missing; if it takes longer, clients see the last picture meanwhile, the ticks queue up, and the child
+makes up for them. One that is silent for too long (`patience`), ends or talks nonsense is killed and reported; a fresh
+child goes on from the last picture, soon or later.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.messages.timing import PERIOD_S, TICKS_PER_S, seconds
+from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.world import Files, FilesRefused
 from elitescript.services import frames
 from elitescript.services.child_process import ChildProcess
@@ -37,10 +38,10 @@ from elitescript.services.output_changes import OutputReader
 from elitescript.services.patience import PATIENCE_S, Patience
 from elitescript.services.remote_files import FileDesk
 
-GRACE_S: Final = 0.0015
-"""How long an output is waited for in its own period; timers of an event loop may add 1 ms."""
-ON_TIME_S: Final = 0.8 * PERIOD_S
-"""Whoever calls again sooner than this has time to make up for, and does not wait."""
+GRACE_S: Final = 0.1
+"""How long outputs that are late are waited for, if the others were in time: ticks leave late then, but all of them."""
+GRACE_PER_TICK_S: Final = 0.0025
+"""How much of it every tick gives back; timers of an event loop may add 1 ms."""
 BEHIND_TICKS: Final = 3
 """Ticks behind which no output is waited for."""
 BUSY_TICKS: Final = 10
@@ -81,7 +82,7 @@ class ChildLink:
         is_jailed: lock the child in.
         journal: where to write the session down.
         patience_s: silence after which the child is given up, in its own processor time.
-        grace_s: how long to wait for an output in its own period; infinite in a test that compares outputs.
+        grace_s: how long late outputs are waited for; infinite in a test that compares outputs.
         memory_max: bytes of address space of the child.
 
     Attributes:
@@ -92,7 +93,6 @@ class ChildLink:
     __slots__ = (
         "_answered",
         "_boots",
-        "_called_s",
         "_changed",
         "_child",
         "_codec",
@@ -103,6 +103,7 @@ class ChildLink:
         "_end_reason",
         "_failure",
         "_given_up_s",
+        "_grace_left_s",
         "_grace_s",
         "_held",
         "_input_shape",
@@ -140,6 +141,7 @@ class ChildLink:
         self._journal = journal
         self._patience = Patience(patience_s)
         self._grace_s = grace_s
+        self._grace_left_s = grace_s
         self._memory_max = memory_max
         self._codec = full_codec()
         self._input_shape = self._codec.shape(Input)
@@ -158,7 +160,6 @@ class ChildLink:
         self._failure = ""
         self._given_up_s = 0.0
         self._answered = self._boots = self._crashes = self._restart_at = 0
-        self._called_s = 0.0
         self._reading_s = 0.0
         self._replaced_because = ""
         self._lost: Sequence[Input] = ()
@@ -225,8 +226,11 @@ class ChildLink:
             if not self._is_describing:
                 self._go_on(tick)
             self._send_tick(tick)
+        grace_s = self._grace_of(tick)
         if self._unanswered and self._outputs.is_empty:
-            await self._wait_until(lambda: not self._unanswered or bool(self._end_reason), self._grace_of(tick))
+            began_s = time.monotonic()
+            await self._wait_until(lambda: not self._unanswered or bool(self._end_reason), grace_s)
+            self._grace_left_s -= time.monotonic() - began_s
         else:
             # Who calls without a pause must not keep a fresh child from being heard.
             await asyncio.sleep(0)
@@ -279,12 +283,12 @@ class ChildLink:
 
     def _grace_of(self, tick: int) -> float:
         """How long to wait in this tick: one that is far behind does not catch up within a period."""
-        now_s = time.monotonic()
-        is_late, self._called_s = now_s - self._called_s < ON_TIME_S, now_s
+        self._grace_left_s = min(max(self._grace_left_s, 0.0) + GRACE_PER_TICK_S, self._grace_s)
         if self._grace_s >= self._patience.patience_s:
             return self._patience.patience_s
         is_behind = bool(self._unanswered) and tick - self._unanswered[0].tick >= BEHIND_TICKS
-        return 0.0 if is_behind or is_late else self._grace_s
+        # A fresh child has its robot to make.
+        return 0.0 if is_behind or self._boots else self._grace_left_s
 
     def _send_tick(self, tick: int) -> None:
         assert self._child is not None

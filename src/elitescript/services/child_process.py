@@ -17,7 +17,7 @@ from typing import Final
 
 import elitescript
 from elitescript.messages.shapes import CodecError
-from elitescript.services.frames import QUESTION, UP_MAX, FrameReader, frame
+from elitescript.services.frames import QUESTION, READ_BYTES, UP_MAX, FrameReader, frame
 
 COMMAND: Final = (sys.executable, "-P", "-s", "-m", "elitescript.services.child")
 """What a child is; the number of its socket is the last argument."""
@@ -32,7 +32,6 @@ LOG_PAUSE_S: Final = 0.01
 BURIAL_S: Final = 2.0
 GONE_S: Final = 0.005
 """How long is waited at once for a killed process to be gone; then it is looked after again so often."""
-_READ_AT_ONCE: Final = 1 << 20
 _SCHEDULER_CLOCK: Final = 2
 """Kind of clock that counts what the scheduler has given to a process, in user and system mode."""
 
@@ -106,11 +105,11 @@ class ChildProcess:
         """The end of what it has written to its output."""
         return self._log.decode("utf-8", "replace")
 
-    def send(self, letter: str, text: str) -> None:
+    def send(self, letter: str, content: str | bytes) -> None:
         """Send a message; never waits."""
         if self._is_over:
             return
-        data = frame(letter, text)
+        data = frame(letter, content)
         if not self._backlog:
             try:
                 data = data[self._socket.send(data) :]
@@ -163,7 +162,7 @@ class ChildProcess:
 
     def _readable(self) -> None:
         try:
-            data = self._socket.recv(_READ_AT_ONCE)
+            data = self._socket.recv(READ_BYTES)
         except BlockingIOError:
             return
         except OSError as error:

@@ -12,6 +12,7 @@ import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
@@ -19,6 +20,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.protocol.connection import Connection
 from elitescript.services.broker import Broker
@@ -46,6 +48,9 @@ LATE_MANY: Final = REPORT_TICKS // 100
 """So many of them are a problem."""
 BUSY_STEPS: Final = 64
 """Ticks in lockstep after which everybody else is served."""
+
+
+_ALL_BUT_OVERRUNS: Final = attrgetter(*list(Snapshot.__dataclass_fields__)[:-1])
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +81,9 @@ class Station:
     """
 
     __slots__ = (
+        "_answered",
+        "_by_urgency",
+        "_comers",
         "_cycle",
         "_failure",
         "_followers",
@@ -113,6 +121,7 @@ class Station:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
+        self._by_urgency: list[Listener] = []
         self.broker = Broker(self.post, lines)
         self.output: Output
         self.shares = Shares()
@@ -131,6 +140,11 @@ class Station:
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
+        """Wait for the tick that begins next."""
+        self._answered: list[asyncio.Future[Output]] = []
+        """Wait for the output of the tick that is under way."""
+        self._comers: list[Callable[[Output], bool]] = []
+        """Follow from the tick that begins next."""
         self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
@@ -176,14 +190,14 @@ class Station:
         self._listen(self, Note(self.name, kind, text, is_problem, details))
 
     async def next_output(self) -> Output:
-        """What the robot says at its next tick."""
+        """What the robot says at the next tick that begins: it has heard what was posted before."""
         waiter: asyncio.Future[Output] = asyncio.get_running_loop().create_future()
         self._stepped.append(waiter)
         return await waiter
 
     def follow(self, take: Callable[[Output], bool]) -> None:
-        """Call `take` with every output from the next one on, without a gap, until it returns False."""
-        self._followers.append(take)
+        """Call `take` with every output from the next tick that begins on, without a gap, until it returns False."""
+        self._comers.append(take)
 
     @property
     def overruns(self) -> int:
@@ -220,6 +234,7 @@ class Station:
                 bound = self._bound(service.name, host, numbers[service.name], (spares or {}).get(service.name))
                 connect = service.open(self.link.description)
                 self.listeners[service.name] = Listener(service, self, connect, bound)
+            self._by_urgency = sorted(self.listeners.values(), key=lambda listener: listener.service.name != RTSI)
         except BaseException:
             for listener in self.listeners.values():
                 listener.release()
@@ -273,7 +288,7 @@ class Station:
         for listener in self.listeners.values():
             await listener.close()
         self.broker.close_all()
-        for waiter in self._stepped:
+        for waiter in (*self._stepped, *self._answered):
             waiter.cancel()
         if self._cycle is not None:
             self._cycle.close()
@@ -290,7 +305,11 @@ class Station:
             before = cycle.overruns
             for _ in range(REPORT_TICKS):
                 await cycle.next()
-                await self.step()
+                output = await self.link.tick(self._taken())
+                if cycle.overruns:
+                    output = replace(output, snapshot=_counted(output.snapshot, cycle.overruns))
+                await cycle.outlet()
+                self._pass_on(output)
             self._tell_late(cycle, cycle.overruns - before)
 
     def _tell_late(self, cycle: Cycle, late: int) -> None:
@@ -342,13 +361,15 @@ class Station:
         return gate(self.listeners[RTSI].clients)
 
     async def step(self) -> None:
-        """One tick."""
-        output = await self.link.tick(self._taken())
-        if self.overruns and not self._is_lockstep:
-            output = replace(output, snapshot=replace(output.snapshot, overruns=self.overruns))
-        self._pass_on(output)
+        """One tick, whose output leaves as soon as it is there."""
+        self._pass_on(await self.link.tick(self._taken()))
 
     def _taken(self) -> list[Input]:
+        """What the tick that begins now is given."""
+        self._answered += self._stepped
+        self._stepped.clear()
+        self._followers += self._comers
+        self._comers.clear()
         if self._inbox.refused:
             self._tell_refused()
         inputs = self._inbox.take(self.link.room)
@@ -362,7 +383,7 @@ class Station:
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
         self.output = output
-        for listener in self.listeners.values():
+        for listener in self._by_urgency:
             if listener.clients:
                 listener.publish(output)
         self._carry_out(output)
@@ -372,11 +393,10 @@ class Station:
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
         self._begin_reading()
-        if self._stepped:
-            waiters, self._stepped = self._stepped, []
-            for waiter in waiters:
-                if not waiter.done():
-                    waiter.set_result(output)
+        for waiter in self._answered:
+            if not waiter.done():
+                waiter.set_result(output)
+        self._answered.clear()
 
     def _say(self, text: str, is_problem: bool) -> None:
         self.note(DEVICE, text, is_problem=is_problem)
@@ -412,6 +432,12 @@ class Station:
         is_playing = self.output.snapshot.robot.task_state is TaskState.PLAYING
         text = f"the computer was away for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
         self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
+
+
+def _counted(snapshot: Snapshot, overruns: int) -> Snapshot:
+    """A snapshot with that many overruns. `dataclasses.replace` takes some times as long."""
+    fields: tuple[Any, ...] = (*_ALL_BUT_OVERRUNS(snapshot), overruns)
+    return Snapshot(*fields)
 
 
 def _why_not(name: str, host: str, number: int, error: OSError) -> str:
