@@ -57,6 +57,11 @@ class OwnPorts:
         self._shared: dict[str, object] = {}
         self._replies: list[Reply] = []
 
+    @property
+    def tick(self) -> int:
+        """See `RobotPort.tick`."""
+        return self._controller.tick
+
     def read(self, name: str, index: int) -> Value:
         """See `RobotPort.read`."""
         return self._controller.read(name, index)
