@@ -21,7 +21,6 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
-from elitescript.protocol.connection import Connection
 from elitescript.services.binding import bind_one
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
@@ -150,9 +149,9 @@ class Station:
         self._task: asyncio.Task[None] | None = None
         self._world: ServedWorld | None = None
         if world is not None:
-            from elitescript.services.served_world import ServedWorld
+            from elitescript.services.served_world import beside
 
-            self._world = ServedWorld(world, self._say, self._connect)
+            self._world = beside(self, world)
 
     # ---------------------------------------------------------------- what clients call
 
@@ -391,23 +390,9 @@ class Station:
                 waiter.set_result(output)
         self._answered.clear()
 
-    def _say(self, text: str, is_problem: bool) -> None:
-        self.note(DEVICE, text, is_problem=is_problem)
-
-    def _connect(self, service: str, origin: str) -> Connection:
-        """A connection of a virtual device to a port."""
-        listener = self.listeners.get(service)
-        if listener is None:
-            raise UsageError(f"service: the robot has the ports {', '.join(self.listeners)}, not {service!r}")
-        return listener.connect(origin)
-
     def _carry_out(self, output: Output) -> None:
         """Do what programs ask of their connections; virtual devices see the tick."""
-        if self._world is None:
-            self.broker.carry_out(output.requests)
-        else:
-            self.broker.carry_out(self._world.take(output.requests))
-            self._world.heard(output)
+        self.broker.carry_out(output.requests if self._world is None else self._world.take(output))
 
     def _begin_reading(self) -> None:
         """Everybody has got the tick; now there is time for what clients send."""
