@@ -23,8 +23,8 @@ class Gripper(ModbusDevice):
     baud = 115200
     holding_registers = 3  # command, width, force in N
     input_registers = 3  # state, width, number of a fault
-    things: list[float] = []
-    slips: list[float] = []
+    things = ()
+    slips = ()
 
     def started(self):
         self.closings = 0

@@ -23,7 +23,7 @@ class Plc(ModbusDevice):
     discrete_inputs = 2
     holding_registers = 2
     input_registers = 2
-    numbers: list[int] = []
+    numbers = ()
     pause_s = 0.5
 
     def started(self):
