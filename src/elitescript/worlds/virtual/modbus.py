@@ -134,10 +134,13 @@ class ModbusDevice(Device):
     # ---------------------------------------------------------------- what a subclass may override
 
     def register_written(self, address: int, value: int) -> None:
-        """A holding register has been written; called once for each, after all of a request are written."""
+        """A holding register has been written; called once for each, after all of a request are written.
+
+        Masters repeat what they write: the value may be the one that it had.
+        """
 
     def coil_written(self, address: int, level: bool) -> None:
-        """A coil has been written."""
+        """A coil has been written, perhaps to the level that it had."""
 
     def reading(self, table: str, address: int, count: int) -> None:
         """Somebody is about to read `coils`, `discrete_inputs`, `holding_registers` or `input_registers`."""
