@@ -3,13 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from textwrap import wrap
 from typing import Any
 
+from elitescript.controller.modes import REALISTIC
+from elitescript.kernel.interpreter_logs import (
+    DELAY_TICKS,
+    EXECUTION_NAME,
+    OLD_SUFFIX,
+    RECEIVED_NAME,
+    SIZE_MAX,
+)
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.protocol import dashboard, dashboard_answers, interpreter, query
+from elitescript.protocol import dashboard, dashboard_answers, dashboard_guards, interpreter, query
 from elitescript.protocol.dashboard_verbs import VERBS
 from tools.markdown import NOTICE, cell, code
+
+WIDTH = 118
+"""Characters of a line of prose."""
+INTERPRETER_NOTES = (
+    "Every line gets one reply: `ack` or `discard`, or the `state` it asks for; `skipbuffer`, `abort` and empty lines "
+    "get none. A statement that was accepted may be discarded later, for one of the last three reasons. Replies come "
+    "in the order of the lines; what waits for `clear_interpreter()` is answered after it.",
+    "**Exceptions.** An exception that a statement does not catch leaves `interpreter_mode()` at the place of its "
+    "call, and the session is over. Usually that stops the program: port 30001 gets a script exception with the line "
+    "of the call and the text of the error, statements that wait get `discard: Cleaned up after end`, later ones "
+    "`discard: Task is in an invalid state`. A program that catches it with `try` around the call goes on. *Assumed.*",
+    "**Restart.** A statement that holds the controller up, a call into Python's own functions that does not come "
+    "back, ends with it: the controller is restarted, lines that had no reply by then get the one they would get "
+    "without a program, and statements that were accepted are gone without another word.",
+    f"**Logs.** The task folder gets two of them: `{RECEIVED_NAME}`, every line that came with what its client was "
+    f"told, and `{EXECUTION_NAME}`, the number and text of each statement when it is begun and how it ended: done, "
+    f"failed, stopped with its program, or skipped. They are at most {DELAY_TICKS / TICKS_PER_S:g} s behind. One "
+    f"that has reached {SIZE_MAX // 1024} KiB gets `{OLD_SUFFIX}` at the end of its name, in the place of an older "
+    "one, and a new one begins. Two logs are documented; their names, form and size are assumed.",
+)
 
 
 def dashboard_page() -> str:
@@ -31,8 +60,11 @@ def dashboard_page() -> str:
         f"- `status`, and `help` and `usage` of one command, have at most {dashboard_answers.REPLY_LIMIT} bytes:",
         "  clients take one read.",
         "- `robotControl -on` with the power on, `brakeRelease` with the brakes released, `unlockProtectiveStop`",
-        "  without a protective stop and `closeSafetyDialog` without a dialog have their usual reply, and nothing",
+        "  while the arm may move and `closeSafetyDialog` without a dialog have their usual reply, and nothing",
         "  happens.",
+        f"- Powering on takes {REALISTIC.power_on_s + REALISTIC.boot_s:g} s ({REALISTIC.power_on_s:g} s POWER_ON, then"
+        f" {REALISTIC.boot_s:g} s BOOTING),",
+        f"  releasing the brakes {REALISTIC.release_s:g} s (*assumed*); clients wait 30 s for each.",
         "- `stop` stops a program that came from a port too, and `play` goes on with a paused one.",
         "",
         "Evidence: *client*, the vendor's client compares the reply with this text; *documented*, the vendor describes",
@@ -46,7 +78,7 @@ def dashboard_page() -> str:
         "## When a command is refused",
         "",
         "The reply is the text below, a colon and the reason. Commands that are not listed are never refused. Under",
-        f'local control the reason is "{dashboard_answers.LOCAL}".',
+        f'local control the reason is "{dashboard_guards.LOCAL}".',
         "",
         "| command | text | robot modes that take it | safety modes that take it | task states that take it |",
         "|---|---|---|---|---|",
@@ -55,9 +87,9 @@ def dashboard_page() -> str:
         if row.guard is not None:
             guard = row.guard
             states = (
-                _states(guard.modes, dashboard_answers.ALL_MODES, RobotMode),
-                _states(guard.safety, dashboard_answers.ALL_SAFETY, SafetyMode),
-                _states(guard.tasks, dashboard_answers.ALL_TASKS, TaskState),
+                _states(guard.modes, dashboard_guards.ALL_MODES, RobotMode),
+                _states(guard.safety, dashboard_guards.ALL_SAFETY, SafetyMode),
+                _states(guard.tasks, dashboard_guards.ALL_TASKS, TaskState),
             )
             lines.append(f"| `{cell(row.usage)}` | {guard.failure} | {' | '.join(states)} |")
     return "\n".join(lines) + "\n"
@@ -86,6 +118,7 @@ def interpreter_page() -> str:
         f"line is a statement, or several parted by `;`, of at most {interpreter.LINE_LIMIT} bytes; at most",
         f"{interpreter.QUEUE_LIMIT} wait.",
         "",
+        *(line for paragraph in INTERPRETER_NOTES for line in (*wrap(paragraph, WIDTH), "")),
         "| reply | when | evidence |",
         "|---|---|---|",
         f"| `{interpreter.acknowledged(1, 'STATEMENT')}` | The statement is accepted; numbers count from 1. |"

@@ -29,15 +29,19 @@ def ports_page() -> str:
         "What `elitescript serve` opens. `--port NAME=NUMBER` moves one, `--instance N` all of them by",
         f"{PORTS_PER_INSTANCE} * N; further robots of one `serve` have the next instances.",
         "",
-        "| name | port | what it serves | evidence |",
-        "|---|---:|---|---|",
+        "| name | port | what it serves | firmware | evidence |",
+        "|---|---:|---|---|---|",
     ]
     for row in SERVICES:
         name = f"[`{row.name}`]({_PAGES[row.name]})" if row.name in _PAGES else f"`{row.name}`"
-        lines.append(f"| {name} | {row.number} | {cell(row.summary)} | {cell(row.evidence)} |")
+        since = f"{row.since[0]}.{row.since[1]} and later" if any(row.since) else "all"
+        lines.append(f"| {name} | {row.number} | {cell(row.summary)} | {since} | {cell(row.evidence)} |")
     backlog, most = tcp.SAMPLE_BACKLOG // 1024, tcp.BACKLOG_MAX // 1024
     stalled_s = tcp.STALLED_TICKS // TICKS_PER_S
     lines += [
+        "",
+        "With an older `--firmware` a port stays closed, and the `ready` line says so (*assumed*: what a controller of",
+        "that firmware does there is not known).",
         "",
         "## What every port promises (*assumed*)",
         "",
@@ -62,7 +66,9 @@ def ports_page() -> str:
         "input recipe and started (`S`), until it pauses (`P`) or goes. A tick comes only when every such",
         "client has answered the last package that it got by an input package (`U`). With a recipe of",
         "125 Hz two ticks follow each answer. Clients without input recipes only listen, and miss nothing.",
-        "While nobody takes part, time passes as on the wall.",
+        "While nobody takes part, time passes as on the wall. The robot is in this process then, without the jail and",
+        "without the protection against calls that do not come back: a program that calls `sum(range(10**12))` holds",
+        "up the whole `serve`.",
         "",
         "## Tasks",
         "",
@@ -80,7 +86,10 @@ def ports_page() -> str:
         "## `elitescript ctl`",
         "",
         "A person's hands on a served robot, through a local channel that only the same user can open; it",
-        "works in local control too.",
+        "works in local control too. The line after `ready` names the socket of each robot: `serve-N.sock` of instance",
+        "N, in the folder `elitescript` of `XDG_RUNTIME_DIR`, or `elitescript-UID` of the folder for temporary files.",
+        "`--instance N` or `--socket PATH` chooses one; on Windows the file `serve-N.json` tells port and secret. An",
+        "order is answered when the robot has done or refused it; a refusal gives the reason and exit code 1.",
         "",
         "| verb | what it does |",
         "|---|---|",

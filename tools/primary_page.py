@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from elitescript.protocol import primary
+from elitescript.protocol import primary, primary_messages
 from elitescript.protocol.binary import Field
 from elitescript.protocol.primary_commands import COMMANDS
 from elitescript.protocol.primary_messages import HEAD, KINDS, MAX_TEXT_BYTES, MessageKind
@@ -35,8 +35,9 @@ def primary_page() -> str:
     lines += [
         "",
         "The first state comes at once, the others on ticks that all clients share. Robot messages leave at least",
-        f"{primary.SPACING_TICKS} ticks apart; {primary.MAX_WAITING} may wait for a client, then texts are lost before",
-        "errors.",
+        f"{primary.SPACING_TICKS} ticks apart, in their order. {primary_messages.WAITING_MAX} may wait for a client;",
+        f"errors, starts and ends may until {primary_messages.VITAL_MAX} wait. What comes then is left out, and a text",
+        "in its place says how many messages are missing.",
         "",
         "## Robot state",
         "",
@@ -73,7 +74,10 @@ def primary_page() -> str:
         "below. Nothing is answered but what goes wrong. An `end` or a line without a line feed counts after",
         f"{primary.SILENCE_TICKS} ticks without a byte, or when the client closes; a program that is still open then",
         f"is refused. At most {primary.UNITS_PER_TICK} units of a client begin in one tick. In local control",
-        "everything is refused (*assumed*). A refusal is a script exception for the client and a line of the log.",
+        "everything is refused (*assumed*). A program without its end is a script exception for the client and a line",
+        "of the log. What is refused for another reason is a warning: a line of the log, and a robot error of level 1",
+        "for every client (*assumed*). Bytes that cannot be script are thrown away, with one warning for each burst",
+        "that says how many there were.",
         "",
         "| plain command | what the vendor's client watches afterwards |",
         "|---|---|",

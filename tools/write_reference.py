@@ -20,6 +20,7 @@ from elitescript.commands.page import CHAPTERS, chapters, kind_of, source_of
 from elitescript.commands.registry import Command, Param
 from elitescript.controller import safety
 from elitescript.messages.signals import SIGNALS, Signal
+from tools.devices_page import devices_page
 from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, anchor, cell
 from tools.ports_page import ports_page
@@ -160,6 +161,10 @@ def safety_page() -> str:
         "`robot.signals`, `robot.at`). From Python: `robot.protective_stop(reason)`, `robot.unlock_protective_stop()`,",
         f"{safety.UNLOCK_AFTER_S:g} s after the stop at the earliest, and `robot.restart_safety()`.",
         "",
+        "A restart of the safety system (`restart_safety`; `safety -r` on the dashboard, `restart safetyboard` on port",
+        "30001, `elitescript ctl restart`) ends violations and faults. It takes the power of the arm in every state,",
+        "also in NORMAL, and ends a task with an alarm (*assumed*); a stop button that is pressed still counts.",
+        "",
         "## States",
         "",
         "The strongest last.",
@@ -254,6 +259,7 @@ def _range(signal: Signal) -> str:
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "commands.md": commands_page,
     "dashboard.md": dashboard_page,
+    "devices.md": devices_page,
     "errors.md": errors_page,
     "interpreter.md": interpreter_page,
     "ports.md": ports_page,

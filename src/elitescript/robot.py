@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 from elitescript.controller.contact import ContactConfig
-from elitescript.controller.controller import Controller
 from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
@@ -21,7 +20,7 @@ from elitescript.language.options import SECONDARY
 from elitescript.language.source import SourceFile
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, SignalChanged
-from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask, WriteSignal
+from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
@@ -138,7 +137,9 @@ class VirtualRobot:
         for name, value in cell.signals.items():
             self.signals[name] = value
         if self._surroundings is not None:
-            self._surroundings.begin(_RobotPort(self.controller))
+            from elitescript.kernel.own_ports import OwnPorts
+
+            self._surroundings.begin(OwnPorts(self.controller, self._host, self.model, self.profile))
 
     # ---------------------------------------------------------------- reading
 
@@ -442,21 +443,3 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
-
-
-class _RobotPort:
-    """The robot as its surroundings see it."""
-
-    __slots__ = ("_controller",)
-
-    def __init__(self, controller: Controller) -> None:
-        self._controller = controller
-
-    def read(self, name: str, index: int) -> Value:
-        return self._controller.read(name, index)
-
-    def write(self, request: WriteSignal) -> None:
-        self._controller.put(self._controller.tick, request)
-
-    def emit(self, event: Event) -> None:
-        self._controller.emit(event)

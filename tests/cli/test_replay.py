@@ -1,4 +1,5 @@
 import json
+import random
 
 import pytest
 
@@ -61,3 +62,39 @@ class TestReplay:
         path.write_text("x")
         assert main(["replay", str(path)]) == 2
         assert "no journal" in capsys.readouterr().err
+
+    def test_says_where_a_damaged_line_is(self, journal, capsys):
+        data = journal.read_bytes()
+        lines = data.splitlines(keepends=True)
+        damaged = lines[1][:9] + b"#" + lines[1][10:]
+        journal.write_bytes(b"".join([lines[0], damaged, *lines[2:]]))
+        assert main(["replay", str(journal)]) == 2
+        error = capsys.readouterr().err
+        assert f"elitescript replay: {journal}: line 2, byte {len(lines[0]) + 9}: no JSON" in error
+        assert "Traceback" not in error
+
+    def test_a_configuration_that_no_robot_has_is_named_with_its_line(self, journal, capsys):
+        journal.write_text(journal.read_text().replace('"CS66"', '"CS99"', 1))
+        assert main(["replay", str(journal)]) == 2
+        assert f"{journal}: line 1: " in capsys.readouterr().err
+
+    def test_a_cut_off_header_is_no_journal(self, journal, capsys):
+        journal.write_bytes(journal.read_bytes()[:50])
+        assert main(["replay", str(journal)]) == 2
+        assert "line 1, byte " in capsys.readouterr().err
+
+    def test_no_damage_ends_in_a_traceback(self, journal, capsys):
+        data = journal.read_bytes()
+        chance = random.Random(4)
+        codes = set()
+        for _ in range(60):
+            changed = bytearray(data)
+            for _ in range(chance.randrange(1, 4)):
+                at = chance.randrange(len(changed))
+                changed[at] = chance.choice(b'0159"[]{},:-e.\xffa \n')
+            if chance.random() < 0.3:
+                del changed[chance.randrange(len(changed)) :]
+            journal.write_bytes(changed)
+            codes.add(main(["replay", str(journal), "--until", "1.2"]))
+        capsys.readouterr()
+        assert codes == {0, 1, 2}

@@ -262,7 +262,7 @@ def test_an_emergency_stop_says_what_leads_back(program, capsys):
     assert main(["run", program(DOWN), "--set", "emergency_stop=true"]) == 1
     err = capsys.readouterr().err
     assert "ALARM R141: EmergencyStop: cannot start: the emergency stop is pressed; release it" in err
-    assert "power on and release the brakes, which starting a program does by itself" in err
+    assert "power on and release the brakes (`elitescript run` does both when it starts a program)" in err
 
 
 def test_an_open_safeguard_says_that_the_program_is_held(program, capsys):
@@ -295,3 +295,27 @@ def test_a_connection_to_the_outside_paces_the_run_and_the_end_says_so(run_json)
 def test_a_run_without_one_is_not_paced(run_json):
     _, records = run_json("def a():\n  sleep(60)\nend\n")
     assert "paced" not in records[-1]
+
+
+def test_devices_of_a_world_file_are_beside_the_program(run_json, tmp_path):
+    path = tmp_path / "world.toml"
+    path.write_text("[[tcp]]\nname = 'camera'\nport = 5000\nreplies = [{ to = 'where?', send = '7' }]\n")
+    text = 'def main():\n  socket_open("h", 5000)\n  socket_send_line("where?")\n'
+    text += '  textmsg(socket_read_string("socket_0", "", "\\n"))\n  socket_send_line("what?")\n  sleep(1)\nend\n'
+    for option in ("--world", "--cell"):
+        code, records = run_json(text, option, str(path))
+        assert code == 0
+        assert [record["text"] for record in records if record["type"] == "log"] == ["7"]
+        assert [(record["level"], record["device"]) for record in records if record["type"] == "device"] == [
+            ("warning", "camera")
+        ]
+
+
+def test_a_device_that_fails_is_an_error_with_its_place(program, capsys, tmp_path):
+    (tmp_path / "cell.py").write_text(
+        "from elitescript.testing.world import Device\n\n\nclass Bad(Device):\n    def started(self):\n        1 / 0\n"
+    )
+    path = tmp_path / "world.toml"
+    path.write_text("[[device]]\nclass = 'cell.py:Bad'\n")
+    assert main(["run", program("def main():\n  sleep(1)\nend\n"), "--world", str(path)]) == 1
+    assert f"{tmp_path / 'cell.py'}:6: device Bad: ZeroDivisionError" in capsys.readouterr().err

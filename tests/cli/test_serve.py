@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from elitescript.cli import serve
 from elitescript.cli.ctl import shown
 from elitescript.cli.main import main
 from elitescript.cli.serve import chosen_ports
@@ -148,6 +149,57 @@ def test_without_a_jail_other_computers_are_not_served(capsys: pytest.CaptureFix
 def test_a_port_that_cannot_be_read_is_refused(text: str) -> None:
     with pytest.raises(UsageError, match="--port"):
         chosen_ports([text])
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--joints", "0,0,0,0,0,99"], "joint "),
+        (["--joints", "0,0"], "write six numbers in rad"),
+        (["--speed", "7"], "speed must be in [0, 1], got 7.0"),
+        (["--set", "standard_analog_in[0]=99"], "must be in [0, 10] V"),
+        (["--set", "standard_digital_in[16]=true"], "has indices 0 to 15, not 16"),
+        (["--set", "standard_digital_in[3]=5"], "takes True or False"),
+        (["--robot", "CS99"], "CS99"),
+        (["--world", "CELL"], "cell.toml:2"),
+        (["--world", "no.toml"], "world file no.toml"),
+    ],
+)
+def test_wrong_options_are_told_as_by_run_before_anything_starts(
+    options: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def start_nothing(*_: Any, **__: Any) -> None:
+        raise AssertionError("a robot was started")
+
+    monkeypatch.setattr(serve, "make_link", start_nothing)
+    (tmp_path / "cell.toml").write_text("[safety]\ntcp_speed = -1\n")
+    (tmp_path / "p.script").write_text("sleep(0)\n")
+    given = [str(tmp_path / "cell.toml") if option == "CELL" else option for option in options]
+    assert main(["serve", *given]) == 2
+    served = capsys.readouterr().err
+    assert main(["run", str(tmp_path / "p.script"), *given]) == 2
+    assert served.removeprefix("elitescript serve: ") == capsys.readouterr().err.removeprefix("elitescript run: ")
+    assert words in served
+
+
+def test_a_port_that_the_firmware_does_not_have_cannot_be_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["serve", "--firmware", "2.10", "--port", "interpreter=0"]) == 2
+    assert "--port interpreter=0: firmware 2.10 does not have that port" in capsys.readouterr().err
+
+
+def test_the_ready_line_says_which_ports_the_firmware_does_not_have(place: Path) -> None:
+    process = start(place, "--in-process", "--firmware", "2.10", "--instance", "7")
+    ready = line_with(process, "ready")
+    stop(process)
+    assert ready.endswith(" (firmware 2.10 has no interpreter, query)\n")
+    assert not {"interpreter", "query"} & ports_in(ready.partition(" (")[0]).keys()
+
+
+def test_a_firmware_that_is_not_known_is_told_by_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(["serve", "--firmware", "1.0"])
+    assert caught.value.code == 2
+    assert "invalid choice: '1.0'" in capsys.readouterr().err
 
 
 def test_all_means_every_port() -> None:

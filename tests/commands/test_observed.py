@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.errors import InvalidValueError, NotSimulatedError
+from elitescript.errors import ArgumentRangeError, InvalidValueError, NotSimulatedError
 from elitescript.messages.machine import SetOption
 from elitescript.messages.motion import MoveP
 
@@ -22,6 +22,19 @@ def test_preamble_of_generated_programs_is_accepted(call: Any, robot: Any) -> No
         SetOption("tool_digital_io_work_mode", 0),
         ("mark", 12, "MoveJ"),
     ]
+
+
+def test_settings_of_collision_detection_are_stored(call: Any, robot: Any) -> None:
+    call("set_collision_detect_enabled", 1)
+    call("set_dyn_collision_force_min_ratio", 50)
+    call("set_dyn_collision_force_min_ratio", 0.1)
+    assert robot.asked == [
+        SetOption("collision_detect_enabled", True),
+        SetOption("dyn_collision_force_min_ratio", 50.0),
+        SetOption("dyn_collision_force_min_ratio", 0.1),
+    ]
+    with pytest.raises(ArgumentRangeError):
+        call("set_dyn_collision_force_min_ratio", 101)
 
 
 def test_movep_is_a_line_of_a_chain(call: Any, robot: Any) -> None:

@@ -196,7 +196,7 @@ class TestEmergencyStop:
     def test_starting_a_program_powers_on_and_releases_the_brakes(self):
         robot = robot_with(emergency_stop=[(0.5, True), (1.5, False)])
         run = robot.run(SWING)
-        assert run.alarms[0].details["hints"][-1].startswith("start the program again: that powers on")
+        assert run.alarms[0].details["hints"][-1].endswith("then start the program again, from its first line")
         robot.advance(2.0)
         assert robot.state.robot_mode is RobotMode.POWER_OFF
         assert robot.run(SWING).state == "finished"

@@ -35,14 +35,61 @@ class Talk(Session):
 
 
 class TestSkipping:
-    def test_a_clearing_statement_that_is_skipped_holds_nothing_back(self):
+    def test_what_has_not_begun_is_thrown_away_at_once(self):
+        talk = Talk(*HOST)
+        talk.say("sleep(0.1)", "g = 5", "g = 6")
+        assert talk.word("stateunexecuted") == "state: 2: stateunexecuted"
+        assert talk.word("skipbuffer") == ""
+        assert talk.word("stateunexecuted") == "state: 0: stateunexecuted"
+        assert talk.word("statelastcleared") == "state: 3: statelastcleared"
+        assert talk.word("statelastexecuted") == "state: 1: statelastexecuted"
+        assert talk.say("end_interpreter()") == ["ack: 4: end_interpreter()"]
+        talk.run(0.2)
+        assert talk.texts == ["left 1 10"]
+
+    def test_it_makes_room(self):
+        talk = Talk("sleep(100)", config=KernelConfig(firmware="2.10"))
+        talk.send(*(Interpret("interpreter#1", "0") for _ in range(2001)))
+        talk.run(1.0)
+        talk.word("skipbuffer")
+        assert talk.say("0") == ["ack: 2001: 0"]
+
+    def test_the_statement_that_runs_is_not_touched(self):
+        talk = Talk(*HOST)
+        talk.say("sleep(0.1); g = 7", "g = 8")
+        talk.word("skipbuffer")
+        talk.say("end_interpreter()")
+        talk.run(0.2)
+        assert talk.texts == ["left 7 10"]
+
+    def test_what_waits_behind_a_clearing_statement_is_answered_and_thrown_away_too(self):
         talk = Talk(*HOST)
         talk.say("sleep(0.1)", "clear_interpreter()")
-        assert talk.say("textmsg('held')") == []
+        assert talk.say("textmsg('held')", "1 +", "clear_interpreter()", "textmsg('held')") == []
         talk.word("skipbuffer")
+        assert [reply.partition(":line")[0] for reply in talk.replies[-4:]] == [
+            "ack: 3: textmsg('held')",
+            "discard: Compile error",
+            "ack: 4: clear_interpreter()",
+            "ack: 5: textmsg('held')",
+        ]
+        assert talk.say("textmsg('later')") == ["ack: 6: textmsg('later')"]
         talk.run(0.2)
-        assert talk.replies[-1] == "ack: 3: textmsg('held')"
-        assert talk.texts == ["held"]
+        assert talk.texts == ["later"]
+
+    def test_also_when_that_one_runs_already(self):
+        talk = Talk(*HOST)
+        talk.say("sleep(0.1); clear_interpreter()", "textmsg('held')")
+        talk.word("skipbuffer")
+        assert talk.say("textmsg('later')") == []
+        talk.run(0.2)
+        assert talk.replies[-2:] == ["ack: 2: textmsg('held')", "ack: 3: textmsg('later')"]
+        assert talk.texts == ["later"]
+
+    def test_without_a_program_there_is_nothing_to_skip(self):
+        talk = Talk()
+        assert talk.word("skipbuffer") == ""
+        assert talk.word("statelastcleared") == "state: 0: statelastcleared"
 
 
 class TestMany:
@@ -79,7 +126,7 @@ class TestMany:
     def test_queries_are_taken_a_few_in_a_tick_and_all_are_answered(self):
         talk = Talk()
         talk.send(*(Query("query#1", str(number), "1 + 1") for number in range(300)))
-        assert 0 < len(talk.replies) < 5
+        assert 0 < len(talk.replies) < 30
         talk.run(1.0)
         assert talk.replies == [f"{number} success : 2" for number in range(300)]
 
@@ -125,6 +172,17 @@ class TestStatements:
         assert (alarm.class_name, alarm.line) == ("ZeroDivisionError", 5)
         assert "statement of interpreter mode" in alarm.text
 
+    def test_a_program_that_catches_what_a_statement_raises_goes_on_without_the_session(self):
+        talk = Talk("try:", "  interpreter_mode()", "except ZeroDivisionError:", "  textmsg('caught')", "sleep(1)")
+        assert talk.say("1 / 0", "g = 3") == ["ack: 1: 1 / 0", "ack: 2: g = 3", "discard: Cleaned up after end: g = 3"]
+        assert talk.texts == ["caught"]
+        assert talk.word("state") == "state: 0: stopped: state"
+
+    def test_what_waits_behind_a_failing_statement_is_discarded_and_so_is_what_comes_after(self):
+        talk = Talk(*HOST)
+        assert talk.say("1 / 0", "g = 3")[-1] == "discard: Cleaned up after end: g = 3"
+        assert talk.say("g = 4") == ["discard: Task is in an invalid state: g = 4"]
+
     @pytest.mark.parametrize("line", ["start_thread(f, ())", "def a():", "end", "return 1", "f.__globals__"])
     def test_what_cannot_be_a_statement_is_discarded(self, line):
         assert Talk(*HOST).say(line)[0].startswith("discard: Compile error:")
@@ -168,6 +226,23 @@ class TestQueue:
         talk.say("sleep(1)", "g = 3")
         talk.send(RunUnit("primary#1", "secondary", "sec s():\n  clear_interpreter()\nend\n"))
         assert talk.replies[-1] == "discard: Cleaned up: g = 3"
+
+    def test_a_second_clearing_holds_back_what_follows_it(self):
+        talk = Talk(*HOST)
+        talk.say("sleep(0.1); clear_interpreter()", "sleep(0.1); clear_interpreter()", "g = 3")
+        talk.run(0.15)
+        assert talk.replies[-1] == "ack: 2: sleep(0.1); clear_interpreter()"
+        talk.run(0.15)
+        assert talk.replies[-1] == "ack: 3: g = 3"
+
+    def test_a_line_that_is_no_text_is_discarded_in_its_turn(self):
+        talk = Talk(*HOST)
+        talk.send(Interpret("a", "g = 2"), Interpret("a", "?", "the line is not UTF-8 at byte 0"), Interpret("a", "g"))
+        assert talk.replies == [
+            "ack: 1: g = 2",
+            "discard: Compile error:the line is not UTF-8 at byte 0 : ?",
+            "ack: 2: g",
+        ]
 
     def test_nothing_is_answered_between_a_clearing_and_its_execution(self):
         talk = Talk(*HOST)
@@ -237,6 +312,27 @@ class TestWords:
         talk.start(*HOST)
         assert talk.word("state") == "state: 0: running: state"
 
+    @pytest.mark.parametrize(
+        ("motion", "is_aborted"),
+        [
+            ("movej([1, -1.5, -1.5, -1.5, 1.5, 0], v=0.1)", True),
+            ("movel(pose_trans(get_target_tcp_pose(), [0, 0, -0.1, 0, 0, 0]), v=0.02)", True),
+            ("p = get_target_tcp_pose(); movec(pose_trans(p, [0.02, 0.02, 0, 0, 0, 0]), "
+             "pose_trans(p, [0, 0.04, 0, 0, 0, 0]), v=0.01)", False),
+            ("movep(pose_trans(get_target_tcp_pose(), [0, 0, -0.1, 0, 0, 0]), v=0.02)", False),
+            ("sleep(3)", False),
+        ],
+    )  # fmt: skip
+    def test_abort_ends_movej_and_movel_and_nothing_else(self, motion, is_aborted):
+        talk = Talk("movej([0, -1.3, -1.6, -1.6, 1.5, 0])", *HOST)
+        talk.run(4.0)
+        assert talk.say(motion, "textmsg('next')")[-1] == "ack: 2: textmsg('next')"
+        talk.run(0.5)
+        assert talk.word("stateunexecuted") == "state: 1: stateunexecuted"
+        talk.word("abort")
+        talk.run(1.0)
+        assert (talk.texts, talk.of(Alarm)) == ((["next"] if is_aborted else []), [])
+
     def test_abort_ends_the_move_and_the_program_goes_on(self):
         talk = Talk("movej([1, -1.5, -1.5, -1.5, 1.5, 0], v=0.1)", "textmsg('on')")
         talk.run(1.0)
@@ -249,6 +345,18 @@ class TestWords:
         talk = Talk(*HOST)
         talk.say("g = 2", "clear_interpreter()")
         assert talk.word("statelastcleared") == "state: 2: statelastcleared"
+
+    def test_so_are_those_that_the_begin_of_a_session_clears(self):
+        talk = Talk("sleep(0.1)", "interpreter_mode()")
+        talk.say("g = 2", "g = 3")
+        assert talk.word("statelastcleared") == "state: 0: statelastcleared"
+        talk.run(0.1)
+        assert talk.word("statelastcleared") == "state: 2: statelastcleared"
+
+    def test_so_are_those_that_its_end_clears(self):
+        talk = Talk("interpreter_mode()", "sleep(1)")
+        talk.say("g = 2", "end_interpreter()", "g = 3")
+        assert talk.word("statelastcleared") == "state: 3: statelastcleared"
 
 
 class TestQueries:

@@ -10,7 +10,17 @@ from elitescript.kernel import Kernel, KernelConfig
 from elitescript.kernel.kernel import HANDLERS
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Popup, RobotModeChanged, TextMessage, Warned
-from elitescript.messages.inputs import AddLog, ClosePopup, Do, Input, Reboot, RunUnit, SetRemote, ShowPopup
+from elitescript.messages.inputs import (
+    AddLog,
+    ChannelOpened,
+    ClosePopup,
+    Do,
+    Input,
+    Reboot,
+    RunUnit,
+    SetRemote,
+    ShowPopup,
+)
 from elitescript.messages.machine import (
     AskSafety,
     PauseTask,
@@ -22,6 +32,7 @@ from elitescript.messages.machine import (
     StopTask,
     WriteSignal,
 )
+from elitescript.messages.outputs import CloseChannel
 from tests.kernel.machine import FOREVER, READY, Session, program
 
 
@@ -201,16 +212,73 @@ class TestTheTask:
 
 
 class TestSafety:
+    def test_a_request_that_wants_an_answer_gets_one(self):
+        session = Session(READY)
+        asked = [
+            (SetSpeedScale(0.5), "done"),
+            (SetSpeedScale(2.0), "refused: cannot set the speed to 2: the speed percentage must be in [0, 1], got 2"),
+            (WriteSignal("standard_digital_in", 3, True), "done"),
+            (
+                WriteSignal("standard_analog_in", 0, 99.0),
+                "refused: cannot set standard_analog_in[0] to 99.0: "
+                "standard_analog_in[0] must be in [0, 10] V (voltage domain), got 99",
+            ),
+            (
+                WriteSignal("standard_digital_in", 16, True),
+                "refused: cannot set standard_digital_in[16] to True: there is no signal standard_digital_in[16]",
+            ),
+            (StopTask(), "done"),
+            (PauseTask(), "refused: cannot pause: no task is running"),
+            (ResumeTask(), "refused: cannot resume: no task is paused"),
+        ]
+        for number, (request, _) in enumerate(asked):
+            session.send(Do(f"ctl#1/{number}", request, is_answered=True))
+            assert [reply.origin for reply in session.last.replies] == [f"ctl#1/{number}"]
+        assert session.replies == [text for _, text in asked]
+
+    def test_a_request_that_wants_none_gets_none(self):
+        session = Session(READY)
+        session.do(SetSpeedScale(0.5))
+        session.do(SetSpeedScale(2.0))
+        assert session.replies == []
+        assert [event.text for event in session.of(Warned)] == [
+            "cannot set the speed to 2: the speed percentage must be in [0, 1], got 2"
+        ]
+
+    def test_an_open_safeguard_keeps_a_task_from_going_on_and_says_so(self):
+        session = Session(READY)
+        session.start(FOREVER)
+        session.do(PauseTask())
+        session.do(WriteSignal("safeguard_stop", 0, True))
+        session.send(Do("ctl#1/1", ResumeTask(), is_answered=True))
+        assert session.replies == [
+            "refused: cannot resume task: the safeguard is open; close it (signal safeguard_stop to False)"
+        ]
+
+    def test_an_emergency_stop_is_no_protective_stop(self):
+        session = Session(READY)
+        session.do(WriteSignal("emergency_stop", 0, True))
+        session.send(Do("ctl#1/1", AskSafety("unlock_protective_stop"), is_answered=True))
+        [reply] = session.replies
+        assert "there is no protective stop to unlock; the emergency stop is pressed; release it" in reply
+
     def test_unlocking_is_answered_to_whoever_asked(self):
         session = Session(READY)
         session.do(AskSafety("stop_protectively", "a test"))
         session.run(1.0)
-        early = session.send(Do("dashboard#2/7", AskSafety("unlock_protective_stop")))
+        early = session.send(Do("dashboard#2/7", AskSafety("unlock_protective_stop"), is_answered=True))
         session.run(5.0)
-        late = session.send(Do("dashboard#2/8", AskSafety("unlock_protective_stop")))
+        late = session.send(Do("dashboard#2/8", AskSafety("unlock_protective_stop"), is_answered=True))
         assert early.replies[0].text.startswith("refused: ")
         assert [(reply.origin, reply.text) for reply in late.replies] == [("dashboard#2/8", "done")]
         assert late.snapshot.robot.safety_mode is SafetyMode.NORMAL
+
+    def test_a_restart_of_the_safety_system_takes_the_power_in_every_state(self):
+        session = Session(READY)
+        session.do(AskSafety("restart_safety"))
+        session.run(0.5)
+        robot = session.last.snapshot.robot
+        assert (robot.safety_mode, robot.robot_mode) == (SafetyMode.NORMAL, RobotMode.POWER_OFF)
 
     def test_an_unknown_action_or_point_is_a_warning(self):
         session = Session()
@@ -268,6 +336,16 @@ class TestTheController:
         snapshot = session.last.snapshot
         assert (snapshot.robot.robot_mode, snapshot.robot.safety_mode) == (RobotMode.POWER_OFF, SafetyMode.NORMAL)
         assert snapshot.popup == ""
+
+    def test_serial_ports_outlive_a_program_and_end_with_a_reboot(self):
+        session = Session(READY)
+        session.start("tool_serial_config(True, 9600, 0, 1)", name="a")
+        session.send(ChannelOpened(1, True))
+        session.run(0.1)
+        assert session.last.requests == ()
+        session.start("textmsg(tool_serial_mode())", name="b")
+        assert session.texts == ["RS485"]
+        assert CloseChannel(1) in session.send(Reboot("ctl")).requests
 
     def test_the_same_inputs_give_the_same_outputs(self):
         def outputs():

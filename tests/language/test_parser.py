@@ -154,6 +154,12 @@ def test_texts_that_python_cannot_read_are_refused(text):
     assert codes(text) != []
 
 
+def test_nul_characters_in_a_row_are_one_mistake():
+    assert [(found.code, found.text) for found in findings("x = 1" + "\0" * 5000)] == [
+        ("E001", "5000 NUL characters in a row cannot stand in a program")
+    ]
+
+
 def test_characters_that_are_no_text():
     assert [(found.code, found.line, found.column) for found in findings("x = 1\ny = '\0' + '\ud800'")] == [
         ("E001", 2, 6),

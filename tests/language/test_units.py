@@ -275,3 +275,18 @@ def test_programs_in_pieces_make_no_difference(lines, size):
 def test_refusals_and_units_are_values():
     assert Unit(LINE, "x", 1) == Unit(LINE, "x", 1)
     assert Refusal((), 1) == Refusal((), 1)
+
+
+def test_a_line_that_is_not_complete_can_be_dropped():
+    splitter = UnitSplitter()
+    assert splitter.receive(b"f(1,\n2, \xff") == []
+    assert splitter.drop_line() == "f(1,\n2, \ufffd"
+    assert not splitter.pending
+    assert said(splitter.receive(b"halt()\n")) == [(LINE, "halt()", 2)]
+
+
+def test_a_program_that_is_not_complete_is_not_dropped():
+    splitter = UnitSplitter()
+    splitter.receive(b"def a():\n  f(")
+    assert splitter.drop_line() == ""
+    assert said(splitter.receive(b")\nend\n")) == [(PROGRAM, "def a():\n  f()\nend", 1)]

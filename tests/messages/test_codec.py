@@ -76,6 +76,8 @@ class Maker:
             values["signals"] = {
                 name: tuple(self.make(kinds[row.kind]) for _ in range(row.size)) for name, row in SIGNALS.items()
             }
+        if kind is RunUnit:
+            values["kind"] = self.random.choice(inputs.UNIT_KINDS)
         return kind(**values)
 
 

@@ -194,11 +194,26 @@ def test_every_command_is_tested() -> None:
 def test_unlocking_a_protective_stop_is_up_to_the_robot() -> None:
     peer = shell(safety_mode=SafetyMode.PROTECTIVE_STOP)
     assert peer.send(b"unlockProtectiveStop\n") == []
-    assert peer.inputs == [Do(OWN, AskSafety("unlock_protective_stop", "asked for on the dashboard"))]
+    assert peer.inputs == [Do(OWN, AskSafety("unlock_protective_stop", "asked for on the dashboard"), True)]
     assert peer.tick(Reply(OWN, done())) == wire("Protective stop unlocking...")
     peer.send(b"unlockProtectiveStop\n")
-    reply = Reply("peer#1/2", refused("it stopped less than 5 s ago"))
-    assert peer.tick(reply) == wire("Failed to unlock protective stop: it stopped less than 5 s ago")
+    reply = Reply("peer#1/2", refused("cannot unlock protective stop: too early"))
+    assert peer.tick(reply) == wire("Failed: cannot unlock protective stop: too early")
+
+
+@pytest.mark.parametrize("mode", [SafetyMode.ROBOT_EMERGENCY_STOP, SafetyMode.SAFEGUARD_STOP, SafetyMode.FAULT])
+def test_unlocking_does_not_pretend_to_end_another_stop(mode: SafetyMode) -> None:
+    peer = shell(safety_mode=mode)
+    assert peer.send(b"unlockProtectiveStop\n") == []
+    reply = Reply(OWN, refused("cannot unlock protective stop: there is none"))
+    assert peer.tick(reply) == wire("Failed: cannot unlock protective stop: there is none")
+
+
+@pytest.mark.parametrize("mode", [SafetyMode.NORMAL, SafetyMode.REDUCED, SafetyMode.RECOVERY])
+def test_unlocking_an_arm_that_may_move_changes_nothing(mode: SafetyMode) -> None:
+    peer = shell(safety_mode=mode)
+    assert peer.send(b"unlockProtectiveStop\n") == wire("Protective stop unlocking...")
+    assert not peer.inputs
 
 
 def test_powering_on_and_releasing_brakes_follow_the_mode() -> None:

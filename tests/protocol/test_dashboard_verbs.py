@@ -6,6 +6,8 @@ import re
 
 import pytest
 
+from elitescript.controller.modes import TRANSITIONS
+from elitescript.controller.safety import MODES as MODES_OF_SAFETY
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.protocol.dashboard import DashboardConnection
 from elitescript.protocol.dashboard_verbs import VERBS
@@ -45,6 +47,7 @@ REMOTE_ONLY = {
     "shutdown",
 }
 """Commands that local control refuses."""
+TRANSITIONS_OF_POWER = {mode for mode, _ in TRANSITIONS}
 ACCEPTED = (
     r"Brake (Releasing.*|is released).*|Powering o|Restarting safety board|Protective stop unlocking|Loaded task: .*"
     r"|Loading Configuration :.*|Starting task|Pausing task|Stopping task|Task is .*"
@@ -105,12 +108,13 @@ def test_what_is_taken_under_remote_control_is_no_refusal(usage: str) -> None:
         (
             "stop",
             {"is_remote": False},
-            b"Failed to stop task: the robot is under local control; switch it to remote control first\r\n",
+            b"Failed to stop task: the robot is under local control; "
+            b"switch it to remote control first (remoteControl -on)\r\n",
         ),
         (
             "brakeRelease",
             {"robot_mode": RobotMode.POWER_OFF},
-            b"Failed to release the brakes: robotMode is POWER_OFF\r\n",
+            b"Failed to release the brakes: robotMode is POWER_OFF; power on first (robotControl -on)\r\n",
         ),
         (
             "play",
@@ -125,6 +129,15 @@ def test_what_is_taken_under_remote_control_is_no_refusal(usage: str) -> None:
 )
 def test_a_refusal_says_why(usage: str, changes: dict[str, object], reply: bytes) -> None:
     assert answer(usage, **changes) == ([reply], False)
+
+
+def test_every_state_that_can_be_left_has_its_remedy() -> None:
+    for mode in set(MODES_OF_SAFETY) - {SafetyMode.NORMAL, SafetyMode.REDUCED}:
+        ((reply,), _) = answer("play", safety_mode=mode)
+        assert b"; " in reply
+    for mode in TRANSITIONS_OF_POWER - {RobotMode.RUNNING}:
+        ((reply,), _) = answer("play", robot_mode=mode)
+        assert b"; " in reply
 
 
 def test_a_paused_program_goes_on_without_a_loaded_task() -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 
 import pytest
 
+from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Interpret, InterpreterWord
 from elitescript.messages.outputs import Reply
 from elitescript.protocol import interpreter
@@ -25,7 +27,7 @@ DOCUMENTED_WORDS = [
 
 def test_a_line_becomes_a_statement_however_it_arrives() -> None:
     line = b'def f(n): ; textmsg("n", n) ; end;\r\n'
-    expected = [Interpret("peer#1", 'def f(n): ; textmsg("n", n) ; end;')]
+    expected = [Interpret("peer#1/1", 'def f(n): ; textmsg("n", n) ; end;')]
     whole, trickle = Peer(InterpreterConnection), Peer(InterpreterConnection)
     assert whole.greeting == []
     assert whole.send(line) == []
@@ -39,19 +41,19 @@ def test_lines_keep_their_order_and_a_rest_waits() -> None:
     peer = Peer(InterpreterConnection)
     peer.send(b"a = 1\nskipbuffer\n\nb = 2\nc =")
     assert peer.inputs == [
-        Interpret("peer#1", "a = 1"),
-        InterpreterWord("peer#1", "skipbuffer"),
-        Interpret("peer#1", "b = 2"),
+        Interpret("peer#1/1", "a = 1"),
+        InterpreterWord("peer#1/2", "skipbuffer"),
+        Interpret("peer#1/3", "b = 2"),
     ]
     peer.send(b" 3\n")
-    assert peer.inputs[-1] == Interpret("peer#1", "c = 3")
+    assert peer.inputs[-1] == Interpret("peer#1/4", "c = 3")
 
 
 @pytest.mark.parametrize("word", DOCUMENTED_WORDS)
 def test_words_do_not_wait_their_turn(word: str) -> None:
     peer = Peer(InterpreterConnection)
     peer.send(f" {word} \n{word}()\n".encode())
-    assert peer.inputs == [InterpreterWord("peer#1", word), Interpret("peer#1", f"{word}()")]
+    assert peer.inputs == [InterpreterWord("peer#1/1", word), Interpret("peer#1/2", f"{word}()")]
 
 
 def test_the_table_has_the_documented_words() -> None:
@@ -78,30 +80,70 @@ def test_the_table_has_the_documented_words() -> None:
     ],
 )
 def test_replies_have_their_form(text: str, line: bytes) -> None:
-    assert Peer(InterpreterConnection).tick(Reply("peer#1", text)) == [line]
+    assert Peer(InterpreterConnection).tick(Reply("peer#1/1", text)) == [line]
 
 
 def test_every_client_hears_of_its_own_statements_alone() -> None:
     peer = Peer(InterpreterConnection, "interpreter#1")
-    own, other = Reply("interpreter#1", "ack: 2: b"), Reply("interpreter#12", "ack: 1: a")
+    own, other = Reply("interpreter#1/2", "ack: 2: b"), Reply("interpreter#12/1", "ack: 1: a")
     assert peer.tick(other, own, own) == [b"ack: 2: b\n"] * 2
     assert peer.tick() == []
 
 
-def test_a_line_that_is_no_text_is_discarded() -> None:
+def test_a_line_that_is_no_text_waits_its_turn_to_be_discarded() -> None:
     peer = Peer(InterpreterConnection)
-    assert peer.send(b"a = '\xff'\n") == [
-        "discard: Compile error:the line is not UTF-8 at byte 5 : a = '\ufffd'\n".encode()
-    ]
-    assert peer.inputs == []
+    assert peer.send(b"a = '\xff'\n") == []
+    assert peer.inputs == [Interpret("peer#1/1", "a = '\ufffd'", "the line is not UTF-8 at byte 5")]
 
 
 def test_a_line_may_be_as_long_as_the_limit_and_no_longer() -> None:
     peer = Peer(InterpreterConnection)
-    assert peer.send(b"a" * LINE_LIMIT + b"\n") == []
-    [reply] = peer.send(b"a" * (LINE_LIMIT + 1) + b"\nb\n")
-    assert reply == f"discard: Compile error:the line is longer than {LINE_LIMIT} bytes : {'a' * 60}...\n".encode()
-    assert [len(item.text) for item in peer.inputs if isinstance(item, Interpret)] == [LINE_LIMIT, 1]
+    peer.send(b"a" * LINE_LIMIT + b"\n")
+    peer.send(b"a" * (LINE_LIMIT + 1) + b"\nb\n")
+    whole, long, short = peer.inputs
+    assert whole == Interpret("peer#1/1", "a" * LINE_LIMIT)
+    assert long == Interpret("peer#1/2", "a" * 60 + "...", f"the line is longer than {LINE_LIMIT} bytes")
+    assert short == Interpret("peer#1/3", "b")
+
+
+class TestRestart:
+    """The robot is gone, and another one goes on in its place."""
+
+    LOST = Alarm(1, "R132", "ControllerRestarted", "it hung", 0, 0, "", "")
+
+    def restart(self, peer: Peer, *replies: Reply) -> list[bytes]:
+        peer.output = replace(peer.output, tick=peer.output.tick + 1, replies=replies, events=(self.LOST,))
+        peer.connection.publish(peer.output)
+        peer.output = replace(peer.output, events=())
+        return peer.connection.take()
+
+    def test_every_line_without_a_reply_gets_one(self) -> None:
+        peer = Peer(InterpreterConnection)
+        peer.send(b"a = 1\nb = 2\n\xff\nskipbuffer\nstate\nstateunexecuted\n")
+        assert self.restart(peer, Reply("peer#1/1", "ack: 1: a = 1")) == [
+            b"ack: 1: a = 1\n",
+            b"discard: Task is in an invalid state: b = 2\n",
+            "discard: Compile error:the line is not UTF-8 at byte 0 : \ufffd\n".encode(),
+            b"state: 0: stopped: state\n",
+            b"state: 0: stateunexecuted\n",
+        ]
+
+    def test_the_new_robot_is_not_heard_twice(self) -> None:
+        peer = Peer(InterpreterConnection)
+        peer.send(b"a = 1\n")
+        self.restart(peer)
+        again = Reply("peer#1/1", "discard: Task is in an invalid state: a = 1")
+        assert peer.tick(again) == []
+        peer.send(b"b = 2\n")
+        assert peer.tick(Reply("peer#1/2", "discard: Task is in an invalid state: b = 2")) == [
+            b"discard: Task is in an invalid state: b = 2\n"
+        ]
+
+    def test_what_was_answered_is_not_answered_again(self) -> None:
+        peer = Peer(InterpreterConnection)
+        peer.send(b"a = 1\n")
+        peer.tick(Reply("peer#1/1", "ack: 1: a = 1"))
+        assert self.restart(peer) == []
 
 
 def test_lines_are_read_a_few_in_a_tick_and_the_rest_when_the_client_goes() -> None:
@@ -111,15 +153,24 @@ def test_lines_are_read_a_few_in_a_tick_and_the_rest_when_the_client_goes() -> N
     assert peer.connection.is_busy
     peer.tick()
     assert len(peer.inputs) == 2 * LINES_PER_TICK
-    assert peer.connection.closed() == [Interpret("peer#1", "a = 1")] * LINES_PER_TICK
+    left = peer.connection.closed()
+    assert left == [Interpret(f"peer#1/{2 * LINES_PER_TICK + n}", "a = 1") for n in range(1, LINES_PER_TICK + 1)]
     assert not peer.connection.is_busy
 
 
-def test_any_bytes_are_borne() -> None:
-    for seed in range(200):
+def test_any_bytes_are_borne_and_cut_the_same_way_however_they_arrive() -> None:
+    for seed in range(100):
         chance = random.Random(seed)
-        peer = Peer(InterpreterConnection)
-        for _ in range(5):
-            for message in peer.send(chance.randbytes(chance.randrange(80)) + chance.choice([b"", b"\n"])):
-                assert message.startswith(b"discard: Compile error:"), seed
-                assert message.count(b"\n") == 1, seed
+        data = b"".join(
+            chance.choice([chance.randbytes(chance.randrange(40)), b"skipbuffer", b" g = 1 ", "µ".encode()])
+            + chance.choice([b"", b"\n", b"\r\n"])
+            for _ in range(10)
+        )
+        whole, trickle = Peer(InterpreterConnection), Peer(InterpreterConnection)
+        assert whole.send(data) == []
+        for byte in data:
+            assert trickle.send(bytes([byte])) == []
+        whole.tick()
+        trickle.tick()
+        assert whole.inputs == trickle.inputs, seed
+        assert [item.origin for item in whole.inputs] == [f"peer#1/{n + 1}" for n in range(len(whole.inputs))]

@@ -18,7 +18,6 @@ from elitescript.protocol.primary import (
     MAX_LINES_PER_TICK,
     MAX_SILENT_LINE_BYTES,
     MAX_UNITS_AT_ONCE,
-    MAX_WAITING,
     MAX_WAITING_BYTES,
     PORTS,
     PRIMARY,
@@ -32,6 +31,7 @@ from elitescript.protocol.primary import (
     PrimaryFeed,
     PrimaryPort,
 )
+from elitescript.protocol.primary_messages import WAITING_MAX
 from tests.protocol import primary_client as client
 from tests.protocol.snapshots import description, output
 
@@ -147,26 +147,22 @@ class TestMessages:
             connection.publish(output(tick, events=(text(tick, tick), text(tick, tick))))
             count += len(connection.take())
         assert 400 < count <= 500
-        assert connection.dropped > 0
 
-    def test_of_too_many_the_last_texts_are_lost(self):
-        connection = connect()
-        sent = run(connection, range(400), events=tuple(text(n) for n in range(MAX_WAITING + 10)))
-        assert [said for _, said in notes(sent)] == [f"text {n}" for n in range(MAX_WAITING)]
-        assert connection.dropped == 10
+    def test_what_a_script_prints_in_one_tick_comes_whole_and_in_order(self):
+        sent = run(connect(), range(WAITING_MAX * SPACING_TICKS), events=tuple(text(n) for n in range(WAITING_MAX)))
+        assert [said for _, said in notes(sent)] == [f"text {n}" for n in range(WAITING_MAX)]
 
-    def test_an_error_displaces_a_text(self):
-        connection = connect()
-        sent = run(connection, range(400), events=(*(text(n) for n in range(MAX_WAITING)), alarm()))
-        said = [said for _, said in notes(sent)]
-        assert said == [*(f"text {n}" for n in range(1, MAX_WAITING)), "NameError: no"]
-
-    def test_of_too_many_errors_the_oldest_is_lost(self):
-        connection = connect()
-        events = tuple(Warned(0, f"[SEC] Exception: {n}") for n in range(MAX_WAITING + 1))
-        said = [said for _, said in notes(run(connection, range(400), events=events))]
-        assert said[0] == "[SEC] Exception: 1"
-        assert len(said) == MAX_WAITING
+    def test_of_still_more_it_says_how_many_are_missing_and_the_error_behind_them_is_there(self):
+        events = (*(text(n) for n in range(WAITING_MAX + 10)), alarm(), text(0), text(0), alarm())
+        sent = run(connect(), range(WAITING_MAX * SPACING_TICKS + 50), events=events)
+        why = "robot messages are missing here: they came faster than they can be sent"
+        assert [said for _, said in notes(sent)][WAITING_MAX - 1 :] == [
+            f"text {WAITING_MAX - 1}",
+            f"warning: 10 {why}",
+            "NameError: no",
+            f"warning: 2 {why}",
+            "NameError: no",
+        ]
 
     @pytest.mark.parametrize(("port", "count"), [(PRIMARY, 1), (SECONDARY, 0), (REALTIME, 0), (READ_ONLY, 1)])
     def test_only_some_ports_have_them(self, port, count):
@@ -355,10 +351,9 @@ class TestUploads:
         connection = connect()
         run(connection, [0])
         (log,) = connection.receive(b"set speed 2\n", output(1))
-        assert isinstance(log, AddLog)
-        message = told(connection, 1)
-        assert (message["kind"], message["line"], message["text"]) == (10, 1, log.text)
-        assert "takes a fraction from 0 to 1" in message["text"]
+        assert log == AddLog(
+            ME, f"{ME}: `set speed` takes a fraction from 0 to 1, such as 0.50, not 2", is_warning=True
+        )
 
 
 class TestSilence:
@@ -406,24 +401,20 @@ class TestSilence:
 
 class TestControl:
     @pytest.mark.parametrize("stream", [f"{PROGRAM}\n", "stop task\n", "halt()\n", "sec a():\n x = 1\nend\n"])
-    def test_local_control_refuses_with_a_message(self, stream):
+    def test_local_control_refuses_with_a_warning(self, stream):
         connection = connect()
         run(connection, [0])
         (log,) = connection.receive(stream.encode(), output(1, is_remote=False))
         assert isinstance(log, AddLog)
-        message = told(connection, 1)
-        assert (message["kind"], message["line"]) == (10, 0)
-        assert message["text"] == log.text
-        assert "local control" in message["text"]
+        assert log.is_warning
+        assert f"{ME}: refused: the robot is in local control; switch it" in log.text
 
-    def test_remote_control_is_what_the_last_tick_says(self):
+    def test_a_warning_reaches_every_client_as_a_robot_error(self):
         connection = connect()
-        connection.receive(b"stop task", output(0))
-        connection.publish(output(1, is_remote=False))
-        (log,) = connection.closed()
-        assert isinstance(log, AddLog)
-        connection.publish(output(2))
-        assert connection.receive(b"stop task\n", output(2)) == [Do(ME, StopTask())]
+        run(connection, [0])
+        connection.publish(output(1, events=(Warned(1, "refused: the robot is in local control"),)))
+        message = client.robot_message(next(m for m in connection.take() if m[4] == 20))
+        assert (message["kind"], message["level"], message["text"]) == (6, 1, "refused: the robot is in local control")
 
 
 class TestPorts:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from typing import get_args
 
 import pytest
@@ -29,7 +30,11 @@ from elitescript.protocol.primary_messages import (
     MAX_TEXT_BYTES,
     SOURCE_CONTROLLER,
     SOURCE_SAFETY,
+    VITAL_MAX,
+    WAITING_MAX,
     WARNING,
+    Note,
+    NoteQueue,
     error_note,
     exception_note,
     note_of,
@@ -105,9 +110,9 @@ class TestOtherKinds:
         message = shown(TextMessage(1, "Grüße 你好", "main", 4))
         assert (message["kind"], message["text"]) == (0, "Grüße 你好")
 
-    def test_other_warning_is_text(self):
+    def test_a_warning_is_a_robot_error_of_that_level(self):
         message = shown(Warned(1, "the blend is too large"))
-        assert (message["kind"], message["text"]) == (0, "warning: the blend is too large")
+        assert (message["kind"], message["level"], message["text"]) == (6, 1, "the blend is too large")
 
     @pytest.mark.parametrize(
         ("level", "blocking", "flags"),
@@ -186,3 +191,50 @@ class TestTable:
         others = [TextMessage(1, "x", "main", 1), Warned(1, "x")]
         notes = [note_of(event) for event in vital + others]
         assert [note is not None and note.is_vital for note in notes] == [True] * 4 + [False] * 2
+
+
+class TestNoteQueue:
+    def note(self, data: bytes, is_vital: bool = False) -> Note:
+        return Note(data, is_vital)
+
+    def drained(self, queue: NoteQueue) -> list[bytes]:
+        return [queue.take() for _ in range(len(queue))]
+
+    def test_keeps_the_order(self):
+        queue = NoteQueue()
+        for number in range(20):
+            queue.put(self.note(bytes([number]), is_vital=number % 3 == 0), 0)
+        assert self.drained(queue) == [bytes([number]) for number in range(20)]
+
+    def test_goes_on_behind_a_gap_once_there_is_room(self):
+        queue = NoteQueue()
+        for _ in range(WAITING_MAX + 7):
+            queue.put(self.note(b"a"), 3)
+        for _ in range(2):
+            queue.take()
+        queue.put(self.note(b"b"), 4)
+        *before, gap, last = self.drained(queue)
+        assert (len(before), last) == (WAITING_MAX - 2, b"b")
+        assert b"warning: 7 robot messages are missing here" in gap
+        assert queue.left_out == 7
+
+    def test_nothing_is_left_out_without_being_counted(self):
+        for seed in range(20):
+            chance = random.Random(seed)
+            queue, put, taken, missing = NoteQueue(), 0, 0, 0
+            for _ in range(4000):
+                if chance.random() < 0.8 or not queue:
+                    queue.put(self.note(b"x", is_vital=chance.random() < 0.3), 0)
+                    put += 1
+                elif (data := queue.take()) == b"x":
+                    taken += 1
+                else:
+                    missing += int(data.split(b"warning: ")[1].split()[0])
+                assert len(queue) <= VITAL_MAX + 1
+            for data in self.drained(queue):
+                if data == b"x":
+                    taken += 1
+                else:
+                    missing += int(data.split(b"warning: ")[1].split()[0])
+            assert put == taken + missing
+            assert missing == queue.left_out > 0

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
+from elitescript.modbus import pdu
 from elitescript.modbus.rtu_frames import RtuSplitter, rtu_frame
 from elitescript.worlds.memory import MemoryWorld
 from elitescript.worlds.virtual.network import Link, Peer, VirtualNetwork
@@ -11,6 +14,41 @@ from tests.runtime.machine import Bench
 
 TOOL = "tool_serial_config(True, 115200, 0, 1)"
 TOOL_RTU = "tool_serial_config(True, 115200, 0, 1, 8, True)"
+BOX = "/dev/ttymxc0"
+BOX_RTU = "serial_config(True, 115200, 0, 1, 8, True)"
+
+KINDS = [
+    ("read_registers", "1, 2, 3", pdu.read(3, 2, 3), pdu.registers_read(3, [7, 0, 65535]), [7, 0, 65535]),
+    ("read_bits", "1, 2, 10", pdu.read(1, 2, 10), pdu.bits_read(1, [1, 0] * 5), [1, 0] * 5),
+    ("read_input_registers", "1, 2, 1", pdu.read(4, 2, 1), pdu.registers_read(4, [9]), [9]),
+    ("read_input_bits", "1, 0, 3", pdu.read(2, 0, 3), pdu.bits_read(2, [0, 1, 1]), [0, 1, 1]),
+    ("write_registers", "1, 2, [5, 6]", pdu.write_registers(2, [5, 6]), pdu.write_registers(2, [5, 6])[:5], 2),
+    ("write_registers", "1, 2, 5", pdu.write_registers(2, [5]), pdu.write_registers(2, [5])[:5], 1),
+    ("write_bits", "1, 2, [1, False, 7]", pdu.write_coils(2, [1, 0, 1]), pdu.write_coils(2, [1, 0, 1])[:5], 3),
+    ("write_bits", "1, 2, True", pdu.write_coils(2, [1]), pdu.write_coils(2, [1])[:5], 1),
+    ("write_single_bit", "1, 2, 1", pdu.write_coil(2, 1), pdu.write_coil(2, 1), 1),
+    ("write_single_bit", "1, 2, 0", pdu.write_coil(2, 0), pdu.write_coil(2, 0), 1),
+    ("write_single_bit", "1, 2, -3", pdu.write_coil(2, 1), pdu.write_coil(2, 1), 1),
+    ("write_single_register", "1, 2, 300", pdu.write_register(2, 300), pdu.write_register(2, 300), 1),
+]
+"""Command without its prefix, arguments, request, answer, result."""
+
+PORTS = [("tool_modbus_", "tool", TOOL_RTU), ("serial_modbus_", BOX, BOX_RTU)]
+
+ports = pytest.mark.parametrize(("prefix", "name", "config"), PORTS, ids=["tool", "box"])
+kinds = pytest.mark.parametrize(
+    ("kind", "args", "request_pdu", "answer", "result"), KINDS, ids=[f"{row[0]}({row[1]})" for row in KINDS]
+)
+
+
+def shown(prefix: str, kind: str, result: Any) -> str:
+    """A result as `textmsg` writes it: for several values the tool says whether, the box how many."""
+    return str(bool(result)) if prefix == "tool_modbus_" and kind in ("write_registers", "write_bits") else str(result)
+
+
+def failure(prefix: str, kind: str) -> str:
+    """What a command returns when it fails."""
+    return shown(prefix, kind, [] if kind.startswith("read") else 0)
 
 
 class Device(Peer):

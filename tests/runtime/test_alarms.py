@@ -85,6 +85,7 @@ class TestWords:
             clock=lambda: 1,
             thread="main",
             builtins={},
+            known=(),
             sources={},
             catalogue=CATALOGUE,
             profile=profile("2.10"),

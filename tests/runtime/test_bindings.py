@@ -1,7 +1,10 @@
+import builtins
+
 import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.language.hooks import HOOKS
+from elitescript.runtime.bindings import is_known
 from tests.runtime.machine import Bench, run
 
 
@@ -11,9 +14,50 @@ def test_every_hook_of_the_compiler_is_there():
 
 
 def test_every_command_is_there_under_its_name():
-    names = run("pass\n").host._program.builtins
+    bindings = run("pass\n").host._program.bindings
     for name in CATALOGUE.names():
-        assert names[name].__name__ == name
+        assert name not in bindings.names
+        bindings.bind_name(name)
+        assert bindings.names[name].__name__ == name
+        assert is_known(name)
+
+
+def test_commands_come_before_built_ins_of_the_same_name():
+    bindings = run("pass\n").host._program.bindings
+    for name in bindings.known():
+        bindings.bind_name(name)
+    assert {name for name in dir(builtins) if CATALOGUE.get(name) is not None} == {"pow"}
+    assert bindings.names["pow"] is not pow
+
+
+def test_only_what_a_program_names_is_made():
+    bench = run("""
+        def a():
+          def f():
+            class C:
+              x = [get_steptime() for _ in range(1)]
+            return lambda: str_len("")
+          eval("str_cat('a', 'b')")
+          exec("str_at('a', 0)")
+        end
+    """)
+    assert bench.alarms == []
+    made = {name for name in bench.host._program.builtins if CATALOGUE.get(name) is not None}
+    assert made == {"get_steptime", "str_len", "str_cat", "str_at"}
+
+
+@pytest.mark.parametrize(
+    "name", ["getattr", "dir", "input", "print", "textmsg", "globals", "iter", "KeyboardInterrupt"]
+)
+def test_what_a_program_hangs_on_a_function_is_gone_with_it(name):
+    bench = Bench().start(f"{name}.note = 1\ntextmsg({name}.note)\n").run()
+    bench.start(f"textmsg(hasattr({name}, 'note'))\n").run()
+    assert bench.log == ["1", "False"]
+
+
+def test_names_that_exist_are_suggested_although_nothing_has_used_them():
+    (alarm,) = run("textmgs('x')\n").alarms
+    assert alarm.details["hint"] == "did you mean 'textmsg'?"
 
 
 class TestBuiltIns:

@@ -94,6 +94,8 @@ def bench():
 
 def roots_of(bench):
     program = bench.host._program
+    for name in program.bindings.known():
+        program.bindings.bind_name(name)
     facades = {name: program.shelf.facade(name) for name in sorted(AVAILABLE)}
     visible = {name: value for name, value in program.builtins.items() if name not in HOOKS and name[:2] != "__"}
     return {"things": bench.host.monitor()["things"], **facades, **visible}

@@ -201,6 +201,15 @@ textmsg(socket_read_binary_integer(1))""",
         assert bench.log == ["[1, 1, -1]", "[1, 2]"]
         assert [event.tick for event in bench.machine.events if hasattr(event, "text")] == [1 + 125, 252]
 
+    def test_a_server_that_trickles_does_not_put_the_limit_off(self):
+        class Server(Recorder):
+            def opened(self):
+                self.link.send(b"x")
+                self.link.later(0.004, self.opened)
+
+        bench = run('socket_open("h", 5000)\ntextmsg(socket_read_string(suffix="\\n", timeout=0.1))', Server, until=500)
+        assert [(event.text, event.tick) for event in bench.machine.events] == [("", 26)]
+
     @pytest.mark.parametrize("timeout", ["0", "-1"])
     def test_without_a_limit_it_waits_for_ever(self, timeout):
         class Server(Recorder):

@@ -23,6 +23,9 @@ class FakeRobot:
         self.heard: list[tuple[int, Input]] = []
         self.says: dict[int, dict[str, Any]] = {}
         """Events, requests and replies by tick."""
+        self.refuses = ""
+        """If not empty, requests to the machine are refused for this reason."""
+        self.play_answer = done()
         self.on_tick: Callable[[int], None] = lambda tick: None
         self._output = output(0, task_state=TaskState.STOPPED, **changes)
         self._tick = -1
@@ -36,9 +39,12 @@ class FakeRobot:
         snapshot = self._output.snapshot
         for item in inputs:
             if isinstance(item, Do):
-                snapshot = self._done(snapshot, item.request)
+                if not self.refuses:
+                    snapshot = self._done(snapshot, item.request)
+                if item.is_answered:
+                    replies.append(Reply(item.origin, refused(self.refuses) if self.refuses else done()))
             elif isinstance(item, PlayTask):
-                replies.append(Reply(item.origin, done()))
+                replies.append(Reply(item.origin, self.play_answer))
             elif isinstance(item, GetVariable):
                 replies.append(Reply(item.origin, refused("no such variable")))
             elif isinstance(item, Interpret):

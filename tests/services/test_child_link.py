@@ -16,10 +16,11 @@ from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm, TaskStateChanged, TextMessage
+from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage
 from elitescript.messages.inputs import ChannelData, Do, RunUnit
+from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import SetTcp, WriteSignal
-from elitescript.messages.outputs import CloseChannel, OpenChannel, Output
+from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.services import child_link, frames
 from elitescript.services.child_link import BOOTS_MAX, ChildLink
@@ -28,6 +29,7 @@ from elitescript.services.config_codec import full_codec
 from elitescript.services.cycle import Cycle
 from elitescript.services.jail import is_complete
 from elitescript.services.journal import Journal, JournalReader
+from elitescript.services.last_words import HINT
 from elitescript.services.replay import Replay
 from elitescript.worlds.memory import MemoryFiles
 from tests.protocol.snapshots import description, output
@@ -159,7 +161,7 @@ class TestLink:
             after = await link.tick(())
             assert after.snapshot.robot.tick == after.tick == reported.tick + 1
             _, inputs = next((letter, data) for letter, data in children[1].told if letter == frames.TICK)
-            assert ["Do", "later", ["WriteSignal", "flag", 0, True]] in inputs
+            assert ["Do", "later", ["WriteSignal", "flag", 0, True], False] in inputs
             assert not any(item[1] == "poison" for item in inputs)
             assert link.restarts == 1
 
@@ -238,12 +240,17 @@ class TestLink:
 
         with_link(body)
 
-    def test_connections_of_a_dead_child_are_closed(self, children):
+    @pytest.mark.parametrize(
+        "request_",
+        [OpenChannel(7, "tcp", "10.0.0.1", 50001, 1.0), OpenLine(7, "tool", LineSettings(9600, 0, 1, 8))],
+        ids=["connection", "serial line"],
+    )
+    def test_channels_of_a_dead_child_are_closed(self, children, request_):
         async def body(link):
             await link.tick(())
             children[0].is_mute = True
             await link.tick(())
-            children[0].answer(requests=(OpenChannel(7, "tcp", "10.0.0.1", 50001, 1.0),))
+            children[0].answer(requests=(request_,))
             await link.tick([ChannelData(7, b"x"), ChannelData(8, b"of nobody")])
             assert [item[1] for item in children[0].told[-1][1]] == [7]
             children[0].end("it has ended")
@@ -445,14 +452,17 @@ class TestChild:
 
         served(body, grace_s=PATIENT_S, patience_s=PATIENT_S)
 
-    def test_a_call_that_never_returns_is_killed_and_the_robot_goes_on(self, tmp_path):
+    def test_a_call_that_never_returns_is_killed_and_the_robot_goes_on(self, tmp_path, capsys):
         path = tmp_path / "session.journal"
+        heard: list[Event] = []
 
         async def body(link):
-            await link.tick([Do("test", SetTcp(TCP)), Do("test", WriteSignal("output_int_register", 5, -7))])
+            first = await link.tick([Do("test", SetTcp(TCP)), Do("test", WriteSignal("output_int_register", 5, -7))])
             before = await link.tick(())
+            heard.extend((*first.events, *before.events))
             while before.snapshot.robot.tcp_offset != TCP:
                 before = await link.tick(())
+                heard.extend(before.events)
             program = "def p():\n  textmsg('on')\n  sum(range(10**12))\n"
             cycle, late_s = Cycle(), 0.0
             loop = asyncio.get_running_loop()
@@ -478,6 +488,9 @@ class TestChild:
             assert late_s < 1.0
             alarms = [event for one in outputs for event in one.events if isinstance(event, Alarm)]
             assert [(alarm.code, alarm.line) for alarm in alarms] == [("R132", 3)]
+            heard.extend(event for one in outputs for event in one.events)
+            states = [(event.state, event.name) for event in heard if isinstance(event, TaskStateChanged)]
+            assert states[-2:] == [(TaskState.PLAYING, "p"), (TaskState.STOPPED, "p")]
             after = outputs[-1].snapshot
             assert after.robot.tcp_offset == TCP
             assert after.robot.q_actual == before.snapshot.robot.q_actual
@@ -492,9 +505,13 @@ class TestChild:
         restarts = []
         played = list(session.outputs(lambda tick, reason: restarts.append(reason)))
         assert session.difference is None
-        assert session.checked_ticks == len(played) >= 3
+        assert session.checked_ticks == len(played) - 1 >= 3
         assert "did not come back" in restarts[0]
+        told = [event for one in played for event in one.events]
+        assert told[: len(heard)] == heard
         assert main(["replay", str(path)]) == 0
+        captured = capsys.readouterr()
+        assert "line 3" in captured.err and HINT in captured.err
 
     def test_a_child_that_is_killed_is_replaced(self):
         async def body(link):

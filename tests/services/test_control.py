@@ -17,9 +17,22 @@ import pytest
 from elitescript.errors import UsageError
 from elitescript.messages.enums import RobotMode
 from elitescript.messages.inputs import ClosePopup, Do
-from elitescript.messages.machine import AskSafety, WriteSignal
+from elitescript.messages.machine import (
+    AskSafety,
+    PauseTask,
+    PowerOff,
+    PowerOn,
+    ReleaseBrakes,
+    ResumeTask,
+    SetSpeedScale,
+    StopTask,
+    WriteSignal,
+)
+from elitescript.messages.outputs import Reply
 from elitescript.services import control
-from elitescript.services.control import ControlChannel, address_of, ask, runtime_folder
+from elitescript.services.control import Answers, ControlChannel, address_of, ask, runtime_folder
+from elitescript.services.control_verbs import Order, outcome_text
+from tests.protocol.snapshots import output
 from tests.services.fake_robot import FakeRobot
 from tests.services.served import Scene, run, serving
 
@@ -82,7 +95,14 @@ def test_the_state_is_that_of_the_robot() -> None:
         ("protective", ["test"], AskSafety("stop_protectively", "test")),
         ("violation", ["test"], AskSafety("violate", "test")),
         ("fault", [], AskSafety("fail", "asked for by ctl")),
-        ("restart", [], AskSafety("restart_safety", "asked for on the dashboard")),
+        ("unlock", [], AskSafety("unlock_protective_stop", "asked for by ctl")),
+        ("restart", [], AskSafety("restart_safety", "asked for by ctl")),
+        ("power", ["on"], PowerOn()),
+        ("power", ["off"], PowerOff()),
+        ("brakes", [], ReleaseBrakes()),
+        ("pause", [], PauseTask()),
+        ("resume", [], ResumeTask()),
+        ("stop", [], StopTask()),
     ],
 )
 def test_verbs_become_requests(verb: str, arguments: list[str], request_made: Any) -> None:
@@ -113,8 +133,8 @@ def test_refusals_say_why() -> None:
         async with controlled() as (_, channel):
             for verb, arguments, why in (
                 ("popup", ["confirm"], "no message window is open"),
-                ("pause", [], "no task is running"),
-                ("play", [], "no task is loaded"),
+                ("load", ["/etc/passwd"], "the path must lead into its folder"),
+                ("power", ["maybe"], "power takes on or off"),
                 ("speed", ["2"], "from 0 to 1"),
                 ("get", ["nonsense"], "no signal is called 'nonsense'"),
                 ("jump", [], "there is no verb 'jump'"),
@@ -124,6 +144,82 @@ def test_refusals_say_why() -> None:
                 assert why in answer["error"]
 
     run(test())
+
+
+@pytest.mark.parametrize(
+    ("verb", "arguments"),
+    [("estop", []), ("safeguard", ["open"]), ("unlock", []), ("resume", []), ("speed", ["0.5"]), ("power", ["off"])],
+)
+def test_what_the_robot_refuses_is_no_success(verb: str, arguments: list[str]) -> None:
+    async def test() -> None:
+        async with controlled() as (scene, channel):
+            scene.robot.refuses = "cannot do it: the robot is busy"
+            answer = await order(channel, verb, *arguments)
+            assert answer == {"ok": False, "error": "cannot do it: the robot is busy"}
+
+    run(test())
+
+
+def test_a_task_that_cannot_start_says_why() -> None:
+    robot = FakeRobot()
+    robot.play_answer = "refused: no task is loaded"
+
+    async def test() -> None:
+        async with controlled(robot) as (_, channel):
+            assert await order(channel, "play") == {"ok": False, "error": "not started: no task is loaded"}
+
+    run(test())
+
+
+def test_each_signal_of_a_set_is_asked_for_and_answered_by_itself() -> None:
+    async def test() -> None:
+        async with controlled() as (scene, channel):
+            values = {"standard_digital_in[0]": True, "standard_digital_in[1]": True}
+            assert (await order(channel, "set", **values))["ok"]
+            made = [item for _, item in scene.robot.heard if isinstance(item, Do)]
+            assert len({item.origin for item in made}) == 2
+            assert all(item.is_answered for item in made)
+
+    run(test())
+
+
+def test_the_first_refusal_of_several_answers_is_told() -> None:
+    two = Order((Do("ctl#1/1", SetSpeedScale(0.1)), Do("ctl#1/1", SetSpeedScale(0.2))), "set")
+    assert two.answered("ctl#1/1")[1] == ("ctl#1/1.1", "ctl#1/1.2")
+    assert outcome_text(two, ["done", "done"]) == "set"
+    for answers in (["refused: first", "done"], ["done", "refused: first"], ["refused: first", "refused: second"]):
+        with pytest.raises(UsageError, match=r"^first$"):
+            outcome_text(two, answers)
+
+
+def test_answers_are_taken_from_ticks_that_come_in_a_row() -> None:
+    async def test() -> None:
+        answers = Answers(("ctl#1/1.1", "ctl#1/1.2"))
+        assert answers.take(output(1))
+        assert answers.take(output(2, replies=(Reply("ctl#1/1.2", "refused: x"), Reply("rtsi#1", "done"))))
+        assert not answers.finished.done()
+        assert not answers.take(output(3, replies=(Reply("ctl#1/1.1", "done"),)))
+        assert not answers.take(output(4))
+        await answers.finished
+        assert answers.texts == ["done", "refused: x"]
+
+    run(test())
+
+
+def test_a_robot_that_never_answers_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(control, "REPLY_TICKS", 3)
+    monkeypatch.setattr(FakeRobot, "tick", _deaf(FakeRobot.tick))
+
+    async def test() -> None:
+        async with controlled() as (_, channel):
+            answer = await order(channel, "speed", "0.5")
+            assert answer == {"ok": False, "error": "the robot has not answered for 0.012 s of its time"}
+
+    run(test())
+
+
+def _deaf(tick: Any) -> Any:
+    return lambda robot, _inputs: tick(robot, ())
 
 
 def test_a_popup_is_confirmed() -> None:

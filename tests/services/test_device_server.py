@@ -79,12 +79,16 @@ def test_a_device_closes_and_refuses():
             connection.close()
 
     async def test():
-        async with serving(World(devices=[Once()])) as ((port,), _):
-            async with client(port) as (reader, writer), client(port) as (refused, _):
-                with contextlib.suppress(ConnectionError):
-                    assert await refused.read() == b""
-                writer.write(b"x\n")
-                assert await reader.read() == b"bye\n"
+        world = World(devices=[Once()])
+        async with (
+            serving(world) as ((port,), _),
+            client(port) as (reader, writer),
+            client(port) as (refused, _),
+        ):
+            with contextlib.suppress(ConnectionError):
+                assert await refused.read() == b""
+            writer.write(b"x\n")
+            assert await reader.read() == b"bye\n"
 
     run(test)
 
@@ -133,10 +137,9 @@ def test_wires_work_on_signals_that_are_only_remembered():
 
     async def test():
         world = World(devices=[Button(), Wire(when="standard_digital_out[0]", then="standard_digital_in[1]")])
-        async with serving(world) as ((port,), _):
-            async with client(port) as (reader, writer):
-                writer.write(b"press\n")
-                assert await reader.readline() == b"in True\n"
+        async with serving(world) as ((port,), _), client(port) as (reader, writer):
+            writer.write(b"press\n")
+            assert await reader.readline() == b"in True\n"
 
     run(test)
 

@@ -188,6 +188,27 @@ def test_a_device_that_goes_closes_the_channel_and_may_come_again() -> None:
     run(test())
 
 
+def test_what_was_sent_leaves_after_the_port_was_closed() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            await scene.open(1)
+            data = bytes(range(250)) * 100
+            scene.broker.carry_out([SendChannel(1, data), CloseChannel(1)])
+            assert await asyncio.to_thread(scene.terminal.read, len(data)) == data
+
+    run(test())
+
+
+def test_a_port_that_is_opened_anew_does_not_wait_for_what_was_sent() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            await scene.open(1)
+            scene.broker.carry_out([SendChannel(1, bytes(60_000)), CloseChannel(1)])
+            await scene.open(2)
+
+    run(test())
+
+
 def test_no_more_comes_than_there_is_room_for() -> None:
     async def test() -> None:
         async with outside() as scene:

@@ -11,7 +11,8 @@ from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, SendChannel
 from elitescript.protocol.outcomes import read_outcome
 from elitescript.services.served_world import ServedWorld
-from elitescript.testing.world import Device, Fault, ModbusDevice, SerialDevice, TcpServer, Wire, World
+from elitescript.services.table import SERVICES
+from elitescript.testing.world import Device, Fault, ModbusDevice, SerialDevice, TcpClient, TcpServer, Wire, World
 from elitescript.worlds.request_channels import RequestChannels
 from elitescript.worlds.virtual.faults import fault_text
 from tests.worlds.virtual.programs import robot_in
@@ -68,11 +69,15 @@ class Bench:
         self.kernel = Kernel(KernelConfig(power_on=True, **config))
         self.said = []
         self.others = []
-        self.world = ServedWorld(world, lambda text, is_problem: self.said.append((text, is_problem)))
+        self.world = ServedWorld(world, lambda text, is_problem: self.said.append((text, is_problem)), self.connect)
         self.output = self.kernel.tick()
         self.world.begin(self.output)
         self.events = []
         self.replies = []
+
+    def connect(self, service, origin):
+        row = next(row for row in SERVICES if row.name == service)
+        return row.open(self.kernel.description)(origin)
 
     def run(self, ticks, *inputs):
         for _ in range(ticks):
@@ -200,3 +205,19 @@ def test_the_end_of_the_service_closes_what_is_open():
     bench.world.close_all()
     world.network.arrivals(bench.output.tick + 5)
     assert closed == [1]
+
+
+def test_a_device_is_a_client_of_any_port_of_a_served_robot():
+    heard = []
+
+    class Panel(TcpClient):
+        service = "dashboard"
+
+        def line_received(self, line):
+            heard.append(line)
+            return "robotMode" if len(heard) == 1 else None
+
+    bench = Bench(World(devices=[Panel()]))
+    bench.run(10)
+    assert heard[0].startswith("EliRobot dashboard shell")
+    assert any("RUNNING" in line for line in heard[1:])

@@ -10,6 +10,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.events import TextMessage
 from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.machine import WriteSignal
+from elitescript.messages.outputs import Output
 from elitescript.services import station
 from elitescript.services.table import NAMES
 from elitescript.services.tcp import bind
@@ -213,5 +214,23 @@ def test_programs_of_one_client_arrive_in_order() -> None:
             assert [item.text.split("(")[0] for _, item in scene.robot.heard if isinstance(item, RunUnit)] == [
                 f"def p{number}" for number in range(50)
             ]
+
+    run(test())
+
+
+def test_a_follower_gets_every_output_of_a_row_until_it_has_enough() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            seen: list[int] = []
+
+            def take(output: Output) -> bool:
+                seen.append(output.tick)
+                return len(seen) < 4
+
+            scene.station.follow(take)
+            for _ in range(6):
+                # No turn for anybody else in between.
+                await scene.station.step()
+            assert seen == list(range(seen[0], seen[0] + 4))
 
     run(test())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.services.table import NAMES, SERVICES, port_numbers
+from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of
 from tests.protocol.snapshots import description, output
 
 
@@ -20,6 +20,12 @@ def test_the_ports_are_those_of_the_controller() -> None:
         "interpreter": 30020,
         "query": 40011,
     }
+
+
+def test_a_firmware_has_the_ports_that_its_release_brought() -> None:
+    names = [row.name for row in services_of((2, 10, 0, 0))]
+    assert names == [name for name in NAMES if name not in ("interpreter", "query")]
+    assert services_of((2, 11, 0, 0)) == services_of((2, 14, 0, 0)) == SERVICES
 
 
 def test_an_instance_moves_every_port() -> None:

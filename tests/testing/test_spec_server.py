@@ -6,6 +6,7 @@ import pytest
 
 from elitescript.errors import UsageError
 from elitescript.messages.inputs import ChannelClosed, ChannelData
+from elitescript.messages.line import LineSettings
 from elitescript.testing.spec import parse_page
 from elitescript.testing.spec_server import PageServer, network, written
 
@@ -72,3 +73,22 @@ out: b
 def test_a_server_needs_a_port():
     with pytest.raises(UsageError, match="line 1: a server needs a port"):
         parse_page("```server\n```\n")
+
+
+def test_a_serial_device_is_written_in_the_same_way():
+    page = '# Page\n\n```line tool\non "a" send "b"\n```\n```elite\ndef p():\nend\n```\n```expect\n```\n'
+    (case,) = parse_page(page)
+    assert case.servers == (("tool", 4, 'on "a" send "b"\n'),)
+    server = PageServer(4, case.servers[0][2])
+    channels = network([server], ["tool"])
+    channel = channels.open_line("tool", LineSettings(2_000_000, 0, 1, 8))
+    assert channels.open_line("/dev/ttymxc0", LineSettings(2_000_000, 0, 1, 8)) == 0
+    list(channels.arrivals(1))
+    channels.send(channel, b"a")
+    heard = [event for tick in range(2, 5) for event in channels.arrivals(tick) if isinstance(event, ChannelData)]
+    assert (heard, server.received) == ([ChannelData(channel, b"b")], b"a")
+
+
+def test_a_serial_device_needs_a_port():
+    with pytest.raises(UsageError, match="line 1: a serial line needs a port of the robot"):
+        parse_page("```line\n```\n")

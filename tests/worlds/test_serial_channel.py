@@ -19,6 +19,7 @@ from elitescript.modbus.rtu_frames import RtuSplitter, rtu_frame
 from elitescript.robot import VirtualRobot
 from elitescript.worlds import serial_channel
 from elitescript.worlds.line_bindings import MISSING
+from elitescript.worlds.memory import MemoryWorld
 from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.serial_channel import SerialChannel
 from tests.runtime.line_bench import program
@@ -103,6 +104,30 @@ def test_what_the_system_does_not_take_waits(channel, terminal):
     assert sum(event.size for event in events) == len(data)
 
 
+def test_closing_waits_until_what_was_sent_has_left(channel, terminal):
+    channel.poll()
+    data = bytes(1000) * 30
+    channel.send(data)
+    assert channel.unsent
+    assert not channel.has_left
+    received = []
+    reader = Thread(target=lambda: received.append(terminal.read(len(data))))
+    reader.start()
+    channel.close()
+    reader.join(10)
+    assert received == [data]
+    assert channel.is_over
+
+
+def test_closing_does_not_wait_for_ever(channel, terminal, monkeypatch):
+    monkeypatch.setattr(serial_channel, "CLOSING_S", 0.0)
+    channel.poll()
+    channel.send(bytes(100_000))
+    channel.close()
+    assert channel.is_over
+    assert channel.has_left
+
+
 def test_a_device_that_goes_closes_the_channel(channel, terminal):
     channel.poll()
     terminal.hang_up()
@@ -177,6 +202,10 @@ class TestChannels:
         with pytest.raises(UsageError, match="no serial port 'arm'"):
             RealChannels({"arm": "x"})
 
+    def test_a_robot_has_lines_or_a_world(self):
+        with pytest.raises(UsageError, match="lines are ports of this computer"):
+            VirtualRobot(lines={"tool": "socket://h:1"}, world=MemoryWorld())
+
     def test_a_port_holds_time_back(self, terminal):
         channels = RealChannels({"tool": terminal.name})
         number = channels.open_line("tool", SETTINGS)
@@ -247,3 +276,35 @@ class TestPrograms:
         tool_serial_config(False, 115200, 0, 1)
         """
         assert self.said(terminal, body, answer) == [f"[{a}, {a}]" for a in range(5)]
+
+    def test_a_device_that_is_plugged_in_again(self, terminal, tmp_path):
+        place, other = tmp_path / "port", Terminal()
+        place.symlink_to(terminal.name)
+        heard = []
+
+        def play():
+            heard.append(terminal.read(5))
+            terminal.hang_up()
+            place.unlink()
+            place.symlink_to(other.name)
+            heard.append(other.read(5))
+            other.write(b"x")
+
+        player = Thread(target=play)
+        player.start()
+        body = """
+        tool_serial_config(True, 115200, 0, 1)
+        tool_serial_write("first")
+        textmsg(tool_serial_read(1, True, 0), tool_serial_is_open(), tool_serial_mode())
+        while not tool_serial_config(True, 115200, 0, 1):
+          sleep(0.02)
+        end
+        tool_serial_write("again")
+        textmsg(tool_serial_read(1, True, 0))
+        tool_serial_config(False, 115200, 0, 1)
+        """
+        run = VirtualRobot(lines={"tool": str(place)}).run(program(body), until_s=20)
+        player.join(10)
+        other.close()
+        assert run.log == ["[]FalseCLOSE", "[120]"]
+        assert heard == [b"first", b"again"]

@@ -33,14 +33,11 @@ def replay(options: argparse.Namespace) -> int:
     for hint in _hints(reader):
         print(f"note: {hint}", file=sys.stderr)
 
-    def restarted(tick: int, reason: str) -> None:
-        print(f"{seconds(tick):10.3f} s  the controller was restarted: {reason}", file=sys.stderr)
-
     trace = TraceFile(Path(options.trace), has_actual=True) if options.trace else None
     with contextlib.ExitStack() as stack:
         if trace is not None:
             stack.enter_context(trace)
-        for output in session.outputs(restarted):
+        for output in session.outputs():
             for event in output.events:
                 report.event(event)
             if trace is not None:

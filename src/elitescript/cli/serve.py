@@ -4,28 +4,32 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import contextlib
 import os
 import signal
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.cli import jsonlines
+from elitescript.cli.last_resort import last_resort
 from elitescript.cli.report import JsonReport, Report, TextReport
 from elitescript.cli.settings import parse_joints, parse_settings
 from elitescript.cli.terminal import PatientStream, TaggedStream
 from elitescript.cli.writable import Writable
 from elitescript.errors import UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.events import Event
+from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
 from elitescript.services.jail import is_complete
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.robots import journal_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
 from elitescript.services.station import DEVICE, Note, Station
-from elitescript.services.table import NAMES, port_numbers
+from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of
 from elitescript.worlds.line_bindings import parse_bindings
 
 if TYPE_CHECKING:
@@ -38,15 +42,31 @@ ALL: Final = "all"
 
 def serve(options: argparse.Namespace) -> int:
     """Serve until a signal comes; return the exit code."""
-    worlds: list[World | None] = []
-    configs = robot_configs(options, worlds)
-    lines = line_bindings(options.serial, len(configs))
+    configs, worlds = robot_configs(options)
+    for config in {config.model: config for config in configs}.values():
+        # What cannot be a robot is told before a port is open or a process started.
+        _check_ports(options, Kernel(config).description)
     numbers = [port_numbers(options.instance, chosen_ports(options.port), robot=index) for index in range(len(configs))]
     _check_host(options)
-    out, err = PatientStream(sys.stdout), PatientStream(sys.stderr)
+    if not is_in_process(options):
+        return _run(options, configs, worlds, numbers, _on_signals)
+    # Programs run in this process, and may keep it from hearing signals.
+    with last_resort("elitescript serve") as listen:
+        return _run(options, configs, worlds, numbers, lambda stop: listen(_threadsafe(stop)))
+
+
+def _run(
+    options: argparse.Namespace,
+    configs: list[KernelConfig],
+    worlds: list[World | None],
+    numbers: list[dict[str, int]],
+    on_signals: Callable[[asyncio.Event], None],
+) -> int:
+    out = PatientStream(sys.stdout, told_to_programs) if options.json else PatientStream(sys.stdout)
+    err = PatientStream(sys.stderr)
     try:
         log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
-        asyncio.run(_serve(options, configs, worlds, numbers, lines, log))
+        asyncio.run(_serve(options, configs, worlds, numbers, log, on_signals))
     finally:
         out.close()
         err.close()
@@ -58,11 +78,12 @@ async def _serve(
     configs: list[KernelConfig],
     worlds: list[World | None],
     numbers: list[dict[str, int]],
-    lines: dict[str, str],
     log: Log,
+    on_signals: Callable[[asyncio.Event], None],
 ) -> None:
+    lines = line_bindings(options.serial, len(configs))
     stop = asyncio.Event()
-    _on_signals(stop)
+    on_signals(stop)
     is_lockstep = options.lockstep is not None
     stations = [
         Station(
@@ -101,12 +122,8 @@ def is_in_process(options: argparse.Namespace) -> bool:
     return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
 
 
-def robot_configs(options: argparse.Namespace, worlds: list[World | None]) -> list[KernelConfig]:
-    """The robots that the options ask for.
-
-    Args:
-        options: of the command line.
-        worlds: gets what is beside each robot.
+def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list[World | None]]:
+    """The robots that the options ask for, and what is beside each.
 
     Raises:
         UsageError: an option that makes no sense.
@@ -126,7 +143,8 @@ def robot_configs(options: argparse.Namespace, worlds: list[World | None]) -> li
         raise UsageError(f"--set {min(presets)}: there is no such signal")
     if options.task_dir is not None and not Path(options.task_dir).is_dir():
         raise UsageError(f"--task-dir {options.task_dir}: there is no such folder")
-    configs = []
+    configs: list[KernelConfig] = []
+    worlds: list[World | None] = []
     for index, model in enumerate(models):
         name = load_model(model).name
         cell = Cell() if options.world is None else load_cell(options.world, network=REAL)
@@ -150,7 +168,7 @@ def robot_configs(options: argparse.Namespace, worlds: list[World | None]) -> li
                 strict=options.strict,
             )
         )
-    return configs
+    return configs, worlds
 
 
 def line_bindings(texts: list[str], robots: int) -> dict[str, str]:
@@ -180,6 +198,14 @@ def chosen_ports(texts: list[str]) -> dict[str, int]:
             raise UsageError(f"--port {text}: only {ALL}=0 makes sense; --instance N moves all ports")
         chosen |= dict.fromkeys(NAMES, 0) if name == ALL else {name: int(number)}
     return chosen
+
+
+def _check_ports(options: argparse.Namespace, description: RobotDescription) -> None:
+    has = {row.name for row in services_of(description.firmware)}
+    for text in options.port:
+        name = text.partition("=")[0].strip()
+        if name in NAMES and name not in has:
+            raise UsageError(f"--port {text}: firmware {options.firmware} does not have that port")
 
 
 def _check_host(options: argparse.Namespace) -> None:
@@ -217,14 +243,37 @@ def _why_not_jailed(options: argparse.Namespace) -> str:
     return "; ".join(f"{layer.name}: {layer.detail}" for layer in layers if not layer.is_active)
 
 
+def _ports_text(station: Station) -> str:
+    ports = ", ".join(f"{name} {number}" for name, number in station.ports.items())
+    release = station.link.description.firmware[:2]
+    absent = [row.name for row in SERVICES if row.name not in station.ports]
+    closed = f" (firmware {release[0]}.{release[1]} has no {', '.join(absent)})" if absent else ""
+    return f"{station.name}: {ports}{closed}"
+
+
 def _on_signals(stop: asyncio.Event) -> None:
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
-        try:
-            loop.add_signal_handler(number, stop.set)
-        except NotImplementedError:
-            # The loops of some systems cannot; there a signal interrupts the loop at its next turn.
-            signal.signal(number, lambda *_: loop.call_soon_threadsafe(stop.set))
+        loop.add_signal_handler(number, stop.set)
+
+
+def _threadsafe(stop: asyncio.Event) -> Callable[[], None]:
+    """Sets the event from wherever a signal interrupts this process."""
+    loop = asyncio.get_running_loop()
+
+    def set_stop() -> None:
+        with contextlib.suppress(RuntimeError):
+            # The loop is closed: it has stopped already.
+            loop.call_soon_threadsafe(stop.set)
+
+    return set_stop
+
+
+def told_to_programs(count: int) -> str:
+    """The line in the place of lines that were left out."""
+    text = f"{count} lines are missing here: they came faster than they could be printed"
+    record = {"type": "serve", "what": "missing", "level": "problem", "text": text, "count": count}
+    return jsonlines.line(record) + "\n"
 
 
 class Log:
@@ -268,11 +317,9 @@ class Log:
             ]
             self._record({"type": "ready", "host": host, "robots": robots})
             return
-        robots_text = "; ".join(
-            f"{station.name}: " + ", ".join(f"{name} {number}" for name, number in station.ports.items())
-            for station in server.stations
-        )
+        robots_text = "; ".join(_ports_text(station) for station in server.stations)
         self._out.write(f"ready on {host}: {robots_text}\n")
+        self._out.write(f"ctl at {', '.join(server.control_addresses)}\n")
         self._out.flush()
 
     def take(self, station: Station, what: Event | Note) -> None:

@@ -4,27 +4,35 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from collections.abc import Callable
 from typing import Final
 
 from elitescript.cli.writable import Writable
 
-WAITING_MAX: Final = 10_000
-"""Texts that may wait; what comes after them is lost, and counted."""
+WAITING_MAX: Final = 50_000
+"""Texts that may wait; what comes after them is left out, and counted."""
 CLOSE_TIMEOUT_S: Final = 2.0
 
 
+def told_to_people(count: int) -> str:
+    """The line in the place of texts that were left out."""
+    return f"({count} texts are missing here: they came faster than they could be printed)\n"
+
+
 class PatientStream:
-    """Hands texts to a thread that writes them.
+    """Hands texts to a thread that writes them, in their order.
 
     Args:
         target: where they go.
+        tell_missing: makes the text that stands in the place of so many others.
     """
 
-    def __init__(self, target: Writable) -> None:
+    def __init__(self, target: Writable, tell_missing: Callable[[int], str] = told_to_people) -> None:
         self._target = target
+        self._tell_missing = tell_missing
         self._texts: deque[str] = deque()
         self._news = threading.Event()
-        self._lost = 0
+        self._missing = 0
         self._is_closing = False
         self._is_broken = False
         self._thread = threading.Thread(target=self._run, name="terminal", daemon=True)
@@ -33,9 +41,12 @@ class PatientStream:
     def write(self, text: str) -> int:
         """Take a text."""
         if len(self._texts) >= WAITING_MAX:
-            self._lost += 1
-        else:
-            self._texts.append(text)
+            self._missing += 1
+            return len(text)
+        if self._missing:
+            self._texts.append(self._tell_missing(self._missing))
+            self._missing = 0
+        self._texts.append(text)
         return len(text)
 
     def flush(self) -> None:
@@ -45,6 +56,9 @@ class PatientStream:
 
     def close(self) -> None:
         """Write what is left, for a limited time."""
+        if self._missing:
+            self._texts.append(self._tell_missing(self._missing))
+            self._missing = 0
         self._is_closing = True
         self._news.set()
         self._thread.join(CLOSE_TIMEOUT_S)
@@ -58,9 +72,6 @@ class PatientStream:
     def _write_all(self) -> None:
         while self._texts:
             text = "".join(self._texts.popleft() for _ in range(len(self._texts)))
-            if self._lost:
-                text += f"({self._lost} texts were lost: they came faster than they could be printed)\n"
-                self._lost = 0
             if self._is_broken:
                 continue
             try:

@@ -209,3 +209,27 @@ def ft_rtsi_input_enable(
         sensor_cog: centre of gravity of the sensor, in the flange frame.
     """
     robot.request(SetClientSensor(enable, sensor_mass, sensor_measuring_offset, sensor_cog))
+
+
+@command(family="observed", evidence="observed", since="2.14")
+def set_collision_detect_enabled(robot: Robot, enable: Bool) -> None:
+    """Stored without effect: collisions are not detected from the joints; the vendor's SDK 1.4 calls it.
+
+    What limits contact here is the greatest force of the safety configuration. That firmware 2.14 has the command is
+    *assumed*.
+
+    Args:
+        enable: True for on.
+    """
+    robot.request(SetOption("collision_detect_enabled", enable))
+
+
+@command(family="observed", evidence="observed", since="2.14")
+def set_dyn_collision_force_min_ratio(robot: Robot, ratio: Annotated[float, Number("", 0.0, 100.0)]) -> None:
+    """Stored without effect, see `set_collision_detect_enabled`; the vendor's SDK 1.4 calls it.
+
+    Args:
+        ratio: sensitivity; clients of that SDK give 10 to 100 percent. Whether the script passes percent or a fraction
+            is not known, and both are taken (*assumed*).
+    """
+    robot.request(SetOption("dyn_collision_force_min_ratio", ratio))

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from heapq import heappop, heappush
 from typing import Final
 
+from elitescript.controller.refusals import refusal_text
 from elitescript.errors import ScriptError, UsageError
 from elitescript.messages.events import Warned
 from elitescript.messages.machine import MachineRequest
@@ -44,7 +45,7 @@ class Inbox:
             try:
                 handle(request)
             except ScriptError as error:
-                refuse(Warned(tick, f"{type(request).__name__} refused: {error}"))
+                refuse(Warned(tick, refusal_text(request, error)))
 
     def due(self, tick: int) -> MachineRequest | None:
         """Take the next request that is due at `tick`."""

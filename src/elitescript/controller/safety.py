@@ -7,7 +7,9 @@ its limits, reduced mode, or none of these.
 Evidence: names and numbers of the states are *documented* (vendor's SDK), and so is that they are seen by clients;
 that a protective stop can be unlocked, and that the safety system can be restarted, is *documented* too (dashboard and
 primary interface). What a stop does to the task and to the power, and what outranks what, is *assumed*: it follows the
-stop categories of IEC 60204-1 as collaborative arms apply them.
+stop categories of IEC 60204-1 as collaborative arms apply them. A restart takes the power of the arm in every state,
+also in `NORMAL` (*assumed*: the board that starts anew is the one that switches it), and ends a task; clients wait for
+`NORMAL` alone, which comes at once unless an input still asks for a stop.
 """
 
 from __future__ import annotations
@@ -132,7 +134,7 @@ TRANSITIONS: Final[dict[tuple[SafetyMode, str], SafetyMode | None]] = {
     (mode, action): after for action, row in _ROWS.items() for mode, after in row.items()
 }
 
-SWITCH_ON: Final = "power on and release the brakes, which starting a program does by itself"
+SWITCH_ON: Final = "power on and release the brakes (`elitescript run` does both when it starts a program)"
 """The way back to an arm that may move, after its power has gone off."""
 
 WHAT_TO_DO: Final[dict[SafetyMode, str]] = {
@@ -150,7 +152,7 @@ WHAT_TO_DO: Final[dict[SafetyMode, str]] = {
 RESTART_HINTS: Final = (
     "look for the cause before the arm is switched on again",
     "release the stop, or restart the safety system after a violation or a fault",
-    "start the program again: that powers on and releases the brakes; it begins at its first line",
+    f"{SWITCH_ON}; then start the program again, from its first line",
 )
 """What to try after a stop that has taken the power."""
 

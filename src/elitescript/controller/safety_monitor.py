@@ -214,31 +214,37 @@ def _range_breach(joint: int, angle: float, low: float, high: float) -> Breach:
     )
 
 
+def _excess(
+    kind: str, text: str, value: float, limit: float, unit: str, hints: tuple[str, str, str], name: str = ""
+) -> Breach:
+    """A value above its upper limit."""
+    return Breach(kind, text, name, value, f"<= {limit:.6g}", unit, hints)
+
+
 def _joint_speed_breach(joint: int, speed: float, limit: float, mode: SafetyMode) -> Breach:
     name = JOINT_NAMES[joint]
-    return Breach(
+    return _excess(
         "joint_speed",
         f"joint {name} turns at {abs(speed):.4f} rad/s ({degrees(abs(speed)):.1f} deg/s); "
         f"{limit:.4f} rad/s ({degrees(limit):.1f} deg/s) are allowed in {_words(mode)}",
-        name,
         abs(speed),
-        f"<= {limit:.6g}",
+        limit,
         "rad/s",
         (
             "give the motion a lower v, or a longer t",
             "keep a Cartesian motion away from singularities, where joints turn fast: use movej there",
             "lower the speed percentage, or raise joint_speed of the safety limits",
         ),
+        name,
     )
 
 
 def _tcp_speed_breach(speed: float, limit: float, mode: SafetyMode) -> Breach:
-    return Breach(
+    return _excess(
         "tcp_speed",
         f"the TCP moves at {speed:.4f} m/s; {limit:.4f} m/s are allowed in {_words(mode)}",
-        "",
         speed,
-        f"<= {limit:.6g}",
+        limit,
         "m/s",
         (
             "give the motion a lower v, or a longer t",
@@ -249,12 +255,11 @@ def _tcp_speed_breach(speed: float, limit: float, mode: SafetyMode) -> Breach:
 
 
 def _tcp_force_breach(force: float, limit: float, mode: SafetyMode) -> Breach:
-    return Breach(
+    return _excess(
         "tcp_force",
         f"what the TCP touches pushes it with {force:.1f} N; {limit:.6g} N are allowed in {_words(mode)}",
-        "",
         force,
-        f"<= {limit:.6g}",
+        limit,
         "N",
         (
             "end the move above what it touches and press with force_mode, or search with a slow speedl until force() "
@@ -282,13 +287,12 @@ def _plane_breach(plane: SafetyPlane, distance: float) -> Breach:
 
 
 def _direction_breach(angle: float, limit: float) -> Breach:
-    return Breach(
+    return _excess(
         "tool_direction",
         f"the tool is {angle:.4f} rad ({degrees(angle):.1f} deg) away from its safety direction; {limit:.4f} rad "
         f"({degrees(limit):.1f} deg) are allowed",
-        "",
         angle,
-        f"<= {limit:.6g}",
+        limit,
         "rad",
         (
             "keep the orientation along the path: the target's rx, ry, rz may be wrong",

@@ -10,10 +10,12 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from elitescript.controller.picture import Pictures
+from elitescript.controller.refusals import refusal_text
 from elitescript.controller.signal_view import Signals
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.config import KernelConfig, describe
 from elitescript.kernel.conversations import Conversations
+from elitescript.kernel.interpreter_logs import InterpreterLogs
 from elitescript.kernel.programs import Programs
 from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
@@ -43,7 +45,7 @@ from elitescript.messages.inputs import (
     ShowPopup,
     VariablesArrived,
 )
-from elitescript.messages.machine import AskSafety, PowerOff, StopTask
+from elitescript.messages.machine import AskSafety, MachineRequest, PowerOff, StopTask
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
@@ -57,15 +59,14 @@ from elitescript.worlds.request_channels import FaultyWorld, RequestWorld
 from elitescript.worlds.virtual.faults import fault_of
 from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 
-UNLOCK: Final = "unlock_protective_stop"
-
 
 class Kernel:
     """One robot.
 
     Args:
         config: what it is.
-        world: everything outside its programs. Its network is not used: what programs ask of one is in the output.
+        world: everything outside its programs, with the logs of interpreter mode in its task folder. Its network is
+            not used: what programs ask of one is in the output.
 
     Attributes:
         description: what never changes about it.
@@ -84,6 +85,7 @@ class Kernel:
         "_host",
         "_is_popup_blocking",
         "_is_remote",
+        "_logs",
         "_pictures",
         "_popup",
         "_programs",
@@ -123,7 +125,8 @@ class Kernel:
             confirms_popups=False,
         )
         self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=outside)
-        self._conversations = Conversations(self._host, self._reply)
+        self._logs = None if world is None else InterpreterLogs(world.files)
+        self._conversations = Conversations(self._host, self._reply, self._logs)
         self._pictures = Pictures(self._controller)
         self._programs = Programs(self._controller, self._host, is_strict=config.strict)
         self._tasks = Tasks(
@@ -149,8 +152,12 @@ class Kernel:
             What happened in it, and the machine as it is then.
         """
         controller = self._controller
+        tick, logs = controller.tick, self._logs
+        if logs is not None:
+            logs.begin_tick(tick)
         controller.run_tick(lambda: self._take(inputs))
-        tick = controller.tick
+        if logs is not None and (trouble := logs.end_tick()):
+            self._emit(Warned(tick, trouble))
         snapshot = self._pictures.picture(
             self._task_picture(), self._popup, is_remote=self._is_remote, overruns=self.overruns
         )
@@ -173,24 +180,24 @@ class Kernel:
             self._reply(*late)
 
     def _do(self, item: Do) -> None:
-        request = item.request
-        is_answered = isinstance(request, AskSafety) and request.action == UNLOCK
+        why_not = self._attempt(item.request)
+        if why_not:
+            self._emit(Warned(self._controller.tick, why_not))
+        if item.is_answered:
+            self._reply(item.origin, refused(why_not) if why_not else done())
+
+    def _attempt(self, request: MachineRequest) -> str:
+        """Do what is asked; return why it cannot be done, empty if it is."""
         if isinstance(request, StopTask):
             self._tasks.stop()
             if self._controller.task_state is TaskState.STOPPED:
-                return
+                return ""
         try:
             _check_point(request)
             self._controller.request(request)
         except (ScriptError, UsageError) as error:
-            hint = getattr(error, "hint", None)
-            why = f"{error}; {hint}" if hint else str(error)
-            self._emit(Warned(self._controller.tick, f"{type(request).__name__} refused: {why}"))
-            if is_answered:
-                self._reply(item.origin, refused(why))
-            return
-        if is_answered:
-            self._reply(item.origin, done())
+            return refusal_text(request, error)
+        return ""
 
     def _run_unit(self, item: RunUnit) -> None:
         self._programs.run(item)
@@ -208,7 +215,8 @@ class Kernel:
         self._host.confirm_popup()
 
     def _add_log(self, item: AddLog) -> None:
-        self._emit(TextMessage(self._controller.tick, item.text, "", 0))
+        tick = self._controller.tick
+        self._emit(Warned(tick, item.text) if item.is_warning else TextMessage(tick, item.text, "", 0))
 
     def _set_remote(self, item: SetRemote) -> None:
         self._is_remote = item.is_remote

@@ -13,6 +13,7 @@ from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import RunUnit
+from elitescript.runtime.bindings import is_known
 from elitescript.runtime.host import SECONDARY_WARNING, ScriptHost
 
 PROBLEMS_MAX: Final = 20
@@ -82,7 +83,7 @@ class Programs:
         self._host.start(unit, dict(self.presets))
 
     def report(self, error: ProgramError, kind: str | None, origin: str) -> None:
-        """Say why a text does not compile: the first error as an alarm, the others in the log.
+        """Say why a text does not compile: the first error as an alarm, the others of a program in the log.
 
         Args:
             error: why.
@@ -96,7 +97,7 @@ class Programs:
         else:
             hint = {"hint": first.hint} if first.hint else {}
             self._alarm(first.code, "SyntaxError", first.text, first.line, first.column, origin, "", hint)
-        for problem in problems[1 : PROBLEMS_MAX + 1]:
+        for problem in () if kind == LINE else problems[1 : PROBLEMS_MAX + 1]:
             self._warn(_told(problem), problem.line)
 
     def _missing_name(self, text: str) -> str:
@@ -106,7 +107,7 @@ class Programs:
         except SyntaxError:
             return ""
         first = body[0].value if body and isinstance(body[0], ast.Expr) else None
-        if isinstance(first, ast.Call) and isinstance(first.func, ast.Name) and not self._host.knows(first.func.id):
+        if isinstance(first, ast.Call) and isinstance(first.func, ast.Name) and not is_known(first.func.id):
             return first.func.id
         return ""
 

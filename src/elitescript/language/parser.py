@@ -123,11 +123,13 @@ def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
     if text.isascii() and "\0" not in text:
         return source, []
     problems = []
-    for found in re.finditer("[\0\ud800-\udfff]", text):
+    for found in re.finditer("\0+|[\ud800-\udfff]", text):
         line = text.count("\n", 0, found.start()) + 1
         column = found.start() - text.rfind("\n", 0, found.start())
-        if found.group() == "\0":
-            problems.append(diagnostic("E001", line, column, "a NUL character cannot stand in a program"))
+        if found.group()[0] == "\0":
+            count = len(found.group())
+            what = "a NUL character" if count == 1 else f"{count} NUL characters in a row"
+            problems.append(diagnostic("E001", line, column, f"{what} cannot stand in a program"))
         else:
             what = f"the character U+{ord(found.group()):04X} is half of a pair and no text"
             problems.append(diagnostic("E002", line, column, what, hint="save the file as UTF-8"))
@@ -135,7 +137,7 @@ def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
             break
     if not problems:
         return source, []
-    return SourceFile(source.name, re.sub("[\0\ud800-\udfff]", "?", text)), problems
+    return SourceFile(source.name, re.sub("[\0\ud800-\udfff]", " ", text)), problems
 
 
 class _Reader:

@@ -156,6 +156,15 @@ class UnitSplitter:
                         self._deliver(found)
         return found
 
+    def drop_line(self) -> str:
+        """Throw away a line unit that is not complete, and return its text; a program is kept."""
+        if self._kind in (PROGRAM, SECONDARY):
+            return ""
+        text = "\n".join([*self._lines, self._decode(bytes(self._partial), peek=True)])
+        self._partial.clear()
+        self._reset()
+        return text
+
     def close(self) -> list[Unit | Refusal]:
         """The peer closed: deliver what is complete, refuse what is not."""
         found: list[Unit | Refusal] = []

@@ -21,6 +21,7 @@ class RobotMode(IntEnum):
     BACK_DRIVE = 6
     RUNNING = 7
     UPDATING = 8
+    WAITING_CALIBRATION = 9
 
 
 class SafetyMode(IntEnum):

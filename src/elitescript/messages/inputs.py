@@ -7,8 +7,12 @@ it needs and nothing live; `origin` names who sent it, such as `primary#3`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 from elitescript.messages.machine import MachineRequest
+
+UNIT_KINDS: Final = ("program", "secondary", "line")
+"""What a unit of script text is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,10 +21,14 @@ class RunUnit:
 
     origin: str
     kind: str
-    """`program`, `secondary` or `line`."""
+    """One of `UNIT_KINDS`."""
     text: str
     first_line: int = 1
     """Number of its first line where it came from."""
+
+    def __post_init__(self) -> None:
+        if self.kind not in UNIT_KINDS:
+            raise ValueError(f"a unit is one of {', '.join(UNIT_KINDS)}, not {self.kind[:40]!r}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +37,8 @@ class Do:
 
     origin: str
     request: MachineRequest
+    is_answered: bool = False
+    """Whether the robot is to reply what came of it; if not, a refusal is a warning alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +102,8 @@ class AddLog:
 
     origin: str
     text: str
+    is_warning: bool = False
+    """Whether something was refused or lost."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +127,8 @@ class Interpret:
 
     origin: str
     text: str
+    problem: str = ""
+    """Why it cannot be a statement, whatever it says; empty if it can. The text is its beginning then."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.inputs import (
@@ -32,34 +32,12 @@ from elitescript.messages.machine import (
     StopTask,
 )
 from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.protocol.dashboard_guards import MAY_MOVE, mode_name, safety_name
 from elitescript.protocol.lines import shown
 
 REPLY_LIMIT: Final = 512
 """Bytes of a reply of several lines that clients take in one read."""
 
-EMERGENCY: Final = frozenset({SafetyMode.SYSTEM_EMERGENCY_STOP, SafetyMode.ROBOT_EMERGENCY_STOP})
-BROKEN: Final = frozenset({SafetyMode.VIOLATION, SafetyMode.FAULT})
-ALL_MODES: Final = frozenset(RobotMode)
-ALL_SAFETY: Final = frozenset(SafetyMode)
-ALL_TASKS: Final = frozenset(TaskState)
-HAS_ARM: Final = ALL_MODES - {
-    RobotMode.NO_CONTROLLER,
-    RobotMode.DISCONNECTED,
-    RobotMode.CONFIRM_SAFETY,
-    RobotMode.UPDATING,
-}
-MAY_POWER: Final = ALL_SAFETY - EMERGENCY - BROKEN
-MAY_MOVE: Final = frozenset({SafetyMode.NORMAL, SafetyMode.REDUCED})
-
-WHY_TASK: Final[dict[TaskState, str]] = {
-    TaskState.PLAYING: "a task is running; stop it first",
-    TaskState.PAUSED: "a task is paused; stop it first",
-    TaskState.STOPPED: "no task is running",
-    TaskState.UNKNOWN: "the state of the task is not known",
-}
-LOCAL: Final = "the robot is under local control; switch it to remote control first"
-
-_SAFETY_NAMES: Final = {SafetyMode.UNDEFINED: "UNDEFINED_SAFETY_MODE"}
 _TASK_WORDS: Final = {TaskState.PLAYING: "running", TaskState.PAUSED: "paused"}
 
 
@@ -86,40 +64,6 @@ class Answer:
     """The connection ends."""
 
 
-class Guard(NamedTuple):
-    """States in which a command is taken."""
-
-    failure: str
-    """Begins the text of a refusal."""
-    is_remote_only: bool = True
-    modes: frozenset[RobotMode] = ALL_MODES
-    safety: frozenset[SafetyMode] = ALL_SAFETY
-    tasks: frozenset[TaskState] = ALL_TASKS
-
-    def refusal(self, snapshot: Snapshot) -> str:
-        """Why the command is refused now; empty if it is taken."""
-        robot = snapshot.robot
-        if self.is_remote_only and not snapshot.is_remote:
-            return f"{self.failure}: {LOCAL}"
-        if robot.robot_mode not in self.modes:
-            return f"{self.failure}: robotMode is {mode_name(robot.robot_mode)}"
-        if robot.safety_mode not in self.safety:
-            return f"{self.failure}: safety status is {safety_name(robot.safety_mode)}"
-        if robot.task_state not in self.tasks:
-            return f"{self.failure}: {WHY_TASK[robot.task_state]}"
-        return ""
-
-
-def mode_name(mode: RobotMode) -> str:
-    """Name of a robot mode on this port."""
-    return mode.name
-
-
-def safety_name(mode: SafetyMode) -> str:
-    """Name of a safety mode on this port."""
-    return _SAFETY_NAMES.get(mode, mode.name)
-
-
 def _do(asked: Asked, request: MachineRequest) -> Do:
     return Do(asked.origin, request)
 
@@ -143,12 +87,12 @@ def release_brakes(asked: Asked) -> Answer:
 
 
 def unlock(asked: Asked) -> Answer:
-    """Ask for the end of a protective stop; the robot knows whether it may end yet."""
+    """Ask for the end of a protective stop; the robot knows whether it may end, and what else stops it."""
     text = "Protective stop unlocking..."
-    if asked.snapshot.robot.safety_mode is not SafetyMode.PROTECTIVE_STOP:
+    if asked.snapshot.robot.safety_mode in (*MAY_MOVE, SafetyMode.RECOVERY):
         return Answer(text)
-    request = _do(asked, AskSafety("unlock_protective_stop", "asked for on the dashboard"))
-    return Answer(text, (request,), failure="Failed to unlock protective stop")
+    request = Do(asked.origin, AskSafety("unlock_protective_stop", "asked for on the dashboard"), is_answered=True)
+    return Answer(text, (request,), failure="Failed")
 
 
 def restart_safety(asked: Asked) -> Answer:

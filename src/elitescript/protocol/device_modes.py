@@ -42,6 +42,7 @@ _JOINT: Final = {
     RobotMode.BACK_DRIVE: DeviceMode.BACK_DRIVE,
     RobotMode.RUNNING: DeviceMode.RUNNING,
     RobotMode.UPDATING: DeviceMode.BOOTLOADER,
+    RobotMode.WAITING_CALIBRATION: DeviceMode.POWER_OFF,
 }
 _BROKEN: Final = {SafetyMode.VIOLATION: DeviceMode.VIOLATION, SafetyMode.FAULT: DeviceMode.FAULT}
 _POWERED: Final = frozenset(

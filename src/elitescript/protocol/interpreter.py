@@ -3,6 +3,9 @@
 The texts of all replies are here; the robot, which numbers and queues the statements, makes them with these functions
 and sends them as `Reply` to the origin of the statement or the word.
 
+A robot that is started anew in between knows nothing of what it was sent before: lines that had no reply by then are
+answered as if no program had run, and statements that were accepted are gone.
+
 Evidence: words, reply forms and reasons are *documented* (manual 2.14, interpreter mode; the vendor's article on the
 port). Line ends, `state: 0` for an unknown number, the limit of a line, and that every client gets the replies to its
 own statements and no others, are *assumed*.
@@ -12,6 +15,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
+from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Input, Interpret, InterpreterWord
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
@@ -24,6 +28,8 @@ LINES_PER_TICK: Final = 20
 """Of one client; the rest waits for the next tick (*assumed*)."""
 QUEUE_LIMIT: Final = 8500
 """Statements that wait to be executed."""
+RESTARTED: Final = "R132"
+"""Code of the alarm that tells of a new robot in the place of the old one."""
 
 
 class Word(NamedTuple):
@@ -45,7 +51,7 @@ class Reason(NamedTuple):
 
 
 _WORDS: Final = (
-    Word("skipbuffer", "", "Throw away every statement that has not begun.", "documented"),
+    Word("skipbuffer", "", "Throw away every statement that has not begun, at once.", "documented"),
     Word("abort", "", "End the `movej` or `movel` that is going on.", "documented"),
     Word(
         "statelastexecuted",
@@ -62,14 +68,14 @@ _WORDS: Final = (
     Word(
         "statelastcleared",
         "state: ID: statelastcleared",
-        "Number of the last statement that was cleared.",
-        "documented; the word in the reply assumed",
+        "Number of the last statement that was cleared: thrown away before it began, or its definitions forgotten.",
+        "documented; the word in the reply and what counts as cleared assumed",
     ),
     Word(
         "stateunexecuted",
         "state: COUNT: stateunexecuted",
-        "How many accepted statements have not been executed.",
-        "documented",
+        "How many accepted statements have not begun; those that were skipped do not count.",
+        "documented; without the skipped ones assumed, the texts disagree",
     ),
     Word("state", "state: 0: running: state", "Whether a session is `running` or `stopped`.", "documented"),
 )
@@ -119,14 +125,24 @@ def session_state(is_running: bool) -> str:
 
 
 class InterpreterConnection(Connection):
-    """One client of interpreter mode."""
+    """One client of interpreter mode.
 
-    __slots__ = ("_due", "_lines")
+    Each line goes to the robot under an origin of its own, `interpreter#2/7` for the seventh of `interpreter#2`, so
+    that it is known which lines have no reply yet.
+    """
+
+    __slots__ = ("_count", "_due", "_given_up", "_lines", "_start", "_unanswered")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
         self._lines = PacedLines(LINE_LIMIT, LINES_PER_TICK)
         self._due: list[Input] = []
+        self._count = 0
+        self._start = f"{origin}/"
+        self._unanswered: dict[str, str] = {}
+        """Lines by origin, and the reply if nobody is left who could give one."""
+        self._given_up: set[str] = set()
+        """Lines that have got that reply, for the case that the new robot gives another one."""
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         """See `Connection.receive`."""
@@ -137,12 +153,21 @@ class InterpreterConnection(Connection):
         inputs: list[Input] = []
         for line in lines:
             text = line.text.strip()
+            if not text and not line.problem:
+                continue
+            self._count += 1
+            origin = f"{self._start}{self._count}"
             if line.problem:
-                self._say(not_compiled(line.problem, shown(text)))
+                text = shown(text)
+                inputs.append(Interpret(origin, text, line.problem))
+                self._unanswered[origin] = not_compiled(line.problem, text)
             elif text in WORDS:
-                inputs.append(InterpreterWord(self.origin, text))
-            elif text:
-                inputs.append(Interpret(self.origin, text))
+                inputs.append(InterpreterWord(origin, text))
+                if WORDS[text].reply:
+                    self._unanswered[origin] = session_state(False) if text == "state" else state_of(0, text)
+            else:
+                inputs.append(Interpret(origin, text))
+                self._unanswered[origin] = discarded(INVALID_STATE, text)
         return inputs
 
     @property
@@ -152,14 +177,24 @@ class InterpreterConnection(Connection):
 
     @property
     def is_expecting(self) -> bool:
-        """See `Connection.is_expecting`; how many replies are to come is not counted here."""
+        """See `Connection.is_expecting`: also a statement that was accepted may be discarded later."""
         return True
 
     def publish(self, output: Output) -> None:
         """See `Connection.publish`."""
         for reply in output.replies:
-            if reply.origin == self.origin:
-                self._say(reply.text)
+            if not reply.origin.startswith(self._start):
+                continue
+            if reply.origin in self._given_up:
+                self._given_up.discard(reply.origin)
+                continue
+            self._unanswered.pop(reply.origin, None)
+            self._say(reply.text)
+        if self._unanswered and any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
+            for text in self._unanswered.values():
+                self._say(text)
+            self._given_up = set(self._unanswered)
+            self._unanswered.clear()
         self._due += self._inputs(self._lines.take(output.tick))
 
     def due(self) -> list[Input]:

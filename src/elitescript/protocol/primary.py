@@ -5,7 +5,8 @@ packed once. Robot messages follow the events of a tick. The vendor's client tak
 at least `SPACING_TICKS` apart, and what waits is bounded.
 
 In come programs, secondary programs, bare lines and plain commands, without lengths and without an answer. In local
-control all of them are refused with a script exception, *assumed*: what a controller does then is not known.
+control all of them are refused with a warning, *assumed*: what a controller does then is not known. A plain command
+whose argument makes no sense is a warning too, a program without its end a script exception.
 """
 
 from __future__ import annotations
@@ -19,11 +20,13 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import TICKS_PER_S, ticks_for
 from elitescript.protocol.connection import Connection, ProtocolError
-from elitescript.protocol.primary_commands import request_of
+from elitescript.protocol.garbage import Burst
+from elitescript.protocol.primary_commands import is_command, request_of
 from elitescript.protocol.primary_messages import (
     TERMINATOR,
     WARNING,
     Note,
+    NoteQueue,
     error_note,
     exception_note,
     note_of,
@@ -33,8 +36,6 @@ from elitescript.protocol.primary_packets import ASSUMED, DOCUMENTED, SUB_MESSAG
 
 SPACING_TICKS: Final = 7
 """Between two robot messages: with ten states they stay below 50 messages a second."""
-MAX_WAITING: Final = 32
-"""Robot messages that may wait for a client; they have left after 0.9 s. Vital ones displace others."""
 UNITS_PER_TICK: Final = 2
 """Units of one client that begin in one tick, about 2 ms of work; more have to wait for the next. *Assumed.*"""
 MAX_UNITS_AT_ONCE: Final = 100
@@ -49,7 +50,7 @@ SILENCE_TICKS: Final = ticks_for(SILENCE_S)
 MAX_SILENT_LINE_BYTES: Final = 16 * 1024
 """A longer line is not complete before its line feed, however long the silence."""
 
-_LOCAL: Final = "Refused: the robot is in local control; switch it to remote control to run programs and commands"
+_LOCAL: Final = "refused: the robot is in local control; switch it to remote control to run programs and commands"
 _DAMAGED: Final = "some bytes of a program are not UTF-8; each was replaced by U+FFFD"
 
 
@@ -136,6 +137,7 @@ class PrimaryConnection(Connection):
     """
 
     __slots__ = (
+        "_burst",
         "_bytes_left",
         "_due",
         "_feed",
@@ -152,7 +154,6 @@ class PrimaryConnection(Connection):
         "_tick",
         "_units_in_tick",
         "_waiting",
-        "dropped",
     )
 
     def __init__(self, origin: str, description: RobotDescription, feed: PrimaryFeed | None = None) -> None:
@@ -163,6 +164,7 @@ class PrimaryConnection(Connection):
         self._lines_left = MAX_LINES_PER_TICK
         self._bytes_left = MAX_BYTES_PER_TICK
         self._splitter = UnitSplitter()
+        self._burst = Burst()
         self._ready: deque[Unit | Refusal] = deque()
         self._tick = 0
         self._is_remote = False
@@ -171,10 +173,8 @@ class PrimaryConnection(Connection):
         self._units_in_tick = 0
         self._next_state_at = 0
         self._next_note_at = 0
-        self._waiting: deque[Note] = deque()
+        self._waiting = NoteQueue(self._feed.terminator)
         self._due: list[Input] = []
-        self.dropped = 0
-        """Robot messages that this client has missed because too many waited."""
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         if not self._feed.port.takes_programs or not data:
@@ -193,12 +193,12 @@ class PrimaryConnection(Connection):
         self._note_tick(output)
         if self._feed.port.sends_messages:
             if self._feed.sends_version and not self._is_greeted:
-                self._wait(version_note(output.tick, self.description, self._feed.terminator))
+                self._waiting.put(version_note(output.tick, self.description, self._feed.terminator), output.tick)
             for note in self._feed.notes(output):
-                self._wait(note)
+                self._waiting.put(note, output.tick)
         self._is_greeted = True
         if self._waiting and output.tick >= self._next_note_at:
-            self.send(self._waiting.popleft().data)
+            self.send(self._waiting.take())
             self._next_note_at = output.tick + SPACING_TICKS
         if output.tick >= self._next_state_at:
             self.send(self._feed.state(output))
@@ -211,6 +211,12 @@ class PrimaryConnection(Connection):
             if self._splitter.pending and self._line_bytes <= MAX_SILENT_LINE_BYTES:
                 self._ready += self._splitter.silence()
                 self._due += self._read()
+            if not self._burst.is_empty and not self._ready:
+                if rest := self._splitter.drop_line():
+                    self._burst.add(rest, output.tick)
+                self._due.append(self._warning(self._burst.take(self.origin)))
+        if self._burst.is_due(output.tick):
+            self._due.append(self._warning(self._burst.take(self.origin)))
 
     def due(self) -> list[Input]:
         due, self._due = self._due, []
@@ -220,10 +226,14 @@ class PrimaryConnection(Connection):
         left = [*self._ready, *self._splitter.receive(bytes(self._raw)), *self._splitter.close()]
         self._ready.clear()
         self._raw.clear()
-        inputs = self.due() + [self._input(item) for item in left[:MAX_UNITS_AT_ONCE]]
+        inputs = self.due()
+        for item in left[:MAX_UNITS_AT_ONCE]:
+            inputs += self._inputs(item)
         if len(left) > MAX_UNITS_AT_ONCE:
-            text = f"Refused: more than {MAX_UNITS_AT_ONCE} programs and commands were waiting; the rest is lost"
-            inputs.append(self._refuse(0, 0, text))
+            text = f"more than {MAX_UNITS_AT_ONCE} programs and commands were waiting when the client went"
+            inputs.append(self._warning(f"{self.origin}: {text}; the rest is lost"))
+        if not self._burst.is_empty:
+            inputs.append(self._warning(self._burst.take(self.origin)))
         return inputs
 
     # Units
@@ -234,7 +244,7 @@ class PrimaryConnection(Connection):
         while self._units_in_tick < UNITS_PER_TICK:
             if self._ready:
                 self._units_in_tick += 1
-                inputs.append(self._input(self._ready.popleft()))
+                inputs += self._inputs(self._ready.popleft())
             elif piece := self._piece():
                 self._ready += self._splitter.receive(piece)
             else:
@@ -256,33 +266,43 @@ class PrimaryConnection(Connection):
             self._line_bytes = len(piece) - begin + (0 if begin else self._line_bytes)
         return piece
 
-    def _input(self, found: Unit | Refusal) -> Input:
-        return self._refusal(found) if isinstance(found, Refusal) else self._run(found)
+    def _inputs(self, found: Unit | Refusal) -> list[Input]:
+        """What a piece of the stream asks for; nothing if it is garbage."""
+        if isinstance(found, Refusal):
+            return [self._refusal(found)]
+        if found.kind == "line" and self._burst.takes(found.text) and not is_command(found.text):
+            self._burst.add(found.text, self._tick)
+            return []
+        return [self._run(found)]
 
     def _run(self, unit: Unit) -> Input:
         if not self._is_remote:
-            return self._refuse(0, 0, _LOCAL)
+            return self._warning(f"{self.origin}: {_LOCAL}")
         if unit.kind == "line":
             try:
                 request = request_of(unit.text)
             except ValueError as error:
-                return self._refuse(1, 1, f"ValueError: {error}")
+                return self._warning(f"{self.origin}: {error}")
             if request is not None:
                 return Do(self.origin, request)
         if unit.damaged and self._feed.port.sends_messages:
-            self._wait(error_note(self._tick, WARNING, _DAMAGED, terminator=self._feed.terminator))
+            note = error_note(self._tick, WARNING, _DAMAGED, terminator=self._feed.terminator)
+            self._waiting.put(note, self._tick)
         # Lines of alarms count from the unit's own first line, whatever came before it in the stream.
         return RunUnit(self.origin, unit.kind, unit.text)
 
     def _refusal(self, refusal: Refusal) -> Input:
+        """Tell the client of a text that is no program, and the log: the client may have gone."""
         problem = refusal.problems[0]
-        return self._refuse(problem.line, problem.column, f"SyntaxError: {problem.text}")
-
-    def _refuse(self, line: int, column: int, text: str) -> Input:
-        """Tell the client, and the log: the client may have gone."""
+        text = f"SyntaxError: {problem.text}"
         if self._feed.port.sends_messages:
-            self._wait(exception_note(self._tick, line, column, text, self._feed.terminator))
+            note = exception_note(self._tick, problem.line, problem.column, text, self._feed.terminator)
+            self._waiting.put(note, self._tick)
         return AddLog(self.origin, text)
+
+    def _warning(self, text: str) -> Input:
+        """For everybody who hears of warnings, the client among them."""
+        return AddLog(self.origin, text, is_warning=True)
 
     # Ticks and messages
 
@@ -293,13 +313,3 @@ class PrimaryConnection(Connection):
             self._units_in_tick = 0
             self._lines_left = MAX_LINES_PER_TICK
             self._bytes_left = MAX_BYTES_PER_TICK
-
-    def _wait(self, note: Note) -> None:
-        """Queue a robot message; of too many, one that is not vital is lost, or else the oldest."""
-        if len(self._waiting) >= MAX_WAITING:
-            self.dropped += 1
-            if not note.is_vital:
-                return
-            lost = next((old for old in self._waiting if not old.is_vital), self._waiting[0])
-            self._waiting.remove(lost)
-        self._waiting.append(note)

@@ -47,7 +47,12 @@ COMMANDS: Final[tuple[PlainCommand, ...]] = (
         False,
         "protective stopped is false, 5 s",
     ),
-    PlainCommand("restart safetyboard", lambda _: AskSafety("restart_safety"), False, "safety mode normal, 30 s"),
+    PlainCommand(
+        "restart safetyboard",
+        lambda _: AskSafety("restart_safety"),
+        False,
+        "safety mode normal, 30 s; the arm is off (*assumed*)",
+    ),
     PlainCommand("set speed", SetSpeedScale, True, "target speed fraction in percent, 3 s"),
 )
 
@@ -68,6 +73,12 @@ def request_of(line: str) -> MachineRequest | None:
             if not given:
                 return command.request(0.0)
     return None
+
+
+def is_command(line: str) -> bool:
+    """Whether a line begins like a plain command."""
+    words = line.split()
+    return any(words[: len(own)] == own for own in (command.words.split() for command in COMMANDS))
 
 
 def _fraction(words: str, text: str) -> float:

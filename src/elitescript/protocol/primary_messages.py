@@ -7,6 +7,7 @@ kind is sent for. The vendor's numbers of robot errors are not known: ours have 
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
@@ -32,6 +33,10 @@ TERMINATOR: Final = b"\0"
 MAX_TEXT_BYTES: Final = 4096
 """Longer texts end in dots. *Assumed.*"""
 MAX_TITLE_BYTES: Final = 255
+WAITING_MAX: Final = 500
+"""Robot messages that may wait for a client; the last of them leaves after 14 s."""
+VITAL_MAX: Final = 1000
+"""The same for vital ones."""
 
 SECONDARY_PREFIX: Final = "[SEC] Exception:"
 """How warnings of secondary programs begin."""
@@ -91,7 +96,7 @@ HEAD: Final = (
     Field("kind", UINT8, "", DOCUMENTED),
 )
 
-TEXT: Final = MessageKind("text", 0, ASSUMED, "`textmsg`; warnings that are not of a secondary program", (), ("text",))
+TEXT: Final = MessageKind("text", 0, ASSUMED, "`textmsg`; lines that clients add to the log", (), ("text",))
 POPUP: Final = MessageKind(
     "popup",
     2,
@@ -125,7 +130,8 @@ ROBOT_ERROR: Final = MessageKind(
     "robot error",
     6,
     DOCUMENTED,
-    "stops of the safety system; exceptions of secondary programs, as warnings; bytes that are not UTF-8",
+    "stops of the safety system; as warnings: commands that are refused, exceptions of secondary programs, bytes that "
+    "are not UTF-8, whatever else the log warns of",
     (
         Field("code", INT32, "", DOCUMENTED, "always 0"),
         Field("sub-code", INT32, "", DOCUMENTED, "always 0"),
@@ -149,7 +155,7 @@ SCRIPT_EXCEPTION: Final = MessageKind(
     "script exception",
     10,
     DOCUMENTED,
-    "a program cannot start or stops with an alarm; a unit is refused",
+    "a program cannot start or stops with an alarm; a program without its end",
     (
         Field("line", INT32, "", DOCUMENTED, "from 1 at the unit's first line; 0 unknown"),
         Field("column", INT32, "", DOCUMENTED, "from 1; 0 unknown"),
@@ -166,7 +172,60 @@ class Note:
 
     data: bytes
     is_vital: bool
-    """Errors are; others make room for them when a client's queue is full."""
+    """Errors, starts and ends are: there is more room for them when a client's queue is full."""
+
+
+class NoteQueue:
+    """Robot messages that wait for one client, in order; where some were left out, it says how many.
+
+    Args:
+        terminator: what ends the texts of messages.
+
+    Attributes:
+        left_out: messages that found no room.
+    """
+
+    __slots__ = ("_terminator", "_waiting", "left_out")
+
+    def __init__(self, terminator: bytes = TERMINATOR) -> None:
+        self._terminator = terminator
+        self._waiting: deque[Note | _Gap] = deque()
+        self.left_out = 0
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    def put(self, note: Note, tick: int) -> None:
+        """Add one; if there is no room, remember that it is missing here."""
+        waiting = self._waiting
+        if len(waiting) < (VITAL_MAX if note.is_vital else WAITING_MAX):
+            waiting.append(note)
+            return
+        self.left_out += 1
+        last = waiting[-1]
+        if isinstance(last, _Gap):
+            last.count += 1
+        else:
+            waiting.append(_Gap(tick))
+
+    def take(self) -> bytes:
+        """The next one; there must be one."""
+        found = self._waiting.popleft()
+        if isinstance(found, Note):
+            return found.data
+        text = f"warning: {found.count} robot messages are missing here: they came faster than they can be sent"
+        return TEXT.pack(found.tick, (), text, terminator=self._terminator)
+
+
+class _Gap:
+    """A place where messages are missing."""
+
+    __slots__ = ("count", "tick")
+
+    def __init__(self, tick: int) -> None:
+        self.count = 1
+        self.tick = tick
+        """Of the first of them."""
 
 
 def exception_note(tick: int, line: int, column: int, text: str, terminator: bytes = TERMINATOR) -> Note:
@@ -175,11 +234,17 @@ def exception_note(tick: int, line: int, column: int, text: str, terminator: byt
 
 
 def error_note(
-    tick: int, level: int, text: str, source: int = SOURCE_CONTROLLER, terminator: bytes = TERMINATOR
+    tick: int,
+    level: int,
+    text: str,
+    source: int = SOURCE_CONTROLLER,
+    terminator: bytes = TERMINATOR,
+    *,
+    is_vital: bool = True,
 ) -> Note:
     """A robot error that says in words what happened."""
     data = ROBOT_ERROR.pack(tick, (0, 0, level, TEXT_DATA), text, source=source, terminator=terminator)
-    return Note(data, is_vital=True)
+    return Note(data, is_vital)
 
 
 def version_note(tick: int, description: RobotDescription, terminator: bytes = TERMINATOR) -> Note:
@@ -199,9 +264,8 @@ def _alarm(event: Alarm, terminator: bytes) -> Note:
 
 
 def _warned(event: Warned, terminator: bytes) -> Note:
-    if event.text.startswith(SECONDARY_PREFIX):
-        return error_note(event.tick, WARNING, event.text, terminator=terminator)
-    return Note(TEXT.pack(event.tick, (), f"warning: {event.text}", terminator=terminator), is_vital=False)
+    is_exception = event.text.startswith(SECONDARY_PREFIX)
+    return error_note(event.tick, WARNING, event.text, terminator=terminator, is_vital=is_exception)
 
 
 def _text_message(event: TextMessage, terminator: bytes) -> Note:

@@ -48,6 +48,7 @@ def alarm_of(
     thread: str,
     started_line: int = 0,
     builtins: dict[str, Any],
+    known: Iterable[str],
     sources: Mapping[str, SourceFile],
     catalogue: Catalogue,
     profile: Profile,
@@ -60,8 +61,9 @@ def alarm_of(
         thread: name of the thread.
         started_line: where it was started: the place of a call that failed before any line of it ran.
         builtins: the built-ins of the program, by which its frames are known.
+        known: names that a program finds without defining them, to suggest one for an unknown name.
         sources: its texts, by name.
-        catalogue: the commands, to suggest one for an unknown name.
+        catalogue: the commands, of which a newer firmware may have the unknown name.
         profile: the firmware.
     """
     place = place_of(error.__traceback__, builtins, sources)
@@ -75,7 +77,7 @@ def alarm_of(
         code = error.code if type(error.code) is str and error.code in CODES else UNCAUGHT
         details = details_of(error)
     elif isinstance(error, NameError) and type(error.name) is str and not isinstance(error, UnboundLocalError):
-        code, class_name, text, details = _unknown_name(error.name, text, place, builtins, catalogue, profile)
+        code, class_name, text, details = _unknown_name(error.name, text, place, known, catalogue, profile)
     if place.inner:
         text = f"{text} ({place.inner})"
     return Alarm(clock(), code, class_name, text, place.line, place.column, thread, place.source_line, details)
@@ -161,14 +163,14 @@ def _position(code: CodeType, instruction: int, line: int) -> tuple[int, int | N
 
 
 def _unknown_name(
-    name: str, text: str, place: Place, builtins: Iterable[str], catalogue: Catalogue, profile: Profile
+    name: str, text: str, place: Place, known: Iterable[str], catalogue: Catalogue, profile: Profile
 ) -> tuple[str, str, str, dict[str, Any]]:
     """Code, class, text and details for a name that means nothing."""
     command = catalogue.get(name)
     if command is not None and release_of(command.since) > profile.release:
         text = newer_firmware_text(name, command.since, profile)
         return "R105", "NameError", text, {"command": name, "hint": newer_firmware_hint(command.since)}
-    suggestion = closest(name, (*place.names, *builtins))
+    suggestion = closest(name, (*place.names, *known))
     if suggestion:
         return UNCAUGHT, "NameError", text, {"hint": f"did you mean {suggestion!r}?"}
     return UNCAUGHT, "NameError", text, {}

@@ -1,17 +1,21 @@
 """The names that every script finds without importing anything: commands, built-ins and the compiler's hooks.
 
 They are the built-ins of a run, one dict for each, so that a program which rebinds one (`time = 3`, a parameter
-called `list`) hides it for itself and for nobody else.
+called `list`) hides it for itself and for nobody else. Functions belong to one run too, because a script can set
+attributes of them. There are hundreds, and most programs are short: each is made when code that names it is about to
+run. All code of a run comes from our compiler, so every name that it can look up is in its code objects.
 """
 
 from __future__ import annotations
 
 import builtins
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
+from types import CodeType, FunctionType
 from typing import Any, Final, NoReturn
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.registry import Catalogue, Command
+from elitescript.commands.registry import Command
 from elitescript.errors import FirmwareError, ScriptPermissionError, ScriptStateError
 from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, STOP, TICK
 from elitescript.messages.profile import Profile, release_of
@@ -54,11 +58,16 @@ _ERRORS: Final = [
 ]
 
 _REAL: Final[dict[str, Any]] = {
-    **{name: getattr(builtins, name) for name in (*_REAL_NAMES.split(), *_ERRORS)},
+    # Commands come before built-ins of the same name.
+    **{name: getattr(builtins, name) for name in (*_REAL_NAMES.split(), *_ERRORS) if CATALOGUE.get(name) is None},
     "Ellipsis": ...,
     "NotImplemented": NotImplemented,
     "__debug__": True,
+    "long": int,
+    "type": OneArgumentType,
+    "unichr": chr,
 }
+"""What no script can change, so that all runs may share it."""
 
 _REFUSED: Final = {
     "breakpoint": "the robot has no debugger on a terminal",
@@ -72,16 +81,7 @@ _REFUSED: Final = {
 """Built-ins that lead behind objects or to the computer, and what to use instead."""
 
 
-def builtins_for(
-    context: Context,
-    *,
-    shelf: ModuleShelf,
-    files: OpenFiles,
-    identities: Identities,
-    evaluate: Callable[..., Any],
-    execute: Callable[..., None],
-    catalogue: Catalogue = CATALOGUE,
-) -> dict[str, Any]:
+class Bindings:
     """The built-ins of one run.
 
     Args:
@@ -91,51 +91,75 @@ def builtins_for(
         identities: numbers its objects.
         evaluate: `eval`.
         execute: `exec`.
-        catalogue: the commands.
+
+    Attributes:
+        names: the dict that its code runs with; grows as code is bound.
     """
-    scheduler = context.scheduler
-    names = dict(_REAL)
-    names.update((name, _refused(name, advice)) for name, advice in _REFUSED.items())
-    names.update(
-        delattr=checked_delattr,
-        dir=checked_dir,
-        eval=evaluate,
-        exec=execute,
-        exit=_leaving(context, "exit"),
-        getattr=checked_getattr,
-        hasattr=checked_hasattr,
-        id=_id(identities),
-        input=_input,
-        iter=iter_until(step_of(scheduler)),
-        long=int,
-        open=_open(files),
-        print=_print(context),
-        quit=_leaving(context, "quit"),
-        setattr=checked_setattr,
-        type=OneArgumentType,
-        unichr=chr,
-    )
-    names["copy"] = names["elicopy"] = _preloaded_copy(shelf)
-    names["__import__"] = _import(shelf)
-    # A stand-in of this run: handlers may name it, but nobody raises it; the real one belongs to the user.
-    names["KeyboardInterrupt"] = type("KeyboardInterrupt", (BaseException,), {"__module__": "builtins"})
-    names["__build_class__"] = class_builder(identities)
-    names.update((name, command_function(catalogue, name, context)) for name in catalogue.names())
-    names[TICK] = scheduler.fuel.pop
-    names[CHECKPOINT] = scheduler.checkpoint
-    names[STOP] = UNCATCHABLE
-    names[FORMAT] = checked_format_method
-    names[LINE] = _line(context)
-    return names
+
+    __slots__ = ("context", "evaluate", "execute", "files", "identities", "names", "shelf")
+
+    def __init__(
+        self,
+        context: Context,
+        *,
+        shelf: ModuleShelf,
+        files: OpenFiles,
+        identities: Identities,
+        evaluate: Callable[..., Any],
+        execute: Callable[..., None],
+    ) -> None:
+        self.context = context
+        self.shelf = shelf
+        self.files = files
+        self.identities = identities
+        self.evaluate = evaluate
+        self.execute = execute
+        scheduler = context.scheduler
+        self.names: dict[str, Any] = {
+            **_REAL,
+            "__import__": _import(shelf),
+            "__build_class__": class_builder(identities),
+            TICK: scheduler.fuel.pop,
+            CHECKPOINT: scheduler.checkpoint,
+            STOP: UNCATCHABLE,
+            FORMAT: checked_format_method,
+            LINE: _line(context),
+        }
+
+    def bind(self, code: CodeType) -> None:
+        """Make what this code names, and the code in it; to be called before it runs."""
+        names = self.names
+        codes = [code]
+        while codes:
+            code = codes.pop()
+            for name in code.co_names:
+                if name not in names:
+                    self.bind_name(name)
+            codes += [value for value in code.co_consts if type(value) is CodeType]
+
+    def bind_name(self, name: str) -> None:
+        """Make what a name stands for, if it stands for anything."""
+        command, make = CATALOGUE.get(name), _MADE.get(name)
+        if command is not None:
+            self.names[name] = command_function(command, name, self.context)
+        elif make is not None:
+            self.names[name] = make(self)
+
+    def known(self) -> Iterable[str]:
+        """All that scripts may name without defining it."""
+        return (*_REAL, *_MADE, *CATALOGUE.names())
 
 
-def command_function(catalogue: Catalogue, name: str, context: Context) -> Callable[..., Any]:
+def is_known(name: str) -> bool:
+    """Whether every program finds something under a name."""
+    return name in _REAL or name in _MADE or CATALOGUE.get(name) is not None
+
+
+def command_function(command: Command, name: str, context: Context) -> Callable[..., Any]:
     """The function that a script calls for a command.
 
     A command of a newer firmware is there and says which one it needs.
     """
-    command = catalogue.get(name)
-    assert command is not None
     if release_of(command.since) > context.profile.release:
         return _newer(name, command, context.profile)
     scheduler, run = context.scheduler, command.call
@@ -230,7 +254,9 @@ def _leaving(context: Context, name: str) -> Callable[..., None]:
     return leave
 
 
-def _refused(name: str, advice: str) -> Callable[..., NoReturn]:
+def _refusal(name: str, _run: Bindings) -> Callable[..., NoReturn]:
+    advice = _REFUSED[name]
+
     def refuse(*args: Any, **kwargs: Any) -> NoReturn:
         """Refuse.
 
@@ -251,6 +277,28 @@ def _import(shelf: ModuleShelf) -> Callable[..., Any]:
         return shelf.import_module(name, *details, **options)
 
     return import_module
+
+
+def _stand_in(name: str) -> type[BaseException]:
+    """An exception that handlers may name, but nobody raises: the real one belongs to the user."""
+    return type(name, (BaseException,), {"__module__": "builtins"})
+
+
+def _copy_of(function: Any) -> Callable[[Bindings], Any]:
+    """Makes a copy of a function for each run."""
+
+    def make(run: Bindings) -> Any:
+        copy = FunctionType(function.__code__, function.__globals__, function.__name__, function.__defaults__)
+        copy.__qualname__, copy.__doc__ = function.__qualname__, function.__doc__
+        return copy
+
+    return make
+
+
+def _preloaded(run: Bindings) -> Facade:
+    """`copy` and `elicopy` are the same object."""
+    names = run.names
+    return names.get("copy") or names.get("elicopy") or _preloaded_copy(run.shelf)
 
 
 def _preloaded_copy(shelf: ModuleShelf) -> Facade:
@@ -275,3 +323,26 @@ def _line(context: Context) -> Callable[..., None]:
         context.mark(int(number), str(label))
 
     return mark
+
+
+_MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
+    **{name: partial(_refusal, name) for name in _REFUSED},
+    "KeyboardInterrupt": lambda run: _stand_in("KeyboardInterrupt"),
+    "copy": _preloaded,
+    "delattr": _copy_of(checked_delattr),
+    "dir": _copy_of(checked_dir),
+    "elicopy": _preloaded,
+    "eval": lambda run: run.evaluate,
+    "exec": lambda run: run.execute,
+    "exit": lambda run: _leaving(run.context, "exit"),
+    "getattr": _copy_of(checked_getattr),
+    "hasattr": _copy_of(checked_hasattr),
+    "id": lambda run: _id(run.identities),
+    "input": _copy_of(_input),
+    "iter": lambda run: iter_until(step_of(run.context.scheduler)),
+    "open": lambda run: _open(run.files),
+    "print": lambda run: _print(run.context),
+    "quit": lambda run: _leaving(run.context, "quit"),
+    "setattr": _copy_of(checked_setattr),
+}
+"""What is made anew for each run, and how."""

@@ -123,6 +123,15 @@ class Connection:
         finally:
             self._waiting.remove(strand)
 
+    def wait_for_more(self, reason: str, until: int | None) -> bool:
+        """Wait as `wait` does; whether time is up. A peer that trickles does not put that off.
+
+        Raises:
+            Stopped: the thread was stopped.
+        """
+        has_more = self.wait(reason, until)
+        return not has_more or (until is not None and self._scheduler.now >= until)
+
     def _wake(self) -> None:
         for strand in self._waiting:
             self._scheduler.wake(strand)
@@ -163,7 +172,7 @@ class Connection:
             if value is not None or not self.is_open:
                 return value
             if used == 0:
-                is_last = not self.wait(reason, until)
+                is_last = self.wait_for_more(reason, until)
 
     def rest(self, rule: Rule) -> Any:
         """What a rule makes of what has arrived, as nothing more will come."""

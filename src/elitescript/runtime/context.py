@@ -13,6 +13,8 @@ from elitescript.messages.motion import (
     DriveRequest,
     MicroLine,
     MotionRequest,
+    MoveJ,
+    MoveL,
     MoveRequest,
     ServoJ,
     SpeedJ,
@@ -56,6 +58,8 @@ class TaskPort(Protocol):
 
     movers: dict[int, list[Strand]]
     """Who waits for which move: its own thread, and threads that brake it."""
+    abortable: set[int]
+    """Those of them that `abort` of interpreter mode ends."""
     connections: dict[int, Receiver]
     """Who listens to each open channel."""
     lines: dict[str, Line]
@@ -267,6 +271,8 @@ class Context:
         movers = self._port.movers
         strand.cancel = lambda: machine.cancel_move(move)
         movers.setdefault(move, []).append(strand)
+        if isinstance(request, MoveJ | MoveL):
+            self._port.abortable.add(move)
         try:
             while not machine.is_move_done(move):
                 self.scheduler.wait(reason)
@@ -274,6 +280,7 @@ class Context:
             movers[move].remove(strand)
             if not movers[move]:
                 del movers[move]
+                self._port.abortable.discard(move)
             strand.cancel = None
 
     def request(self, request: MachineRequest) -> None:

@@ -16,7 +16,7 @@ from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
 from elitescript.runtime.alarms import summary_of
-from elitescript.runtime.context import MOVE_END, POPUP
+from elitescript.runtime.context import POPUP
 from elitescript.runtime.interpreter import Interpreter
 from elitescript.runtime.program import Program
 from elitescript.runtime.queries import Queries
@@ -62,6 +62,7 @@ class ScriptHost:
         alarm: what ended it, if an alarm did.
         interpreter: statements of interpreter mode.
         movers: which strands wait for which move.
+        abortable: those of these moves that `abort_move` ends.
         rpc_timeout_s: see above.
         connections: who listens to each open channel.
         lines: the serial ports that were configured, by device.
@@ -81,6 +82,7 @@ class ScriptHost:
         "_secondaries",
         "_seed",
         "_world",
+        "abortable",
         "alarm",
         "connections",
         "interpreter",
@@ -122,6 +124,7 @@ class ScriptHost:
         self.watchdogs = Watchdogs(machine, is_rtsi_input)
         self.rpc_timeout_s = rpc_timeout_s
         self.movers: dict[int, list[Strand]] = {}
+        self.abortable: set[int] = set()
         self.connections: dict[int, Receiver] = {}
         self.lines: dict[str, Line] = {}
         self.result = ""
@@ -180,10 +183,9 @@ class ScriptHost:
         self._queries.ask(text, answer)
 
     def abort_move(self) -> None:
-        """End the move that a thread waits for."""
-        for move, strands in list(self.movers.items()):
-            if any(strand.waits_for == MOVE_END for strand in strands):
-                self._machine.cancel_move(move)
+        """End the `movej` or `movel` that a thread waits for; other motions go on (*documented*)."""
+        for move in sorted(self.abortable):
+            self._machine.cancel_move(move)
 
     def pause(self) -> None:
         """Let no thread of the program go on. Virtual time does, and their waits last longer by it."""
@@ -213,10 +215,6 @@ class ScriptHost:
             self._end_program(self._program)
         finally:
             self._scheduler.end_tick()
-
-    def knows(self, name: str) -> bool:
-        """Whether a program finds something under that name without defining it."""
-        return name in (self._program or self._new_program({})).builtins
 
     def fail(self, alarm: Alarm) -> None:
         """End the program as `stop` does, with an alarm that it can neither catch nor outlive."""

@@ -4,10 +4,12 @@ Statements are numbered from 1 in each program and run in the order in which the
 place of the call. They read and change the variables of the function that has made the call and the program globals.
 What else they define, functions and variables, is visible to later statements and to the program until it is cleared.
 
+An exception that a statement does not catch ends the session and is raised by the call.
+
 Evidence: queue, numbers, words and clearing are *documented* (manual 2.14, interpreter mode). *Assumed*: how many
 statements run in a tick, that names which are neither local nor global can be used until they are cleared, what is
-thrown away when a session ends with `clearOnEnd=False` (nothing), and that the number of the last cleared statement is
-that of the last one that was accepted by then.
+thrown away when a session ends with `clearOnEnd=False` (nothing), and what counts as cleared: statements that are
+thrown away before they begin, and those whose definitions are forgotten.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 from elitescript.errors import ProgramError, ScriptStateError
 from elitescript.language.compiler import Statement, compile_statement
 from elitescript.language.source import SourceFile
+from elitescript.runtime.alarms import summary_of
 from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.strand import is_stop
 
 if TYPE_CHECKING:
     from elitescript.runtime.program import Program
@@ -43,14 +47,24 @@ CLEARED_AT_END: Final = "cleared at end"
 CLEARED: Final = "cleared"
 
 
+BEGUN: Final = "begun"
+DONE: Final = "done"
+FAILED: Final = "failed"
+STOPPED: Final = "stopped"
+SKIPPED: Final = "skipped"
+
+
 class Answers(Protocol):
-    """Tells clients what has become of their statements."""
+    """Hears what becomes of statements."""
 
     def accepted(self, origin: str, number: int, text: str) -> None:
         """It will run, under that number."""
 
     def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
-        """It will not run; `reason` is one of the constants above."""
+        """It will not run; `reason` is one of the first six constants above."""
+
+    def executed(self, number: int, step: str, text: str) -> None:
+        """It has begun, or is over; `step` is one of the last five. The text of a failure says why it failed."""
 
 
 class NoAnswers:
@@ -63,6 +77,15 @@ class NoAnswers:
 
     def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
         """Nobody listens."""
+
+    def executed(self, number: int, step: str, text: str) -> None:
+        """Nobody listens."""
+
+
+class _Held(NamedTuple):
+    origin: str
+    text: str
+    problem: str
 
 
 class _Waiting(NamedTuple):
@@ -84,7 +107,7 @@ class Interpreter:
         is_running: whether a session runs.
         last_accepted: number of the last statement that was accepted.
         last_executed: number of the one that is being executed or was last.
-        last_cleared: number of the last one that was cleared.
+        last_cleared: number of the last one that was cleared: thrown away before it began, or forgotten.
     """
 
     __slots__ = (
@@ -95,7 +118,7 @@ class Interpreter:
         "_program",
         "_queue",
         "_scheduler",
-        "_skipped",
+        "_skips_held",
         "answers",
         "is_running",
         "last_accepted",
@@ -108,8 +131,8 @@ class Interpreter:
         self._limit = limit
         self._program: Program | None = None
         self._queue: deque[_Waiting] = deque()
-        self._held: deque[tuple[str, str]] = deque()
-        self._skipped = 0
+        self._held: deque[_Held] = deque()
+        self._skips_held = 0
         self._is_clearing = False
         self._is_ending = False
         self.answers: Answers = NoAnswers()
@@ -118,40 +141,56 @@ class Interpreter:
 
     # ---------------------------------------------------------------- what clients send
 
-    def submit(self, origin: str, text: str) -> None:
+    def submit(self, origin: str, text: str, problem: str = "") -> None:
         """Take a statement: answer it, and have it run when its turn comes.
 
         After `clear_interpreter()` was accepted, further statements wait unanswered until it has been executed.
+
+        Args:
+            origin: who sent it.
+            text: the statement.
+            problem: why it cannot be one, whatever it says; empty if it can.
         """
-        if self._program is None:
-            self.answers.discarded(origin, INVALID_STATE, text)
-        elif len(self._queue) + len(self._held) >= self._limit:
+        if len(self._queue) + len(self._held) >= self._limit:
             self.answers.discarded(origin, TOO_MANY, text)
         elif self._is_clearing:
-            self._held.append((origin, text))
+            self._held.append(_Held(origin, text, problem))
         else:
-            self._accept(self._program, origin, text)
+            self._accept(_Held(origin, text, problem))
 
     def skip(self) -> None:
-        """Throw away every statement that waits now; each is still counted until its turn would come."""
-        self._skipped = len(self._queue)
+        """Throw away every statement that has come so far and has not begun, also those that are not answered yet.
+
+        Those are accepted when their turn to be answered comes, and thrown away then.
+        """
+        self._skips_held = len(self._held)
+        if self._drop_queue():
+            # A clearing statement was among them: nobody is to wait for its execution.
+            self._release_held()
 
     @property
     def unexecuted(self) -> int:
         """Accepted statements that have not begun."""
         return len(self._queue)
 
-    def _accept(self, program: Program, origin: str, text: str) -> None:
+    def _accept(self, held: _Held) -> None:
+        program, (origin, text, problem) = self._program, held
+        if problem:
+            self.answers.discarded(origin, COMPILE_ERROR, text, problem)
+            return
+        if program is None:
+            self.answers.discarded(origin, INVALID_STATE, text)
+            return
         try:
             statement = compile_statement(SourceFile(FILE, text), program.has_global)
         except ProgramError as error:
-            first = next(problem for problem in error.problems if problem.is_error)
+            first = next(found for found in error.problems if found.is_error)
             self.answers.discarded(origin, COMPILE_ERROR, text, f"line 1, column {first.column}, {first.text}")
             return
         if "start_thread" in statement.calls:
             self.answers.discarded(origin, COMPILE_ERROR, text, "a statement may not start threads")
             return
-        self._is_clearing = "clear_interpreter" in statement.calls
+        self._is_clearing = _clears(statement)
         self.last_accepted += 1
         self._queue.append(_Waiting(origin, self.last_accepted, text, statement))
         self.answers.accepted(origin, self.last_accepted, text)
@@ -172,11 +211,11 @@ class Interpreter:
     def end_program(self) -> None:
         """The program is over, and so is the session."""
         self._discard_queue(CLEARED_AT_END)
+        self.last_cleared = self.last_accepted
         self._program = None
-        held, self._held = self._held, deque()
-        for origin, text in held:
-            self.answers.discarded(origin, INVALID_STATE, text)
-        self._is_clearing = self.is_running = False
+        self.is_running = False
+        self._release_held()
+        self._skips_held = 0
 
     # ---------------------------------------------------------------- what programs call
 
@@ -185,6 +224,7 @@ class Interpreter:
 
         Raises:
             ScriptStateError: not the main thread, or a session runs already.
+            BaseException: whatever a statement has raised.
         """
         program, scheduler = self._program, self._scheduler
         strand = scheduler.current
@@ -201,6 +241,7 @@ class Interpreter:
         assert frame is not None
         names = _Names(frame, program)
         tick, count = scheduler.now, 0
+        is_stopped = False
         try:
             while not self._is_ending:
                 if scheduler.now != tick:
@@ -214,11 +255,14 @@ class Interpreter:
                 else:
                     count += 1
                     self._execute(program, waiting, names)
+        except BaseException as error:
+            is_stopped = is_stop(error)
+            raise
         finally:
             self.is_running = False
-        if clears_at_end:
-            self._discard_queue(CLEARED_AT_END)
-            self._forget(program)
+            if clears_at_end and not is_stopped:
+                self._discard_queue(CLEARED_AT_END)
+                self._forget(program)
 
     def end(self) -> None:
         """End the session after the statement that runs; without one there is nothing to end."""
@@ -233,17 +277,23 @@ class Interpreter:
             self._forget(self._program)
 
     def _next(self) -> _Waiting | None:
-        while self._skipped and self._queue:
-            self._skipped -= 1
-            if "clear_interpreter" in self._queue.popleft().statement.calls:
-                # It is not going to be executed, and nobody is to wait for that.
-                self._release_held()
         return self._queue.popleft() if self._queue else None
 
     def _execute(self, program: Program, waiting: _Waiting, names: _Names) -> None:
-        self.last_executed = waiting.number
-        program.execute(waiting.statement, names)
-        if "clear_interpreter" in waiting.statement.calls:
+        number, text = waiting.number, waiting.text
+        self.last_executed = number
+        self.answers.executed(number, BEGUN, text)
+        try:
+            program.execute(waiting.statement, names)
+        except BaseException as error:
+            if is_stop(error):
+                self.answers.executed(number, STOPPED, text)
+            else:
+                self.answers.executed(number, FAILED, summary_of(error))
+            raise
+        self.answers.executed(number, DONE, text)
+        if _clears(waiting.statement) and not self._queue:
+            # It may have come to its end without having cleared anything.
             self._release_held()
 
     def _forget(self, program: Program) -> None:
@@ -254,14 +304,30 @@ class Interpreter:
     def _release_held(self) -> None:
         """Answer the statements that were held back, up to the next one that clears."""
         self._is_clearing = False
-        while self._held and not self._is_clearing and self._program is not None:
-            self._accept(self._program, *self._held.popleft())
+        while self._held and not self._is_clearing:
+            self._accept(self._held.popleft())
+            if self._skips_held:
+                self._skips_held -= 1
+                if self._drop_queue():
+                    self._is_clearing = False
+
+    def _drop_queue(self) -> bool:
+        """Throw away what waits without a word to its clients; whether one of them clears."""
+        queue, self._queue = self._queue, deque()
+        for waiting in queue:
+            self.last_cleared = waiting.number
+            self.answers.executed(waiting.number, SKIPPED, waiting.text)
+        return any(_clears(waiting.statement) for waiting in queue)
 
     def _discard_queue(self, reason: str) -> None:
         queue, self._queue = self._queue, deque()
-        skipped, self._skipped = self._skipped, 0
-        for waiting in list(queue)[skipped:]:
+        for waiting in queue:
+            self.last_cleared = waiting.number
             self.answers.discarded(waiting.origin, reason, waiting.text)
+
+
+def _clears(statement: Statement) -> bool:
+    return "clear_interpreter" in statement.calls
 
 
 class _Names:

@@ -178,7 +178,7 @@ class Lines:
             wire.drop(size)
             if len(data) == count or is_last or not wire.is_open:
                 return bytes(data)
-            is_last = not wire.wait(reason, until)
+            is_last = wire.wait_for_more(reason, until)
 
     def write(self, device: str, data: bytes) -> int | None:
         """Send bytes, waiting for room if the line is behind by `CHANNEL_WINDOW`.
@@ -326,7 +326,7 @@ class Lines:
             if is_last:
                 return (), "its answer is broken" if has_begun else "no answer in time"
             broken = self._scheduler.now + ticks_for(BROKEN_S) if has_begun else None
-            is_last = not wire.wait(reason, min((at for at in (until, broken) if at is not None), default=None))
+            is_last = wire.wait_for_more(reason, min((at for at in (until, broken) if at is not None), default=None))
 
     def _clear(self, line: Line, wire: Wire) -> None:
         """Drop what has arrived; the line was not silent until now."""

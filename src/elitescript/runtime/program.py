@@ -23,7 +23,7 @@ from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile
 from elitescript.runtime.alarms import alarm_of
-from elitescript.runtime.bindings import builtins_for
+from elitescript.runtime.bindings import Bindings
 from elitescript.runtime.context import Context, TaskPort
 from elitescript.runtime.facades import Facade, ModuleShelf
 from elitescript.runtime.files import OpenFiles
@@ -56,7 +56,8 @@ class Program:
 
     Attributes:
         context: what its commands use.
-        builtins: names that it finds without importing.
+        bindings: names that it finds without importing.
+        builtins: those of them that its code has named by now.
         globals: its program globals.
         main: the strand of its body, once it is there.
     """
@@ -70,6 +71,7 @@ class Program:
         "_processes",
         "_profile",
         "_sources",
+        "bindings",
         "builtins",
         "context",
         "globals",
@@ -99,7 +101,7 @@ class Program:
         self._main: Strand | None = None
         self._processes: ProcessTable | None = None
         self.shelf = ModuleShelf(self)
-        self.builtins = builtins_for(
+        self.bindings = Bindings(
             self.context,
             shelf=self.shelf,
             files=self._files,
@@ -107,6 +109,7 @@ class Program:
             evaluate=self._evaluator(),
             execute=self._executor(),
         )
+        self.builtins = self.bindings.names
         self.globals: dict[str, Any] = {"__name__": "__main__", "__builtins__": self.builtins, **presets}
 
     @property
@@ -123,6 +126,7 @@ class Program:
     def body_of(self, unit: CompiledUnit) -> Callable[[], None]:
         """The body of a unit as a function; its names are those of this program."""
         self._add_source(unit.source)
+        self.bindings.bind(unit.code)
 
         def body() -> None:
             exec(unit.code, self.globals)
@@ -147,6 +151,7 @@ class Program:
     def execute(self, statement: Statement, names: Any) -> None:
         """Run a statement of interpreter mode; `names` maps its variables."""
         self._sources[statement.source.name] = statement.source
+        self.bindings.bind(statement.code)
         exec(statement.code, self.globals, names)
 
     def inject(self, name: str, value: object) -> None:
@@ -171,6 +176,10 @@ class Program:
     def value_of(self, code: CodeType) -> Any:
         """Evaluate an expression that was compiled; it sees the program globals and changes none by assignment."""
         names = _Scope(self.globals, {})
+        return self._value(code, names)
+
+    def _value(self, code: CodeType, names: _Scope) -> Any:
+        self.bindings.bind(code)
         dict.__setitem__(names, "__builtins__", self.builtins)
         return eval(code, names)
 
@@ -182,6 +191,7 @@ class Program:
             thread=strand.name,
             started_line=strand.started_line,
             builtins=self.builtins,
+            known=self.bindings.known(),
             sources=self._sources,
             catalogue=CATALOGUE,
             profile=self._profile,
@@ -229,8 +239,7 @@ class Program:
                 names = _Scope(self.globals, frame.f_locals if frame.f_builtins is self.builtins else {})
             else:
                 names = _Scope(_checked_scope(scope), {} if inner is None else _checked_scope(inner))
-            dict.__setitem__(names, "__builtins__", self.builtins)
-            return eval(code, names)
+            return self._value(code, names)
 
         evaluate.__name__ = evaluate.__qualname__ = "eval"
         return evaluate

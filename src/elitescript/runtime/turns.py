@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from elitescript.runtime.scheduler import Scheduler
-from elitescript.runtime.strand import Strand
+from elitescript.runtime.strand import ENDED, Strand
 
 
 class Turns:
@@ -32,7 +32,8 @@ class Turns:
         """
         strand = self._scheduler.current
         assert strand is not None
-        if self._holder is None:
+        # One that did not let itself be stopped never gives its turn away.
+        if self._holder is None or self._holder.state is ENDED:
             self._holder = strand
             return True
         if strand.is_secondary:

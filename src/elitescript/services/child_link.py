@@ -20,8 +20,7 @@ from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.kernel.restart import restored_config, restored_inputs
 from elitescript.messages.codec import from_text, to_text
-from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm, TaskStateChanged, Warned
+from elitescript.messages.events import Warned
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output
 from elitescript.messages.shapes import CodecError
@@ -33,6 +32,7 @@ from elitescript.services.child_process import ChildProcess, Silence
 from elitescript.services.config_codec import full_codec
 from elitescript.services.jail import MEMORY_MAX, Layer
 from elitescript.services.journal import Journal
+from elitescript.services.last_words import last_words
 from elitescript.services.output_buffer import OutputBuffer
 from elitescript.services.output_changes import OutputReader
 from elitescript.services.remote_files import FileDesk
@@ -390,15 +390,15 @@ class ChildLink:
         self._child = None
         self._desk.close()
         self.restarts += 1
+        # The oldest of the ticks is what it died of; it has not seen the others.
+        self._lost = self._unanswered[0].inputs if self._unanswered else ()
         self._report(tick, reason, where)
         self._outputs.add_own(requests=tuple(CloseChannel(channel) for channel in sorted(self._channels)))
         self._outputs.flush()
         self._channels.clear()
-        # The oldest of them is what it died of; it has not seen the others.
         later = [item for sent in list(self._unanswered)[1:] for item in sent.inputs]
         self._held[:0] = later
         del self._held[HELD_MAX:]
-        self._lost = self._unanswered[0].inputs if self._unanswered else ()
         self._unanswered.clear()
         if self._boots >= BOOTS_MAX:
             raise ElitescriptError(f"the robot's process ended {self._boots} times before it answered: {reason}")
@@ -406,18 +406,11 @@ class ChildLink:
         self._replaced_because = reason
 
     def _report(self, tick: int, reason: str, where: tuple[str, int] | None) -> None:
-        line = where[1] if where else 0
-        last = self._outputs.newest
-        state = None if last is None else last.robot
-        if not line and state is not None:
-            line = state.line
-        text = f"the controller was restarted: {reason}"
-        hint = "a call into Python's own functions cannot be interrupted; do less in one call"
-        details = {"program": where[0], "hint": hint} if where else {"hint": hint} if self._given_up_s else {}
-        self._outputs.add_own(Alarm(tick, "R132", "ControllerRestarted", text, line, 0, "", "", details))
-        if state is not None and state.task_state is not TaskState.STOPPED:
-            name = "" if last is None else last.task.running
-            self._outputs.add_own(TaskStateChanged(tick, TaskState.STOPPED, name))
+        hangs = bool(self._given_up_s)
+        events = last_words(tick, reason, self._outputs.newest, self._lost, where=where, hangs=hangs)
+        self._outputs.add_own(*events)
+        if self._journal is not None:
+            self._journal.told(tick, events)
 
     def _log(self) -> str:
         return "" if self._child is None else self._child.log

@@ -5,7 +5,7 @@ only the user can enter; elsewhere a TCP port of this computer, whose number and
 
 A request is `{"verb": …, "arguments": […], "values": {…}}` (on TCP also `"token"`), its answer
 `{"ok": true, "text": …, "result": {…}}` or `{"ok": false, "error": …}`. Requests of one connection are answered in
-their order; an order is answered when a tick has seen it.
+their order; an order is answered when the robot has done or refused it.
 """
 
 from __future__ import annotations
@@ -22,14 +22,15 @@ from typing import Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.outputs import Output
-from elitescript.services.control_verbs import VERBS, Order, Request, Verb, outcome_text
+from elitescript.messages.timing import PERIOD_S
+from elitescript.services.control_verbs import VERBS, Request, Verb, outcome_text
 from elitescript.services.station import Station
 
 LINE_MAX: Final = 64 * 1024
 ANSWER_TIMEOUT_S: Final = 6.0
 """For a tick; in lockstep time may stand still."""
 REPLY_TICKS: Final = 1000
-"""Within which the robot answers an order that it may refuse."""
+"""Within which the robot answers an order."""
 _HAS_UNIX: Final = hasattr(asyncio, "start_unix_server")
 
 
@@ -66,7 +67,7 @@ class ControlChannel:
         instance: which one this is on this computer.
     """
 
-    __slots__ = ("_count", "_path", "_server", "_station", "_token", "_writers")
+    __slots__ = ("_count", "_expected", "_path", "_server", "_station", "_token", "_writers")
 
     def __init__(self, station: Station, instance: int) -> None:
         self._station = station
@@ -74,6 +75,7 @@ class ControlChannel:
         self._server: asyncio.Server | None = None
         self._token = ""
         self._count = 0
+        self._expected: set[asyncio.Future[None]] = set()
         self._writers: set[asyncio.StreamWriter] = set()
 
     @property
@@ -103,6 +105,8 @@ class ControlChannel:
         """Listen no more."""
         if self._server is not None:
             self._server.close()
+            for expected in self._expected:
+                expected.cancel()
             for writer in self._writers:
                 writer.transport.abort()
             self._path.unlink(missing_ok=True)
@@ -156,26 +160,58 @@ class ControlChannel:
             if verb.name == "state":
                 result |= {"left_out": station.left_out, "waits_for": station.waits_for}
             return {"ok": True, "result": result}
-        order = verb.order(request)
+        order, awaited = verb.order(request).answered(request.origin)
         if not order.inputs:
             return {"ok": True, "text": order.text}
+        answers = Answers(awaited)
         station.post(list(order.inputs))
+        station.follow(answers.take)
+        self._expected.add(answers.finished)
         try:
-            output = await asyncio.wait_for(station.next_output(), ANSWER_TIMEOUT_S)
-            if order.failure:
-                return {"ok": True, "text": await self._outcome(order, request.origin, output)}
+            await asyncio.wait_for(answers.finished, ANSWER_TIMEOUT_S)
+            return {"ok": True, "text": outcome_text(order, answers.texts)}
         except TimeoutError:
             waits = f": time waits for {station.waits_for}" if station.waits_for else ""
             return {"ok": True, "text": f"{order.text} (asked for; the robot has not answered yet{waits})"}
-        return {"ok": True, "text": order.text}
+        finally:
+            self._expected.discard(answers.finished)
 
-    async def _outcome(self, order: Order, origin: str, output: Output) -> str:
-        for _ in range(REPLY_TICKS):
-            for reply in output.replies:
-                if reply.origin == origin:
-                    return outcome_text(order, reply.text)
-            output = await asyncio.wait_for(self._station.next_output(), ANSWER_TIMEOUT_S)
-        raise UsageError(f"{order.failure}: the robot has not answered")
+
+class Answers:
+    """What the robot says to several requests. Outputs may come in a row, before anybody else has a turn.
+
+    Args:
+        origins: of the requests; without any, the next output is all that counts.
+
+    Attributes:
+        finished: done when all of them are answered.
+    """
+
+    __slots__ = ("_origins", "_texts", "_ticks_left", "finished")
+
+    def __init__(self, origins: tuple[str, ...]) -> None:
+        self._origins = origins
+        self._texts: dict[str, str] = {}
+        self._ticks_left = REPLY_TICKS
+        self.finished: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+
+    @property
+    def texts(self) -> list[str]:
+        """The answers in the order of the origins."""
+        return [self._texts[origin] for origin in self._origins]
+
+    def take(self, output: Output) -> bool:
+        """Look at an output; whether the next one is wanted too."""
+        if self.finished.done():
+            return False
+        self._texts |= {reply.origin: reply.text for reply in output.replies if reply.origin in self._origins}
+        self._ticks_left -= 1
+        if len(self._texts) == len(self._origins):
+            self.finished.set_result(None)
+        elif not self._ticks_left:
+            seconds = f"{REPLY_TICKS * PERIOD_S:g} s"
+            self.finished.set_exception(UsageError(f"the robot has not answered for {seconds} of its time"))
+        return not self.finished.done()
 
 
 def _clients(station: Station) -> dict[str, Any]:

@@ -1,19 +1,30 @@
 """What `elitescript ctl` can ask of a served robot: one row for each verb.
 
-A verb is what a person beside the robot does: it is not bound to remote control. Where the dashboard has the same
-command, the verb is that command, with its refusals and the robot's own answer.
+A verb is what a person beside the robot does: it is not bound to remote control. The robot itself does or refuses it,
+and says why; files, windows and control go the way of the same command of the dashboard.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, replace
 from typing import Any, Final, NamedTuple
 
 from elitescript.controller.signal_view import signal_write
 from elitescript.errors import UsageError
-from elitescript.messages.inputs import AddFault, Do, Input
-from elitescript.messages.machine import AskSafety, ResumeTask, SetSpeedScale, WriteSignal
+from elitescript.messages.inputs import AddFault, Do, Input, PlayTask
+from elitescript.messages.machine import (
+    AskSafety,
+    MachineRequest,
+    PauseTask,
+    PowerOff,
+    PowerOn,
+    ReleaseBrakes,
+    ResumeTask,
+    SetSpeedScale,
+    StopTask,
+    WriteSignal,
+)
 from elitescript.messages.outputs import Output
 from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
 from elitescript.messages.snapshot import RobotDescription, Snapshot
@@ -29,7 +40,18 @@ class Order(NamedTuple):
     text: str = ""
     """Said when it is done."""
     failure: str = ""
-    """If not empty the robot answers, and this begins the text of its refusal."""
+    """If not empty the robot answers the input, and this begins the text of its refusal."""
+
+    def answered(self, origin: str) -> tuple[Order, tuple[str, ...]]:
+        """The same order, with an origin of its own for each request to the machine; and which origins get a reply."""
+        inputs: list[Input] = []
+        awaited = [origin] if self.failure else []
+        for number, item in enumerate(self.inputs, 1):
+            if isinstance(item, Do):
+                item = replace(item, origin=f"{origin}.{number}", is_answered=True)
+                awaited.append(item.origin)
+            inputs.append(item)
+        return self._replace(inputs=tuple(inputs)), tuple(awaited)
 
 
 class Request(NamedTuple):
@@ -61,23 +83,19 @@ class Verb(NamedTuple):
         return f"{self.name} {self.argument}".strip()
 
 
-def outcome_text(order: Order, answer: str) -> str:
-    """What to say after the robot's own answer to an order.
+def outcome_text(order: Order, answers: Iterable[str]) -> str:
+    """What to say after the robot's own answers to an order, in the order of its inputs.
 
     Raises:
-        UsageError: the robot refuses.
+        UsageError: the robot refuses one of them; the first refusal is told.
     """
-    outcome = read_outcome(answer)
-    if not outcome.is_done:
-        raise UsageError(f"{order.failure}: {outcome.detail}")
-    return order.text + outcome.detail
-
-
-def _as_dashboard(line: str) -> Callable[[Request], Order]:
-    def order(request: Request) -> Order:
-        return _dashboard_order(line, request)
-
-    return order
+    text = order.text
+    for answer in answers:
+        outcome = read_outcome(answer)
+        if not outcome.is_done:
+            raise UsageError(f"{order.failure}: {outcome.detail}" if order.failure else outcome.detail)
+        text += outcome.detail
+    return text
 
 
 def _dashboard_order(line: str, request: Request) -> Order:
@@ -116,6 +134,13 @@ def _safeguard(request: Request) -> Order:
     return Order((Do(request.origin, WriteSignal("safeguard_stop", 0, is_open)),), text)
 
 
+def _ask(machine_request: MachineRequest, text: str) -> Callable[[Request], Order]:
+    def order(request: Request) -> Order:
+        return Order((Do(request.origin, machine_request),), text)
+
+    return order
+
+
 def _safety(action: str, text: str) -> Callable[[Request], Order]:
     def order(request: Request) -> Order:
         reason = " ".join(request.arguments) or "asked for by ctl"
@@ -128,19 +153,15 @@ def _power(request: Request) -> Order:
     word = " ".join(request.arguments)
     if word not in ("on", "off"):
         raise UsageError("power takes on or off")
-    return _dashboard_order(f"robotControl -{word}", request)
+    return Order((Do(request.origin, PowerOn() if word == "on" else PowerOff()),), f"powering {word}")
 
 
 def _play(request: Request) -> Order:
-    return _dashboard_order("play", request)
+    return Order((PlayTask(request.origin),), "task started", "not started")
 
 
 def _load(request: Request) -> Order:
     return _dashboard_order(f"task -p {' '.join(request.arguments)}", request)
-
-
-def _resume(request: Request) -> Order:
-    return Order((Do(request.origin, ResumeTask()),), "resuming")
 
 
 def _speed(request: Request) -> Order:
@@ -185,7 +206,7 @@ def _disturb(request: Request) -> Order:
 
 
 def _control(word: str) -> Callable[[Request], Order]:
-    return _as_dashboard(f"remoteControl -{word}")
+    return lambda request: _dashboard_order(f"remoteControl -{word}", request)
 
 
 def _values(request: Request, output: Output) -> dict[str, Any]:
@@ -237,18 +258,25 @@ _ROWS: Final = (
     Verb("release", "", "Release the emergency stop.", _press("emergency_stop", False, "emergency stop released")),
     Verb("safeguard", "[open|closed]", "Open or close the safeguard.", _safeguard),
     Verb("protective", "[REASON]", "Stop protectively.", _safety("stop_protectively", "protective stop")),
-    Verb("unlock", "", "End a protective stop.", _as_dashboard("unlockProtectiveStop")),
+    Verb("unlock", "", "End a protective stop.", _safety("unlock_protective_stop", "protective stop unlocked")),
     Verb("violation", "[REASON]", "Break a safety limit.", _safety("violate", "safety violation")),
     Verb("fault", "[REASON]", "Have the safety system fail.", _safety("fail", "safety fault")),
     Verb("disturb", "KIND on=PLACE...|end", "Let something go wrong on a connection or serial line.", _disturb),
-    Verb("restart", "", "Restart the safety system after a fault or a violation.", _as_dashboard("safety -r")),
+    Verb(
+        "restart",
+        "",
+        "Restart the safety system after a fault or a violation; the arm is off afterwards.",
+        _safety("restart_safety", "safety system restarted"),
+    ),
     Verb("power", "on|off", "Power of the arm.", _power),
-    Verb("brakes", "", "Release the brakes.", _as_dashboard("brakeRelease")),
+    Verb(
+        "brakes", "", "Release the brakes; power on first, if need be.", _ask(ReleaseBrakes(), "releasing the brakes")
+    ),
     Verb("load", "TASK", "Load a task of the task folder.", _load),
     Verb("play", "", "Start the loaded task, or go on with a paused one.", _play),
-    Verb("pause", "", "Pause the task.", _as_dashboard("pause")),
-    Verb("resume", "", "Go on with a paused task or program.", _resume),
-    Verb("stop", "", "Stop the task or program.", _as_dashboard("stop")),
+    Verb("pause", "", "Pause the task.", _ask(PauseTask(), "task paused")),
+    Verb("resume", "", "Go on with a paused task or program.", _ask(ResumeTask(), "task resumed")),
+    Verb("stop", "", "Stop the task or program.", _ask(StopTask(), "task stopped")),
     Verb("popup", "confirm", "Confirm the message window that is open.", _popup),
     Verb("speed", "0..1", "Speed slider as a fraction.", _speed),
     Verb("remote", "", "Switch to remote control.", _control("on")),

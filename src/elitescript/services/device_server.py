@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final
 
@@ -19,8 +19,9 @@ from elitescript.messages.events import DeviceNoted, Event
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened, Input
 from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import WriteSignal
-from elitescript.messages.outputs import CHANNEL_WINDOW
+from elitescript.messages.outputs import CHANNEL_WINDOW, Output
 from elitescript.messages.signals import SIGNALS, Value, signal_name
+from elitescript.protocol.connection import Connection
 from elitescript.services.cycle import Cycle
 from elitescript.services.serial_ports import SerialPorts
 from elitescript.worlds.virtual.agenda import DeviceError
@@ -76,6 +77,17 @@ class DeviceServer:
         if self.read(request.name, request.index) != request.value:
             self._values[name] = request.value
             self._world.signal_changed(name, request.value)
+
+    def connect(self, service: str, origin: str) -> Connection:
+        """There is no robot."""
+        raise UsageError(f"service: there is no robot here whose port {service} could be reached")
+
+    def output(self) -> Output:
+        """There is no robot."""
+        raise UsageError("there is no robot here")
+
+    def post(self, inputs: Sequence[Input]) -> None:
+        """There is no robot."""
 
     def emit(self, event: Event) -> None:
         """Say what a device says."""
@@ -154,7 +166,7 @@ class DeviceServer:
         owner: Any = getattr(self._world.network.servers[endpoint], "__self__", None)
         self.places.append(f"{getattr(owner, 'title', port)} {server.sockets[0].getsockname()[1]}")
 
-    def connect(self, end: _End, address: str, port: int) -> int:
+    def admit(self, end: _End, address: str, port: int) -> int:
         """A client has come."""
         channel = self._world.channels.open(address, port, CONNECT_S)
         self._ends[channel] = end
@@ -225,7 +237,7 @@ class _Client(_End, asyncio.Protocol):
     def connection_made(self, transport: Any) -> None:
         self._transport = transport
         transport.pause_reading()
-        self._channel = self._server.connect(self, *self._place)
+        self._channel = self._server.admit(self, *self._place)
 
     def data_received(self, data: bytes) -> None:
         self._server.send(self._channel, data)

@@ -6,6 +6,7 @@ One JSON text a line:
     {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
+    {"told": 1190, "events": [...]}                what clients were told at that tick while there was no robot
     {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from that picture
     {"end": 2000}                                  the session ended before that tick
 
@@ -27,16 +28,15 @@ from elitescript import __version__
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.messages.codec import Codec, to_text
-from elitescript.messages.events import Warned
+from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import Snapshot
 from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.journal_records import DIGEST_TICKS, RecordError, RecordReader
 
 FORMAT: Final = 1
-DIGEST_TICKS: Final = 250
-"""Ticks between two digests, one second."""
 LINE_MAX: Final = 64 * 1024 * 1024
 
 
@@ -135,6 +135,12 @@ class Journal:
             }
         )
 
+    def told(self, tick: int, events: Sequence[Event]) -> None:
+        """Clients were told of something at a tick, in the place of a robot that is gone."""
+        self._mark()
+        event = self._codec.shape(Event)
+        self._write({"told": tick, "events": [event.encode(item) for item in events]})
+
     def take_warning(self, tick: int) -> tuple[Warned, ...]:
         """That nothing more is written, once."""
         if not self.failure or self._is_told:
@@ -180,17 +186,19 @@ class JournalReader:
         config: of the robot at the start.
         header: the first line.
         note: what is wrong with the end of the file; empty if nothing is.
+        place: file, line and byte of the record that was read last, for messages.
 
     Raises:
         UsageError: no journal, or one of another format.
     """
 
-    __slots__ = ("_codec", "_path", "config", "header", "note")
+    __slots__ = ("_codec", "_path", "config", "header", "note", "place")
 
     def __init__(self, path: Path) -> None:
         self._codec: Codec = full_codec()
         self._path = path
         self.note = ""
+        self.place = f"{path}: line 1"
         try:
             with path.open("rb") as file:
                 first = file.readline(LINE_MAX)
@@ -202,7 +210,8 @@ class JournalReader:
                 raise UsageError(f"{path}: a journal of format {self.header['journal']!r}; {FORMAT} is known")
             self.config = self._codec.shape(KernelConfig).decode(self.header["config"])
         except (ValueError, KeyError, TypeError, RecursionError) as error:
-            raise UsageError(f"{path} is no journal of this program") from error
+            at = getattr(error, "pos", getattr(error, "start", 0))
+            raise UsageError(f"{path}: line 1, byte {at}: no journal of this program") from error
         except CodecError as error:
             raise UsageError(f"{path}: line 1: {error}") from error
 
@@ -210,23 +219,20 @@ class JournalReader:
         """Every line but the first, with inputs and pictures decoded.
 
         Raises:
-            UsageError: a line in the middle that is none.
+            UsageError: a line that makes no sense; the text names file, line and byte.
         """
-        inputs, picture = self._codec.shape(Input), self._codec.shape(Snapshot)
+        reader = RecordReader(self._codec, self.config.first_tick)
         with self._path.open("rb") as file:
-            file.readline(LINE_MAX)
+            start = len(file.readline(LINE_MAX))
             for number, line in enumerate(file, 2):
                 if not line.endswith(b"\n"):
                     self.note = f"line {number} is not complete and was left out: the session ended in the middle of it"
                     return
+                self.place = f"{self._path}: line {number}, byte {start}"
                 try:
-                    record = json.loads(line)
-                    if type(record) is not dict:
-                        raise CodecError("no record")
-                    if "in" in record:
-                        record["in"] = [inputs.decode(item) for item in record["in"]]
-                    if "state" in record:
-                        record["state"] = picture.decode(record["state"])
-                except (ValueError, TypeError, RecursionError, CodecError) as error:
-                    raise UsageError(f"{self._path}: line {number}: {error}") from None
+                    record = reader.read(line)
+                except RecordError as error:
+                    place = f"{self._path}: line {number}, byte {start + error.at}"
+                    raise UsageError(f"{place}: {error}") from None
                 yield record
+                start += len(line)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from elitescript.errors import UsageError
@@ -14,6 +15,7 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.runtime.world import Files
 from elitescript.services.config_codec import full_codec, output_text
 from elitescript.services.journal import Digest, Journal, JournalReader
+from elitescript.services.journal_records import RecordError, check_answer
 from elitescript.services.remote_files import FileDesk, RemoteFiles
 from elitescript.worlds.request_channels import RequestWorld
 
@@ -77,6 +79,7 @@ class Replay:
         "_answers",
         "_digest",
         "_kernel",
+        "_last",
         "_output_shape",
         "_reader",
         "_until",
@@ -92,12 +95,15 @@ class Replay:
         self._output_shape = full_codec().shape(Output)
         self._digest = Digest()
         self._kernel = self._fresh(reader.config)
+        self._last: Output | None = None
         self.difference: Difference | None = None
         self.checked_ticks = 0
         self.last_tick = reader.config.first_tick - 1
 
     def outputs(self, on_restart: Callable[[int, str], None] | None = None) -> Iterator[Output]:
-        """Play it: what the robot says, tick by tick; ends early where it differs.
+        """Play it: what clients heard, tick by tick; ends early where it differs.
+
+        What they were told while there was no robot comes with its last picture.
 
         Args:
             on_restart: told of the tick and the reason when a new robot goes on.
@@ -113,6 +119,12 @@ class Replay:
             elif "digest" in record:
                 yield from self._run(record["digest"])
                 self._compare(record)
+            elif "told" in record:
+                if self._until is not None and record["told"] > self._until:
+                    return
+                if self._last is not None:
+                    tick, events = record["told"], tuple(record["events"])
+                    yield replace(self._last, tick=tick, events=events, requests=(), replies=())
             elif "restart" in record:
                 if self._until is not None and record["restart"] > self._until:
                     return
@@ -126,13 +138,21 @@ class Replay:
                 return
 
     def _fresh(self, config: KernelConfig) -> Kernel:
-        return Kernel(config, RequestWorld(RemoteFiles(self._ask)))
+        try:
+            return Kernel(config, RequestWorld(RemoteFiles(self._ask)))
+        except UsageError as error:
+            raise UsageError(f"{self._reader.place}: {error}") from None
 
     def _ask(self, question: list[Any]) -> list[Any]:
+        place = f"{self._reader.place}: tick {self._kernel.next_tick}"
         if not self._answers:
-            verb = question[0]
-            raise UsageError(f"tick {self._kernel.next_tick}: the journal has no answer to {verb!r} about files")
-        return list(self._answers.pop(0))
+            raise UsageError(f"{place}: the journal has no answer to {question[0]!r} about files")
+        answer = self._answers.pop(0)
+        try:
+            check_answer(question, answer)
+        except RecordError as error:
+            raise UsageError(f"{place}: {error}") from None
+        return list(answer)
 
     def _run(self, last: int, inputs: Sequence[Input] = ()) -> Iterator[Output]:
         """Run up to and including a tick; the inputs are for that one."""
@@ -141,7 +161,7 @@ class Replay:
         while self._kernel.next_tick <= last:
             output = self._kernel.tick(inputs if self._kernel.next_tick == last else ())
             self._digest.add(output_text(self._output_shape, output).encode())
-            self.last_tick = output.tick
+            self.last_tick, self._last = output.tick, output
             yield output
 
     def _compare(self, record: dict[str, Any]) -> None:

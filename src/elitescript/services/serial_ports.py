@@ -14,6 +14,8 @@ from elitescript.messages.timing import PERIOD_S
 if TYPE_CHECKING:
     from elitescript.worlds.serial_channel import SerialChannel
 
+LINGER_S: Final = 5.0
+"""How long a port that is closed has to get rid of what was sent before."""
 UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
 """Bytes that may wait for a port; who keeps to the window stays below it."""
 
@@ -25,11 +27,13 @@ class SerialPorts:
         post: takes what the robot is to hear.
     """
 
-    __slots__ = ("_open", "_post", "_timer")
+    __slots__ = ("_leaving", "_open", "_post", "_timer")
 
     def __init__(self, post: Callable[[list[Input]], None]) -> None:
         self._post = post
         self._open: dict[int, SerialChannel] = {}
+        self._leaving: list[tuple[float, SerialChannel]] = []
+        """Ports that are closed and may still get rid of what was sent before, with the time until which they may."""
         self._timer: asyncio.TimerHandle | None = None
 
     def __contains__(self, number: int) -> bool:
@@ -40,6 +44,9 @@ class SerialPorts:
         # Few robots have one, and the ports of this computer take their time to load.
         from elitescript.worlds.serial_channel import SerialChannel
 
+        for leaving in self._leaving:
+            if leaving[1].device == device:
+                leaving[1].drop()
         self._open[number] = SerialChannel(number, device, settings)
         self._look()
 
@@ -47,7 +54,7 @@ class SerialPorts:
         """Send bytes; a port for which too many wait is closed."""
         channel = self._open[number]
         if channel.unsent + len(data) > UNSENT_MAX:
-            self.close(number)
+            self._open.pop(number).drop()
             self._post([ChannelClosed(number, f"{UNSENT_MAX} bytes wait for a port that takes none")])
         else:
             channel.send(data)
@@ -58,14 +65,21 @@ class SerialPorts:
         channel.room = min(channel.room + max(size, 0), CHANNEL_WINDOW)
 
     def close(self, number: int) -> None:
-        """Close a port; no effect on an unknown one."""
-        if number in self._open:
-            self._open.pop(number).close()
+        """Close a port once what was sent has left it; no effect on an unknown one."""
+        channel = self._open.pop(number, None)
+        if channel is None:
+            return
+        if channel.has_left:
+            channel.drop()
+        else:
+            self._leaving.append((asyncio.get_running_loop().time() + LINGER_S, channel))
 
     def close_all(self) -> None:
-        """Close every port."""
-        for number in list(self._open):
-            self.close(number)
+        """Close every port at once."""
+        for channel in (*self._open.values(), *(channel for _, channel in self._leaving)):
+            channel.drop()
+        self._open.clear()
+        self._leaving.clear()
 
     def _look(self) -> None:
         """Let the robot hear what has happened at every port."""
@@ -77,5 +91,13 @@ class SerialPorts:
                 self._post(list(events))
             if channel.is_over:
                 del self._open[number]
-        if self._open:
-            self._timer = asyncio.get_running_loop().call_later(PERIOD_S, self._look)
+        loop = asyncio.get_running_loop()
+        self._leaving = [entry for entry in self._leaving if not self._has_gone(*entry, loop.time())]
+        if self._open or self._leaving:
+            self._timer = loop.call_later(PERIOD_S, self._look)
+
+    @staticmethod
+    def _has_gone(until_s: float, channel: SerialChannel, now_s: float) -> bool:
+        if not channel.is_over and (channel.has_left or now_s > until_s):
+            channel.drop()
+        return channel.is_over

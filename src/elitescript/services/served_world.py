@@ -7,11 +7,13 @@ channels are not here: the robot itself has them, so that a session can be repla
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Final, TypeVar
 
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
-from elitescript.messages.inputs import Do, Input
+from elitescript.messages.inputs import ChannelEvent, Do, Input
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.outputs import (
     ChannelRequest,
@@ -23,13 +25,19 @@ from elitescript.messages.outputs import (
     SendChannel,
 )
 from elitescript.messages.signals import Value
+from elitescript.protocol.connection import Connection
 from elitescript.worlds.virtual.agenda import DeviceError
 from elitescript.worlds.virtual.world import World
 
-ORIGIN = "world"
+ORIGIN: Final = "world"
+
+T = TypeVar("T")
 
 Say = Callable[[str, bool], None]
 """Takes a text, and whether it is a problem."""
+
+Connect = Callable[[str, str], Connection]
+"""Makes a connection from the name of a port and its origin."""
 
 
 class ServedWorld:
@@ -38,12 +46,14 @@ class ServedWorld:
     Args:
         world: its devices.
         say: takes what they have to say.
+        connect: makes connections to ports of the robot.
     """
 
-    __slots__ = ("_channels", "_inputs", "_output", "_say", "_world")
+    __slots__ = ("_channels", "_connect", "_inputs", "_output", "_say", "_world")
 
-    def __init__(self, world: World, say: Say) -> None:
+    def __init__(self, world: World, say: Say, connect: Connect) -> None:
         self._world = world
+        self._connect = connect
         self._say = say
         self._inputs: list[Input] = []
         self._output: Output | None = None
@@ -61,6 +71,19 @@ class ServedWorld:
     def write(self, request: WriteSignal) -> None:
         """Set a point in the next tick."""
         self._inputs.append(Do(ORIGIN, request))
+
+    def connect(self, service: str, origin: str) -> Connection:
+        """A connection to a port of the robot."""
+        return self._connect(service, origin)
+
+    def output(self) -> Output:
+        """The last tick."""
+        assert self._output is not None
+        return self._output
+
+    def post(self, inputs: Sequence[Input]) -> None:
+        """Inputs for the next tick."""
+        self._inputs += inputs
 
     def emit(self, event: Event) -> None:
         """Put what a device says into the log."""
@@ -81,7 +104,8 @@ class ServedWorld:
     def inputs(self, tick: int) -> list[Input]:
         """What happens in the tick that is about to run."""
         events: list[Input] = []
-        for event in self._guarded(lambda: self._world.network.arrivals(tick)) or ():
+        nothing: Sequence[ChannelEvent] = ()
+        for event in self._guarded(lambda: self._world.network.arrivals(tick), nothing):
             number = self._channels.get(event.channel)
             if number is not None:
                 events.append(replace(event, channel=number))
@@ -94,11 +118,11 @@ class ServedWorld:
         for event in output.events:
             if isinstance(event, SignalChanged):
                 self._world.signal_changed(event.name, event.value)
-        self._guarded(self._world.settle)
+        self._guarded(self._world.settle, None)
 
     def take(self, requests: Iterable[ChannelRequest]) -> list[ChannelRequest]:
         """Do what is asked of devices; return what is asked of others."""
-        return [request for request in requests if not self._guarded(lambda request=request: self._take(request))]
+        return [request for request in requests if not self._guarded(partial(self._take, request), True)]
 
     def close_all(self) -> None:
         """The robot has gone."""
@@ -133,10 +157,10 @@ class ServedWorld:
                 network.close(inner)
         return True
 
-    def _guarded(self, call: Callable[[], object]) -> object:
+    def _guarded(self, call: Callable[[], T], otherwise: T) -> T:
         """Make a call that must not end the service."""
         try:
             return call()
         except DeviceError as error:
             self._say(str(error), True)
-            return None
+            return otherwise

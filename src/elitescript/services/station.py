@@ -18,11 +18,12 @@ from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
+from elitescript.protocol.connection import Connection
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
-from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
+from elitescript.services.table import PORTS_PER_INSTANCE, services_of
 from elitescript.services.tcp import Listener, bind
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ class Station:
     __slots__ = (
         "_cycle",
         "_failure",
+        "_followers",
         "_is_lockstep",
         "_is_standing",
         "_listen",
@@ -115,13 +117,14 @@ class Station:
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
+        self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
         self._world: ServedWorld | None = None
         if world is not None:
             from elitescript.services.served_world import ServedWorld
 
-            self._world = ServedWorld(world, lambda text, is_problem: self.note(DEVICE, text, is_problem=is_problem))
+            self._world = ServedWorld(world, self._say, self._connect)
 
     # ---------------------------------------------------------------- what clients call
 
@@ -160,6 +163,10 @@ class Station:
         self._stepped.append(waiter)
         return await waiter
 
+    def follow(self, take: Callable[[Output], bool]) -> None:
+        """Call `take` with every output from the next one on, without a gap, until it returns False."""
+        self._followers.append(take)
+
     @property
     def overruns(self) -> int:
         """Ticks that began late."""
@@ -186,7 +193,7 @@ class Station:
             UsageError: a port cannot be had.
         """
         try:
-            for service in SERVICES:
+            for service in services_of(self.link.description.firmware):
                 number = numbers[service.name]
                 try:
                     bound = bind(host, number)
@@ -321,11 +328,23 @@ class Station:
                 listener.publish(output)
         self._carry_out(output)
         self._hear(output)
+        if self._followers:
+            self._followers = [take for take in self._followers if take(output)]
         if self._stepped:
             waiters, self._stepped = self._stepped, []
             for waiter in waiters:
                 if not waiter.done():
                     waiter.set_result(output)
+
+    def _say(self, text: str, is_problem: bool) -> None:
+        self.note(DEVICE, text, is_problem=is_problem)
+
+    def _connect(self, service: str, origin: str) -> Connection:
+        """A connection of a virtual device to a port."""
+        listener = self.listeners.get(service)
+        if listener is None:
+            raise UsageError(f"service: the robot has the ports {', '.join(self.listeners)}, not {service!r}")
+        return listener.connect(origin)
 
     def _carry_out(self, output: Output) -> None:
         """Do what programs ask of their connections; virtual devices see the tick."""

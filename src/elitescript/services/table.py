@@ -10,6 +10,7 @@ from functools import partial
 from typing import Final, NamedTuple
 
 from elitescript.errors import UsageError
+from elitescript.messages.profile import Release
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol import primary
 from elitescript.protocol.connection import Connection
@@ -45,6 +46,8 @@ class Service(NamedTuple):
     """Whether a message is one of a stream, which a client that reads too slowly may miss."""
     outlives_silence: bool
     """Whether a client that has ended its own half of the connection still gets the stream."""
+    since: Release = (0, 0)
+    """Firmware that brought it; an older one leaves the port closed (*assumed*)."""
 
 
 def _open_primary(port: PrimaryPort, description: RobotDescription) -> Connect:
@@ -79,10 +82,15 @@ def _primary_row(port: PrimaryPort) -> Service:
 
 
 def _plain_row(
-    name: str, number: int, summary: str, evidence: str, kind: Callable[[str, RobotDescription], Connection]
+    name: str,
+    number: int,
+    summary: str,
+    evidence: str,
+    kind: Callable[[str, RobotDescription], Connection],
+    since: Release = (0, 0),
 ) -> Service:
     opener = partial(_open_plain, kind)
-    return Service(name, number, summary, evidence, opener, _is_never_a_sample, outlives_silence=False)
+    return Service(name, number, summary, evidence, opener, _is_never_a_sample, outlives_silence=False, since=since)
 
 
 SERVICES: Final[tuple[Service, ...]] = (
@@ -103,13 +111,16 @@ SERVICES: Final[tuple[Service, ...]] = (
         _is_data_package,
         outlives_silence=False,
     ),
-    _plain_row(
-        "interpreter", 30020, "statements one at a time, firmware 2.11 and later", "documented", InterpreterConnection
-    ),
-    _plain_row("query", 40011, "single function calls and their values", "observed", QueryConnection),
+    _plain_row("interpreter", 30020, "statements one at a time", "documented", InterpreterConnection, (2, 11)),
+    _plain_row("query", 40011, "single function calls and their values", "observed", QueryConnection, (2, 11)),
 )
 
 NAMES: Final[tuple[str, ...]] = tuple(row.name for row in SERVICES)
+
+
+def services_of(firmware: tuple[int, ...]) -> tuple[Service, ...]:
+    """The services that a firmware has."""
+    return tuple(row for row in SERVICES if firmware[:2] >= row.since)
 
 
 def port_numbers(instance: int, chosen: Mapping[str, int], *, robot: int = 0) -> dict[str, int]:

@@ -94,8 +94,8 @@ class Case:
     """What is around the robot, as the text of a cell file."""
     inputs: tuple[tuple[float, str, float], ...] = ()
     """Signals that change: time in s, name, value."""
-    servers: tuple[tuple[int, int, str], ...] = ()
-    """What programs can connect to: port, line in the page, what it does; see `spec_server`."""
+    servers: tuple[tuple[int | str, int, str], ...] = ()
+    """What programs can speak to: port or serial line, line in the page, what it does; see `spec_server`."""
 
     @property
     def needs(self) -> str:
@@ -143,7 +143,7 @@ def parse_page(page: str) -> list[Case]:
     expectations: list[Expectation] = []
     cell: list[str] = []
     inputs: list[tuple[float, str, float]] = []
-    servers: list[tuple[int, int, str]] = []
+    servers: list[tuple[int | str, int, str]] = []
 
     def close() -> None:
         if texts and not expectations:
@@ -175,6 +175,8 @@ def parse_page(page: str) -> list[Case]:
             inputs += _inputs(number + 1, body)
         elif info.split(" ")[0] == "server":
             servers.append((_port(number, info), number + 1, body))
+        elif info.split(" ")[0] == "line":
+            servers.append((_device(number, info), number + 1, body))
         elif info.split(" ")[0] == "expect":
             if not texts:
                 raise UsageError(f"line {number}: an expect block without a program")
@@ -242,6 +244,13 @@ def _port(number: int, info: str) -> int:
     if not port.isdecimal():
         raise UsageError(f"line {number}: a server needs a port, such as 5000")
     return int(port)
+
+
+def _device(number: int, info: str) -> str:
+    device = info.partition(" ")[2].strip()
+    if not device:
+        raise UsageError(f"line {number}: a serial line needs a port of the robot, such as tool or /dev/ttymxc0")
+    return device
 
 
 def differences(outcome: Outcome, expectation: Expectation) -> list[str]:

@@ -55,7 +55,7 @@ class _Observed:
         self._servers = [PageServer(line, text) for _, line, text in case.servers]
         self._robot = VirtualRobot(
             "CS66",
-            world=MemoryWorld(channels=network(self._servers, (port for port, _, _ in case.servers))),
+            world=MemoryWorld(channels=network(self._servers, (end for end, _, _ in case.servers))),
             firmware=self._firmware,
             strict=self._is_strict,
             contact=ContactConfig.from_table(tomllib.loads(case.cell).get("contact", {})),

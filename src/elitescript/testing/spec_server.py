@@ -1,4 +1,4 @@
-"""Servers of specification pages: what a program of a page connects to."""
+"""Servers and serial devices of specification pages: what a program of a page speaks to."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ Act = Callable[[Link], None]
 
 
 class PageServer:
-    """A server as a page describes it, a line for each thing that it does.
+    """A server or a serial device as a page describes it, a row for each thing that it does.
 
-    `after 0.5 send "text"` and `after 0.5 close` count from the moment when the connection stands; `on "question" send
-    "answer"` answers every time that the question has come. Texts are written as in Python.
+    `after 0.5 send "text"` and `after 0.5 close` count from the moment when the connection or line is open; `on
+    "question" send "answer"` answers every time that the question has come. Texts are written as in Python.
 
     Args:
         line: of its block in the page.
@@ -91,9 +91,15 @@ def _bytes(literal: str) -> bytes:
     return value
 
 
-def network(servers: Iterable[PageServer], ports: Iterable[int]) -> VirtualNetwork:
-    """A network with servers on ports."""
-    return VirtualNetwork({port: server.accept for port, server in zip(ports, servers, strict=True)})
+def network(servers: Iterable[PageServer], ends: Iterable[int | str]) -> VirtualNetwork:
+    """A network with servers on ports, and devices on serial lines."""
+    found = VirtualNetwork()
+    for end, server in zip(ends, servers, strict=True):
+        if isinstance(end, int):
+            found.servers[end] = server.accept
+        else:
+            found.lines[end] = server.accept
+    return found
 
 
 def written(data: bytes | bytearray) -> str:

@@ -6,6 +6,7 @@ import os
 import sys
 from contextlib import suppress
 from importlib import import_module
+from time import monotonic, sleep
 from typing import Any, Final
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
@@ -21,6 +22,10 @@ if sys.platform != "win32":
 
     _FAILURES += (_termios_error,)
 
+CLOSING_S: Final = 2.0
+"""How long a port that is closed may take to get rid of what was sent."""
+
+_LOOK_S: Final = 0.002
 _PARITIES: Final = ("N", "O", "E")
 
 
@@ -34,11 +39,11 @@ class SerialChannel:
 
     Attributes:
         room: bytes that may come.
+        device: see above.
         is_over: whether nothing will come any more; the port is closed then.
-        unsent: bytes that the system has not taken yet.
     """
 
-    __slots__ = ("_channel", "_failure", "_is_open", "_left", "_outgoing", "_port", "is_over", "room")
+    __slots__ = ("_channel", "_failure", "_is_open", "_left", "_outgoing", "_port", "device", "is_over", "room")
 
     def __init__(self, channel: int, device: str, settings: LineSettings) -> None:
         self._channel = channel
@@ -47,6 +52,7 @@ class SerialChannel:
         self._is_open = False
         self._outgoing = bytearray()
         self._left = 0
+        self.device = device
         self.room = CHANNEL_WINDOW
         self.is_over = False
         try:
@@ -97,16 +103,33 @@ class SerialChannel:
             events.append(ChannelCredit(self._channel, self._left))
             self._left = 0
         if reason:
-            self.close()
+            self.drop()
             events.append(ChannelClosed(self._channel, reason))
         return events
 
+    @property
+    def has_left(self) -> bool:
+        """Whether all that was sent is out of the port, or never will be."""
+        if self._port is None:
+            return True
+        try:
+            self._flush()
+            return not self._outgoing and not self._port.out_waiting
+        except _FAILURES:
+            return True
+
     def close(self) -> None:
-        """Close the port. What has not left it by now is lost: a system may wait for it for half a minute."""
+        """Close the port, once what was sent has left it."""
+        until_s = monotonic() + CLOSING_S
+        while not self.has_left and monotonic() < until_s:
+            sleep(_LOOK_S)
+        self.drop()
+
+    def drop(self) -> None:
+        """Close the port at once. What has not left it is lost: some systems would wait for it for half a minute."""
         self.is_over = True
         if self._port is not None:
             with suppress(*_FAILURES):
-                self._flush()
                 if self._port.out_waiting:
                     self._port.reset_output_buffer()
             with suppress(*_FAILURES):

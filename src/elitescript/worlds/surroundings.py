@@ -5,9 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, Protocol
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from elitescript.messages.events import Event
+    from elitescript.messages.inputs import Input
     from elitescript.messages.machine import WriteSignal
+    from elitescript.messages.outputs import Output
     from elitescript.messages.signals import Value
+    from elitescript.protocol.connection import Connection
     from elitescript.runtime.world import Channels
     from elitescript.worlds.cell import Cell
 
@@ -28,6 +33,19 @@ class RobotPort(Protocol):
 
     def emit(self, event: Event) -> None:
         """Add to the record of what happens."""
+
+    def connect(self, service: str, origin: str) -> Connection:
+        """A connection to a port of the robot, as its server sees it.
+
+        Raises:
+            UsageError: there is no such port.
+        """
+
+    def output(self) -> Output:
+        """What the last tick gives to whoever is connected to a port."""
+
+    def post(self, inputs: Sequence[Input]) -> None:
+        """What somebody asks for who is connected to a port, in the tick that is about to run."""
 
 
 class Surroundings:

@@ -149,6 +149,9 @@ class Device:
         self._world = world
         self.cell = world.signals
 
+    def begin(self) -> None:
+        """The robot's time begins; for what a kind of devices does by itself, before `started`."""
+
     def leave(self) -> None:
         """Its code has failed: do nothing any more."""
         self._is_gone = True

@@ -58,7 +58,7 @@ class Expression:
 
     __slots__ = ("_body", "_names", "signals", "text")
 
-    def __init__(self, text: str, names: tuple[str, ...] = ()) -> None:
+    def __init__(self, text: object, names: tuple[str, ...] = ()) -> None:
         if not isinstance(text, str) or not text.strip():
             raise UsageError(f"write an expression as a text, such as 'standard_digital_out[0]', not {text!r}")
         if len(text) > TEXT_MAX:
@@ -166,9 +166,9 @@ class Expression:
                 return _OPERATORS[type(sign)](of(left), of(right))
             case ast.Compare(left=left, ops=signs, comparators=others):
                 before = of(left)
-                for sign, other in zip(signs, others, strict=True):
+                for comparison, other in zip(signs, others, strict=True):
                     after = of(other)
-                    if not _OPERATORS[type(sign)](before, after):
+                    if not _OPERATORS[type(comparison)](before, after):
                         return False
                     before = after
                 return True

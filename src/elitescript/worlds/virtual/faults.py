@@ -196,7 +196,8 @@ class Fault:
     code: int | None = None
 
     def __post_init__(self) -> None:
-        row = TABLE.get(self.kind) if isinstance(self.kind, str) else None
+        kind: Any = self.kind
+        row = TABLE.get(kind) if isinstance(kind, str) else None
         if row is None:
             raise UsageError(f"kind: there is no fault {self.kind!r}; there are {', '.join(TABLE)}")
         channel, _, _ = place_of(self.on)

@@ -17,7 +17,7 @@ from elitescript.modbus.pdu import (
 )
 from elitescript.modbus.slave import RtuSlave, Slave, TcpSlave
 from elitescript.worlds.virtual.device import Device, check_number, check_text
-from elitescript.worlds.virtual.network import Link
+from elitescript.worlds.virtual.network import Endpoint, Link
 from elitescript.worlds.virtual.serial import BAUD_MAX, LineDevice, line_device
 from elitescript.worlds.virtual.tcp import LATENCY_MAX_S, TcpConnection, TcpServer
 
@@ -187,7 +187,7 @@ class ModbusDevice(Device):
     def _bus(self, world: World) -> _Bus:
         """What carries requests to this device: several may share a line, or a port as behind a gateway."""
         network = world.network
-        place = ((self.address, self.port) if self.address else self.port) if self.port else self.line
+        place: Endpoint = (self.address, self.port) if self.address else self.port
         server = network.servers.get(place) if self.port else network.lines.get(self.line)
         bus = getattr(server, "__self__", None)
         if isinstance(bus, _Bus):

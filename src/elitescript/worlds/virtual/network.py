@@ -216,13 +216,15 @@ class VirtualNetwork:
 
     def __init__(
         self,
-        servers: Mapping[int, Server] | None = None,
+        servers: Mapping[int, Server] | Mapping[Endpoint, Server] | None = None,
         lines: Mapping[str, Server] | None = None,
         *,
         agenda: Agenda | None = None,
         outside: Channels | None = None,
     ) -> None:
-        self.servers: dict[Endpoint, Server] = dict(servers or {})
+        self.servers: dict[Endpoint, Server] = {}
+        for endpoint, server in (servers or {}).items():
+            self.servers[endpoint] = server
         self.lines: dict[str, Server] = dict(lines or {})
         self.agenda = Agenda() if agenda is None else agenda
         self.outside = outside

@@ -202,7 +202,8 @@ class DeclaredRpc(XmlRpcServer):
 
     def check(self) -> None:
         super().check()
-        if not isinstance(self.procedures, Mapping) or not self.procedures:
+        declared: Any = self.procedures
+        if not isinstance(declared, Mapping) or not declared:
             raise UsageError("procedures: write a table of names and answers, such as { ready = true }")
         for name, answer in self.procedures.items():
             try:
@@ -279,6 +280,7 @@ class Reaction:
             self._put(device, result)
 
     def _put(self, device: ModbusDevice, result: Any) -> None:
+        assert isinstance(self.target, tuple)
         name, address = self.target
         getattr(device, name)[address] = int(result)
 

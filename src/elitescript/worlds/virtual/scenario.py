@@ -34,6 +34,8 @@ class Section(NamedTuple):
 
 _HERE: Final = "elitescript.worlds.virtual"
 
+FAULT: Final = f"{_HERE}.faults:Fault"
+
 KINDS: Final[dict[str, Section]] = {
     "tcp": Section(f"{_HERE}.replies:DeclaredTcp", f"{_HERE}.tcp:TcpServer", True),
     "rpc": Section(f"{_HERE}.replies:DeclaredRpc", f"{_HERE}.xmlrpc:XmlRpcServer", True),
@@ -43,7 +45,7 @@ KINDS: Final[dict[str, Section]] = {
     "wire": Section(f"{_HERE}.wiring:Wire"),
     "schedule": Section(f"{_HERE}.wiring:Schedule"),
     "parts": Section(f"{_HERE}.parts:Parts"),
-    "fault": Section(f"{_HERE}.faults:Fault"),
+    "fault": Section(FAULT),
 }
 """Sections whose rows are devices, wires or faults."""
 
@@ -110,12 +112,12 @@ def _made(section: str, number: int, row: Mapping[str, Any], folder: Path, files
     if named is not None:
         if not kind.base:
             raise UsageError(f"{CLASS_KEY}: is not possible here")
-        found = _named_class(named, folder, files, _loaded(kind.base))
+        found: Any = _named_class(named, folder, files, _loaded(kind.base))
     elif not kind.declared:
         raise UsageError(f'{CLASS_KEY}: name one, such as "cell.py:Button"')
     else:
         found = _loaded(kind.declared)
-    if found is Fault:
+    if kind.declared == FAULT:
         return fault_from(settings)
     if named is None and kind.is_reachable:
         settings.setdefault("name", f"{section} {number}")

@@ -171,9 +171,10 @@ class Schedule(Device):
         check_number("every_s", self.every_s, 0.0, TIME_MAX_S, "s")
         if self.every_s and ticks_for(self.every_s) < 1:
             raise UsageError(f"every_s: must be one control period at least, got {self.every_s!r}")
-        if isinstance(self.at, str) or not isinstance(self.at, Sequence) or not self.at:
-            raise UsageError(f"at: write rows of time and value, such as [[2.0, true], [5.0, false]], not {self.at!r}")
-        for row in self.at:
+        rows: Any = self.at
+        if isinstance(rows, str) or not isinstance(rows, Sequence) or not rows:
+            raise UsageError(f"at: write rows of time and value, such as [[2.0, true], [5.0, false]], not {rows!r}")
+        for row in rows:
             if isinstance(row, str) or not isinstance(row, Sequence) or len(row) != 2:
                 raise UsageError(f"at: a row is a time and a value, such as [2.0, true], not {row!r}")
             limit = self.every_s or TIME_MAX_S

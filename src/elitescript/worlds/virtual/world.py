@@ -6,7 +6,7 @@ import traceback
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.events import DeviceNoted
@@ -20,6 +20,9 @@ from elitescript.worlds.virtual.faults import Fault, check_together
 from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 from elitescript.worlds.virtual.network import VirtualNetwork
 from elitescript.worlds.virtual.signals import RobotSignals
+
+if TYPE_CHECKING:
+    from elitescript.worlds.virtual.client import PortLink, TcpClient
 
 _HOME: Final = str(Path(__file__).parents[2])
 _LIBRARY: Final = str(Path(traceback.__file__).parent)
@@ -93,6 +96,8 @@ class World(Surroundings):
         self.channels: Channels = self._faulty
         self.devices: list[Device] = []
         self._robot: RobotPort | None = None
+        self._links: list[PortLink] = []
+        self._connections = 0
         self.on_device_failure: Callable[[DeviceError], None] | None = None
         """Told when the code of a device has failed; as long as it is None the run ends with the error."""
         for device in (*devices, *wires):
@@ -107,7 +112,7 @@ class World(Surroundings):
         if type(device).signal_changed is not Device.signal_changed:
             self.signals.listen(device.signal_changed, device)
         if self._robot is not None:
-            self.agenda.attempt(device.started, device)
+            self._start(device)
 
     def fault(self, kind: str, on: int | str, **settings: Any) -> None:
         """Let something go wrong from now on; see `Fault`. `at_s` counts from the robot's start.
@@ -148,7 +153,11 @@ class World(Surroundings):
         self._robot = robot
         self.signals.begin(robot)
         for device in self.devices:
-            self.agenda.attempt(device.started, device)
+            self._start(device)
+
+    def _start(self, device: Device) -> None:
+        self.agenda.attempt(device.begin, device)
+        self.agenda.attempt(device.started, device)
 
     def lead_outside(self, channels: Channels) -> None:
         self.network.outside = channels
@@ -158,6 +167,35 @@ class World(Surroundings):
 
     def settle(self) -> None:
         self.signals.settle()
+        if self._links:
+            self._publish(self._links)
+
+    def _publish(self, links: list[PortLink]) -> None:
+        """Show the tick to the devices that are connected to ports of the robot."""
+        assert self._robot is not None
+        links[:] = [link for link in links if link.is_open]
+        waiting = [link for link in links if link.wants_tick]
+        if waiting:
+            output = self._robot.output()
+            for link in waiting:
+                link.publish(output)
+            self.agenda.put(1, lambda: None)  # they look at the next tick too
+
+    def connect(self, client: TcpClient) -> PortLink:
+        """Connect a device to a port of the robot.
+
+        Raises:
+            UsageError: there is no robot, or it has no such port.
+        """
+        from elitescript.worlds.virtual.client import PortLink
+
+        if self._robot is None:
+            raise UsageError("there is no robot yet to connect to")
+        self._connections += 1
+        connection = self._robot.connect(client.service, f"{client.service}#world{self._connections}")
+        link = PortLink(connection, self._robot, self.agenda, client)
+        self._links.append(link)
+        return link
 
     # ---------------------------------------------------------------- the devices' side
 
