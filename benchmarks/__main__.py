@@ -6,7 +6,7 @@ import platform
 import sys
 from importlib import import_module
 
-MODULES = ("programs", "streams", "language_loop", "kinematics", "motion", "serving")
+MODULES = ("programs", "streams", "language_loop", "kinematics", "motion", "ticks", "serving", "devices")
 HEAD = ("what", "ours", "the other", "ratio")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.services import tcp
+from elitescript.services import listener, liveness, shares, tcp
 from elitescript.services.broker import CHANNELS_MAX
 from elitescript.services.control_verbs import VERBS
 from elitescript.services.cycle import CATCH_UP_TICKS
@@ -17,6 +17,7 @@ _PAGES = {
     "rtsi": "rtsi.md",
     "interpreter": "interpreter.md",
     "query": "interpreter.md",
+    "modbus": "modbus.md",
 }
 
 
@@ -46,12 +47,18 @@ def ports_page() -> str:
         "## What every port promises (*assumed*)",
         "",
         "- A message is one write, without delay (`TCP_NODELAY`).",
-        f"- Up to {tcp.CLIENTS_MAX} clients for each port.",
+        f"- Up to {listener.CLIENTS_MAX} clients for each port; more are accepted and closed at once.",
+        f"  No more than {listener.ACCEPTS_PER_TICK} are accepted in a tick; {listener.BACKLOG} may wait for that.",
+        f"- A client whose computer has vanished is let go after {liveness.UNTAKEN_S} s without a sign of life",
+        "  (TCP keepalive), and what it had claimed is free.",
         "- What arrives counts from the next tick of 4 ms; what a tick gives leaves at once.",
         "- A client that reads too slowly misses packages of its stream when more than",
         f"  {backlog} KiB wait for it. It is cut off when {most} KiB wait, or when it has taken nothing for",
         f"  {stalled_s} s. Nobody else waits.",
-        "- Of what one client sends, so much is read in a tick as takes 0.3 ms; the rest stays in its socket.",
+        f"- Of what one client sends, so much is read in a tick as takes {shares.SHARE_NS / 1e6:g} ms, of all clients",
+        f"  together {shares.TICK_NS / 1e6:g} ms; the rest stays in the sockets. Who sends little is read first.",
+        "- More requests than the robot can do in a tick wait: in the order of each client, in turns",
+        "  between clients.",
         "- What cannot be understood as the protocol of the port closes that one connection.",
         "- A client that ends its own half of the connection is answered what it has asked; a program that",
         "  it has begun counts as sent. The state of the primary port goes on for it.",

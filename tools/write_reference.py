@@ -24,6 +24,7 @@ from tools.devices_page import devices_page
 from tools.faults_page import faults_page
 from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, anchor, cell
+from tools.modbus_page import modbus_page
 from tools.ports_page import ports_page
 from tools.primary_page import primary_page
 from tools.rtsi_page import rtsi_page
@@ -135,14 +136,18 @@ def signals_page() -> str:
         "The names that `--set`, `robot.signals` and the `end` event use. A family of one is written without an index,",
         "`tool_analog_in`; the others with one, `standard_digital_in[3]`.",
         "",
-        "| name | type | indices | direction | range | meaning |",
-        "|---|---|---|---|---|---|",
+        "What is *kept* goes into the file of `--state`, so that it outlasts the controller; see",
+        "[the Modbus server](modbus.md#what-is-kept).",
+        "",
+        "| name | type | indices | direction | range | kept | meaning |",
+        "|---|---|---|---|---|---|---|",
     ]
     for signal in SIGNALS.values():
         indices = "" if signal.size == 1 else f"0 to {signal.size - 1}"
         direction = "input" if signal.is_input else "output"
         lines.append(
-            f"| `{signal.name}` | {signal.kind} | {indices} | {direction} | {_range(signal)} | {signal.summary} |"
+            f"| `{signal.name}` | {signal.kind} | {indices} | {direction} | {_range(signal)} | "
+            f"{'kept' if signal.is_kept else ''} | {signal.summary} |"
         )
     return "\n".join(lines) + "\n"
 
@@ -264,6 +269,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "errors.md": errors_page,
     "faults.md": faults_page,
     "interpreter.md": interpreter_page,
+    "modbus.md": modbus_page,
     "ports.md": ports_page,
     "primary.md": primary_page,
     "rtsi.md": rtsi_page,

@@ -89,6 +89,7 @@ _ROWS: Final = (
     Code("R131", "error", "the thread cannot be stopped"),
     Code("R132", "error", "the controller had to be restarted"),
     Code("R133", "error", "remote procedure call that failed"),
+    Code("R134", "error", "MODBUS signal that does not work"),
     Code("R140", "error", "protective stop"),
     Code("R141", "error", "emergency stop"),
     Code("R142", "error", "violation or fault of the safety system"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from elitescript.controller.contact import ContactConfig
 from elitescript.controller.safety_limits import SafetyLimits
@@ -31,13 +31,15 @@ from elitescript.models.model import RobotModel, load_model
 from elitescript.run import EndState, Run, SignalRecord
 from elitescript.runtime.host import RPC_TIMEOUT_S
 from elitescript.runtime.scheduler import WORK_PER_TICK
-from elitescript.runtime.world import Channels, World
+from elitescript.runtime.world import World
 from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
-from elitescript.worlds.cell import Cell, load_cell
 from elitescript.worlds.interrupts import interrupts_passed_to
+from elitescript.worlds.outside import Outside
 from elitescript.worlds.program_file import source_of
-from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.surroundings import Surroundings
+
+if TYPE_CHECKING:
+    from elitescript.worlds.state_file import StateFile
 
 IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
@@ -47,6 +49,12 @@ TRACE_TICKS_MAX: Final = 10_000
 
 Pace = Callable[[int], None]
 Watch = Callable[["VirtualRobot"], None]
+
+
+def _state_file(path: str | Path) -> StateFile:
+    from elitescript.worlds.state_file import StateFile
+
+    return StateFile(path)
 
 
 class VirtualRobot:
@@ -71,6 +79,8 @@ class VirtualRobot:
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         safety: what the safety system watches.
         plant: how the joints follow their targets; exactly if None.
+        state_file: a file with the registers, flags and general Modbus values that the robot remembers: read now,
+            written when `run` or `advance` returns. Nothing is remembered if None.
         on_event: receives every event at the moment it happens.
 
     Raises:
@@ -95,26 +105,15 @@ class VirtualRobot:
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
+        state_file: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = load_model(model) if isinstance(model, str) else model
         self.profile = profile(firmware)
         self._options = Options(strict=strict)
         self._on_event = on_event
-        cell = Cell()
-        if isinstance(world, str | Path):
-            cell = load_cell(world)
-            world = cell.world
-        elif isinstance(world, Surroundings) and world.cell is not None:
-            cell = world.cell
-        self._surroundings = world if isinstance(world, Surroundings) else None
-        self._fixed_world = None if isinstance(world, Surroundings) else world
-        self._channels: Channels = RealChannels(lines) if world is None else world.channels
-        if lines and self._surroundings is not None:
-            self._surroundings.lead_outside(RealChannels(lines))
-        elif lines and world is not None:
-            raise UsageError("lines are ports of this computer; a world has its own: give one of them")
-        self._task_dir = None if task_dir is None else Path(task_dir)
+        self._outside = Outside(world, task_dir, lines)
+        cell = self._outside.cell
         fittings = Fittings(
             epoch_s=epoch_s,
             seed=seed,
@@ -134,12 +133,14 @@ class VirtualRobot:
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
-        for name, value in cell.signals.items():
+        self._state_file = None if state_file is None else _state_file(state_file)
+        kept = {} if self._state_file is None else self._state_file.load()
+        for name, value in {**kept, **cell.signals}.items():
             self.signals[name] = value
-        if self._surroundings is not None:
+        if self._outside.surroundings is not None:
             from elitescript.kernel.own_ports import OwnPorts
 
-            self._surroundings.begin(OwnPorts(self.controller, self._host, self.model, self.profile))
+            self._outside.surroundings.begin(OwnPorts(self.controller, self._host, self.model, self.profile))
 
     # ---------------------------------------------------------------- reading
 
@@ -190,6 +191,14 @@ class VirtualRobot:
     def stop(self) -> None:
         """Stop the task; it ends in the next tick."""
         self.controller.request(StopTask())
+
+    def fault(self, kind: str, on: int | str, **settings: Any) -> None:
+        """Let something go wrong on a connection or serial line, from now on; see `elitescript.testing.world.Fault`.
+
+        Raises:
+            UsageError: there is no such fault, or it makes no sense there.
+        """
+        self._outside.fault(self.tick, kind, on, settings)
 
     def protective_stop(self, reason: str = "") -> None:
         """Stop the arm as the safety system does; the program ends with an alarm."""
@@ -277,7 +286,7 @@ class VirtualRobot:
         """
         unit = program if isinstance(program, CompiledUnit) else self.compile(program)
         values = checked_presets(presets or {})
-        world = self._world_for(unit.source.name)
+        world = self._outside.world_for(unit.source.name)
         run = Run(unit, self.tick)
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run
@@ -307,20 +316,11 @@ class VirtualRobot:
         if self._interrupted_as:
             self._finish(self._interrupted_as)
             self._interrupted_as = ""
+        self._remember()
 
-    def _world_for(self, source_name: str) -> World:
-        if self._fixed_world is not None:
-            return self._fixed_world
-        folder = self._task_dir
-        if folder is None and not source_name.startswith("<"):
-            folder = Path(source_name).resolve().parent
-        if folder is None:
-            from elitescript.worlds.memory import MemoryWorld
-
-            return MemoryWorld(channels=self._channels)
-        from elitescript.worlds.real import RealWorld
-
-        return RealWorld(folder, self._channels)
+    def _remember(self) -> None:
+        if self._state_file is not None:
+            self._state_file.save(self.controller.signals.image)
 
     # ---------------------------------------------------------------- time
 
@@ -330,7 +330,8 @@ class VirtualRobot:
         Args:
             stays: go on up to `limit`, which is not run, though nothing happens any more.
         """
-        controller, channels = self.controller, self._channels
+        controller, channels = self.controller, self._outside.channels
+        surroundings = self._outside.surroundings
         idle_ticks = 0
         while not (stays and limit is not None and controller.tick >= limit):
             if pace is not None:
@@ -338,8 +339,8 @@ class VirtualRobot:
             for event in channels.arrivals(controller.tick):
                 self._host.channel_event(event)
             controller.run_tick()
-            if self._surroundings is not None:
-                self._surroundings.settle()
+            if surroundings is not None:
+                surroundings.settle()
             if self._listener_error is not None:
                 error, self._listener_error = self._listener_error, None
                 raise error
@@ -387,6 +388,7 @@ class VirtualRobot:
         if self._trace is not None:
             self._trace.finish(self.controller)
             self._trace = None
+        self._host.background.close()
         state = self.controller.state()
         run.time_s = seconds(self.tick - run.start_tick)
         run.joints = state.q_target
@@ -405,6 +407,7 @@ class VirtualRobot:
             self._host.run_tick(self.tick)
             run.globals = self._host.monitor()
         self._rest(run)
+        self._remember()
 
     def _report_stuck(self) -> None:
         threads = self.threads()
@@ -431,8 +434,8 @@ class VirtualRobot:
             run.globals = self._host.monitor()
 
     def _event(self, event: Event) -> None:
-        if self._surroundings is not None and isinstance(event, SignalChanged):
-            self._surroundings.signal_changed(event.name, event.value)
+        if isinstance(event, SignalChanged) and self._outside.surroundings is not None:
+            self._outside.surroundings.signal_changed(event.name, event.value)
         if self._run is not None and not self._run.is_over:
             self._run.add(event)
         if self._on_event is None or self._listener_error is not None:

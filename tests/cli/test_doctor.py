@@ -57,3 +57,8 @@ class TestDoctor:
         record = json.loads(capsys.readouterr().out)
         assert record["trouble"] == ""
         assert len(record["jail"]) == 5
+
+    def test_a_port_that_this_user_may_not_have_is_replaced_by_its_spare_one(self, layers, monkeypatch, capsys):
+        monkeypatch.setattr(doctor, "_is_forbidden", lambda number: number < 1024)
+        assert main(["doctor"]) == 0
+        assert "free     5020   modbus" in capsys.readouterr().out

@@ -108,6 +108,24 @@ def test_settings_reach_the_program(run_json):
     assert records[-1]["signals"] == {"standard_digital_in[3]": True, "standard_digital_out[0]": True}
 
 
+def test_what_is_kept_is_there_for_the_next_run(program, tmp_path, capsys):
+    path = program("def p():\n  write_port_register(256, read_port_register(256) + 1)\n  textmsg(get_flag(3))\nend\n")
+    state = str(tmp_path / "state.json")
+    for options in ((), (), ("--set", "flag[3]=true"), ()):
+        assert main(["run", str(path), "--state", state, *options]) == 0
+    words = [line.split()[-1] for line in capsys.readouterr().out.splitlines() if line.endswith(("True", "False"))]
+    assert words == ["False", "False", "True", "True"]
+    assert json.loads(Path(state).read_text())["signals"] == {"flag[3]": True, "general_register[0]": 4}
+
+
+def test_a_state_file_of_somebody_else_is_left_alone(program, tmp_path, capsys):
+    path = tmp_path / "notes.json"
+    path.write_text('{"mine": 1}')
+    assert main(["run", str(program("textmsg(1)\n")), "--state", str(path)]) == 2
+    assert "It was left as it is" in capsys.readouterr().err
+    assert path.read_text() == '{"mine": 1}'
+
+
 def test_start_joints_speed_robot_and_epoch(run_json):
     text = "def a():\n  textmsg(get_target_joint_positions())\n  textmsg(controller_timestamp())\nend\n"
     _, records = run_json(text, "--joints", "0.1,-1.5,-1.5,-1.5,1.5,0", "--epoch", "2025-01-01", "--robot", "cs620")

@@ -21,6 +21,7 @@ from elitescript.cli.ctl import shown
 from elitescript.cli.main import main
 from elitescript.cli.serve import chosen_ports
 from elitescript.errors import UsageError
+from tests.protocol import modbus_client
 
 SOURCE = Path(__file__).resolve().parent.parent.parent / "src"
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals")
@@ -119,7 +120,7 @@ def test_several_robots_have_their_own_ports_and_end_with_sigterm(place: Path) -
     record = json.loads(line_with(process, '"ready"'))
     assert [robot["model"] for robot in record["robots"]] == ["CS63", "CS612"]
     numbers = [number for robot in record["robots"] for number in robot["ports"].values()]
-    assert len(set(numbers)) == 16
+    assert len(set(numbers)) == 18
     for robot in record["robots"]:
         with socket.create_connection(("127.0.0.1", robot["ports"]["dashboard"])) as peer:
             reader = peer.makefile("rb")
@@ -128,6 +129,39 @@ def test_several_robots_have_their_own_ports_and_end_with_sigterm(place: Path) -
     code, out = stop(process, signal.SIGTERM)
     assert code == 0
     assert json.loads(out.splitlines()[-1]) == {"type": "stopped"}
+
+
+@pytest.mark.parametrize("options", [("--in-process",), ()])
+def test_what_is_kept_survives_a_kill(place: Path, tmp_path: Path, options: tuple[str, ...]) -> None:
+    state = tmp_path / "state.json"
+    for count in range(2):
+        process = start(place, "--state", str(state), *options)
+        ports = ports_in(line_with(process, "ready"))
+        with socket.create_connection(("127.0.0.1", ports["modbus"])) as peer:
+            reader = peer.makefile("rb")
+            peer.sendall(modbus_client.frame(1, modbus_client.read(3, 256, 1)))
+            assert modbus_client.words(modbus_client.frames(reader.read(11))[0][2]) == [count]
+            peer.sendall(modbus_client.frame(2, modbus_client.write(6, 256, count + 1)))
+            assert len(reader.read(12)) == 12
+            while not state.exists() or f'"general_register[0]": {count + 1}' not in state.read_text():
+                peer.sendall(modbus_client.frame(3, modbus_client.read(3, 256, 1)))
+                reader.read(11)
+        process.kill()
+        process.communicate(timeout=20)
+    process = start(place, "--state", str(state), "--in-process")
+    line_with(process, "ready")
+    second = start(place, "--state", str(state), "--in-process", "--instance", "7")
+    assert "another `elitescript` uses it" in second.communicate(timeout=20)[1]
+    assert second.returncode == 2
+    assert stop(process)[0] == 0
+
+
+def test_a_state_file_of_somebody_else_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "notes.json"
+    path.write_text('{"mine": 1}')
+    assert main(["serve", "--port", "all=0", "--in-process", "--state", str(path)]) == 2
+    assert "It was left as it is" in capsys.readouterr().err
+    assert path.read_text() == '{"mine": 1}'
 
 
 def test_a_port_in_use_ends_it_at_once(place: Path) -> None:

@@ -41,6 +41,8 @@ class FakeMachine:
         self.joint_temperatures: Six = (31.0, 32.0, 33.0, 34.0, 35.0, 36.0)
         self.controller_temperature = 41.5
         self.image: dict[tuple[str, int], Value] = {}
+        self.port_registers: dict[int, int] = {}
+        self.port_coils: dict[int, bool] = {}
         self.tested: list[tuple[Six, Any]] = []
 
     def joints(self) -> JointState:
@@ -85,6 +87,12 @@ class FakeMachine:
 
     def read(self, name: str, index: int = 0) -> Value:
         return self.image.get((name, index), SIGNALS[name].default)
+
+    def port_register(self, address: int, version: tuple[int, ...]) -> int:
+        return version[address - 63] if 63 <= address <= 65 else self.port_registers.get(address, 0)
+
+    def port_coil(self, address: int) -> bool:
+        return self.port_coils.get(address, False)
 
     def tool_pin(self, index: int) -> bool:
         return bool(self.read("tool_digital_in", index))
@@ -187,6 +195,33 @@ class FakeLines:
         return self.answer is not None
 
 
+class FakeModbus:
+    """Signals that work and stand at zero.
+
+    Attributes:
+        asked: every call, in order.
+    """
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[Any, ...]] = []
+        self.codes = (0, 0)
+
+    def status(self, name: str) -> int:
+        self.asked.append(("status", name))
+        return 0
+
+    def errors(self, name: str) -> tuple[int, int]:
+        self.asked.append(("errors", name))
+        return self.codes
+
+    def invalid_s(self, name: str) -> float:
+        self.asked.append(("invalid_s", name))
+        return 0.0
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        return lambda *what, **more: self.asked.append((name, *what, *more.values()))
+
+
 class FakeRobot:
     """The robot that a command sees; `asked` holds what it wanted, in order."""
 
@@ -201,6 +236,7 @@ class FakeRobot:
         self.task_files: dict[str, bytes] = {}
         self.sockets = FakeSockets()
         self.lines = FakeLines()
+        self.modbus = FakeModbus()
         self._random = random.Random(7)
 
     def _ask(self, *what: Any) -> None:

@@ -20,7 +20,9 @@ def is_simulated(name: str) -> bool:
     return command.is_simulated
 
 
-EXAMPLES = [example for example in FACTS["examples"] if is_simulated(example["name"])]
+SENT = "modbus_send_custom_command"
+"""What its example computes is what it sends: see `test_modbus_tcp`."""
+EXAMPLES = [example for example in FACTS["examples"] if is_simulated(example["name"]) and example["name"] != SENT]
 NOT_YET = [example for example in FACTS["examples"] if not is_simulated(example["name"])]
 
 

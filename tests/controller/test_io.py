@@ -143,3 +143,17 @@ def test_an_input_keeps_its_level_if_the_new_domain_has_it_and_its_fraction_if_n
         image.set_analog_domain(SetAnalogDomain("standard_analog_in", index, AnalogDomain.CURRENT))
     assert image.read("standard_analog_in", 0) == 0.012
     assert image.read("standard_analog_in", 1) == pytest.approx(0.012)
+
+
+def test_an_image_shares_what_has_not_changed_with_the_one_before():
+    image = SignalImage(lambda name, index, value: None)
+    before = image.image
+    image.write(WriteSignal("flag", 3, True))
+    after = image.image
+    assert image.image is after
+    assert before["flag"][3] is False
+    assert after["flag"][3] is True
+    assert [name for name in before if before[name] is not after[name]] == ["flag"]
+    assert list(before) == list(after)
+    image.write(WriteSignal("flag", 3, True))
+    assert image.image is after

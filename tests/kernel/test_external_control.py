@@ -7,10 +7,10 @@ import pytest
 from elitescript.kernel.external_control import CONNECT_S, FETCH_TICKS, REQUEST, SILENCE_TICKS
 from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Do, LoadTask, PlayTask, Reboot
-from elitescript.messages.machine import StopTask
+from elitescript.messages.machine import PowerOff, StopTask, WriteSignal
 from elitescript.messages.outputs import CloseChannel, CreditChannel, OpenChannel, Reply, SendChannel
 from elitescript.worlds.memory import MemoryWorld
-from tests.kernel.machine import READY, Session
+from tests.kernel.machine import READY, Session, program
 
 FILES = {
     "control.task": b"external_control 192.0.2.7 50012\n",
@@ -112,10 +112,30 @@ def test_it_cannot_be_played_twice_at_once(session):
     assert reply == Reply("dashboard#2/1", "refused: the program of the task is on its way")
 
 
-def test_a_reboot_forgets_what_is_on_its_way(session):
-    channel = begin(session)
-    assert CloseChannel(channel) in session.send(Reboot("dashboard#1/3")).requests
+@pytest.mark.parametrize(
+    ("what", "why"),
+    [
+        (Reboot("dashboard#1/3"), "the controller was started anew before its program had come"),
+        (Do("primary#1", StopTask()), "the task was stopped before its program had come"),
+        (LoadTask("dashboard#1/3", "plain.task"), "another task was loaded before its program had come"),
+        (program("sleep(0.01)"), "another program has been started meanwhile"),
+        (Do("ctl", WriteSignal("emergency_stop", 0, True)), "emergency stop"),
+        (Do("ctl", PowerOff()), ""),
+    ],
+)
+@pytest.mark.parametrize("is_connected", [True, False])
+def test_nothing_starts_late(session, is_connected, what, why):
+    channel = begin(session) if is_connected else session.send(PLAY).requests[0].channel
+    output = session.send(what)
+    assert CloseChannel(channel) in output.requests
+    (refusal,) = [reply.text for reply in output.replies if reply.origin == PLAY.origin]
+    assert refusal.startswith("refused: ")
+    assert why in refusal
+    session.send(ChannelOpened(channel, True))
     assert session.send(ChannelData(channel, PROGRAM)).replies == ()
+    session.run(1.0)
+    assert not any("fetched" in str(getattr(event, "text", "")) for event in session.events)
+    assert session.last.requests == ()
 
 
 def test_a_line_that_makes_no_sense_is_refused(session):

@@ -30,9 +30,11 @@ from elitescript.messages.machine import (
     ResumeTask,
     SetSpeedScale,
     StopTask,
+    WritePortCoils,
+    WritePortRegisters,
     WriteSignal,
 )
-from elitescript.messages.outputs import CloseChannel
+from elitescript.messages.outputs import CloseChannel, Reply
 from tests.kernel.machine import FOREVER, READY, Session, program
 
 
@@ -363,3 +365,42 @@ class TestTheController:
             (1, 1),
         ]
         assert kernel.next_tick == 2
+
+
+class TestModbus:
+    def test_a_write_is_answered_and_done(self):
+        session = Session()
+        output = session.send(Do("modbus#1/1", WritePortRegisters(256, (7, 8)), is_answered=True))
+        assert output.replies == (Reply("modbus#1/1", "done"),)
+        assert output.snapshot.signals["general_register"][:3] == (7, 8, 0)
+
+    def test_a_write_shows_what_is_asked_for_right_after_it(self):
+        session = Session()
+        output = session.send(
+            Do("modbus#1/1", WritePortRegisters(256, (7,), 255, 3), is_answered=True),
+            Do("modbus#2/1", WritePortRegisters(256, (65535,), 256, 1), is_answered=True),
+        )
+        assert [reply.text for reply in output.replies] == ["done: 000000070000", "done: ffff"]
+
+    def test_a_write_that_makes_no_sense_is_refused_as_a_whole(self):
+        session = Session()
+        output = session.send(Do("modbus#1/1", WritePortRegisters(15, (1, 13)), is_answered=True))
+        (reply,) = output.replies
+        assert reply.text.startswith("refused: ")
+        assert "register 16: the tool voltage is 0, 12 or 24 V, got 13" in reply.text
+        assert len(session.of(Warned)) == 1
+        assert output.snapshot.domains["tool_analog_out"] == (1,)
+
+    def test_nobody_is_answered_who_does_not_ask(self):
+        output = Session().send(Do("ctl", WritePortCoils(60, (True,))), Do("ctl", WritePortCoils(0, (True,))))
+        assert output.replies == ()
+        assert output.snapshot.signals["general_coil"][0] is True
+
+    def test_a_program_and_a_client_shake_hands(self):
+        session = Session(READY)
+        session.start("while not read_port_bit(60):", "  sync()", "end", "write_port_register(257, 5)")
+        session.run(0.1)
+        assert session.last.snapshot.signals["general_register"][1] == 0
+        session.do(WritePortCoils(60, (True,)))
+        session.run(0.02)
+        assert session.last.snapshot.signals["general_register"][1] == 5

@@ -10,6 +10,8 @@ from elitescript.messages.machine import (
     SetPayload,
     SetSpeedScale,
     SetTcp,
+    WritePortCoils,
+    WritePortRegisters,
     WriteSignal,
 )
 
@@ -42,6 +44,8 @@ class TestRestart:
                     WriteSignal("output_int_register", 5, -7),
                     WriteSignal("input_float_register", 47, 0.1),
                     WriteSignal("standard_digital_out", 2, True),
+                    WritePortRegisters(256, (700, 65535)),
+                    WritePortCoils(60, (True, False, True)),
                 ),
                 RunUnit("test", "program", "def p():\n  movej([0.1, -1.4, -1.6, -1.5, 1.5, 0.2])\n"),
                 SetRemote("test", False),
@@ -59,6 +63,8 @@ class TestRestart:
         assert now.robot.robot_mode is RobotMode.RUNNING
         assert now.robot.task_state is TaskState.STOPPED
         assert now.signals == last.signals
+        assert now.signals["general_register"][:2] == (700, 65535)
+        assert now.signals["general_coil"][:3] == (True, False, True)
         assert now.domains == last.domains
         assert not now.is_remote
 

@@ -129,7 +129,7 @@ class TestConfiguring:
 
     def test_a_controller_that_starts_anew_closes_its_ports(self):
         one = bench(Echo).start(program(TOOL)).run()
-        close_lines(one.host.lines, one.host.connections)
+        close_lines(one.host.background.lines, one.host.connections)
         one.start(program("textmsg(tool_serial_mode())")).run()
         assert one.log == ["CLOSE"]
         assert one.host.connections == {}
@@ -183,7 +183,7 @@ class TestConfiguring:
         one.host.stop("")
         tick(one)
         assert channels.take()[1:] == (CloseChannel(1),)
-        assert not one.host.lines["tool"].is_open
+        assert not one.host.background.lines["tool"].is_open
         assert one.host.connections == {}
 
     def test_the_last_of_two_threads_that_configure_it_has_it(self):

@@ -180,7 +180,7 @@ class TestSecondaryPrograms:
     def test_it_can_configure_a_port(self):
         one = bench(slave()).secondary(f"sec s():\n  textmsg({TOOL_RTU})\nend\n").run()
         assert one.log == ["True"]
-        assert one.host.lines["tool"].is_open
+        assert one.host.background.lines["tool"].is_open
 
 
 class TestSilence:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import socket
 from collections.abc import AsyncIterator
 
 import pytest
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
-from elitescript.services.broker import CHANNELS_MAX, Broker
-from elitescript.services.tcp import bind
+from elitescript.services.broker import CHANNELS_MAX, Broker, reason_of
+from elitescript.services.listener import bind
 from tests.services.served import run
 
 
@@ -156,6 +157,57 @@ def test_what_was_sent_before_the_close_arrives() -> None:
     run(test())
 
 
+def test_a_peer_that_ends_its_half_gets_what_was_sent_before() -> None:
+    sent = 4 * CHANNEL_WINDOW
+
+    async def test() -> None:
+        async with outside() as scene:
+            reader, writer = await scene.open(1)
+            writer.transport.pause_reading()
+            scene.broker.carry_out([SendChannel(1, bytes(sent))])
+            writer.write(b"all")
+            writer.write_eof()
+            assert (await scene.hear(ChannelClosed)).reason == ""
+            assert [item for item in scene.heard if isinstance(item, ChannelData)] == [ChannelData(1, b"all")]
+            assert scene.broker.count == 0
+            scene.broker.carry_out([SendChannel(1, b"late"), CreditChannel(1, 5), CloseChannel(1)])
+            writer.transport.resume_reading()
+            assert len(await reader.read(-1)) == sent
+            for _ in range(20):
+                await asyncio.sleep(0)
+            assert not any(isinstance(item, ChannelClosed) for item in scene.heard)
+
+    run(test())
+
+
+def test_a_peer_that_ends_its_half_and_does_not_read_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("elitescript.services.broker.LINGER_S", 0.01)
+
+    async def test() -> None:
+        async with outside() as scene:
+            _, writer = await scene.open(1)
+            writer.transport.pause_reading()
+            for _ in range(3):
+                scene.broker.carry_out([SendChannel(1, bytes(4 * CHANNEL_WINDOW))])
+            writer.write_eof()
+            assert (await scene.hear(ChannelClosed)).reason == ""
+            (leaving,) = scene.broker._leaving
+            while not leaving.is_gone:
+                await asyncio.sleep(0.001)
+
+    run(test())
+
+
+def test_connections_of_programs_are_watched() -> None:
+    async def test() -> None:
+        async with outside() as scene:
+            await scene.open(1)
+            raw = scene.broker._channels[1]._transport.get_extra_info("socket")
+            assert raw.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
+
+    run(test())
+
+
 def test_those_that_linger_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("elitescript.services.broker.LEAVING_MAX", 1)
     sent = 16 * 1024 * 1024
@@ -183,10 +235,27 @@ def test_a_refused_connection_says_why() -> None:
             scene.broker.carry_out([OpenChannel(1, "tcp", "127.0.0.1", port, 2.0)])
             answer = await scene.hear(ChannelOpened)
             assert not answer.is_open
-            assert answer.reason
+            assert answer.reason == "connection refused"
             assert scene.broker.count == 0
 
     run(test())
+
+
+@pytest.mark.parametrize(
+    ("error", "reason"),
+    [
+        (ConnectionResetError(104, "Connection reset by peer"), "connection reset by peer"),
+        (OSError(113, "Connect call failed ('10.0.0.1', 502)"), "no route to host"),
+        (
+            OSError("Multiple exceptions: [Errno 111] Connect call failed, [Errno 101] no"),
+            "connection refused",
+        ),
+        (OSError("no idea"), "no idea"),
+        (ValueError(), "ValueError"),
+    ],
+)
+def test_reasons_are_in_the_words_of_the_operating_system(error: Exception, reason: str) -> None:
+    assert reason_of(error) == reason
 
 
 def test_nonsense_is_refused() -> None:

@@ -16,13 +16,13 @@ from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage
-from elitescript.messages.inputs import ChannelData, Do, RunUnit
+from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage, Warned
+from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, RunUnit
 from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import SetTcp, WriteSignal
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.services import child_link, frames
+from elitescript.services import child_link, frames, held_inputs
 from elitescript.services.child_link import BOOTS_MAX, ChildLink
 from elitescript.services.child_process import child_environment, processor_time_s
 from elitescript.services.config_codec import full_codec
@@ -30,6 +30,7 @@ from elitescript.services.cycle import Cycle
 from elitescript.services.jail import is_complete
 from elitescript.services.journal import Journal, JournalReader
 from elitescript.services.last_words import HINT
+from elitescript.services.patience import PATIENCE_TICKS
 from elitescript.services.replay import Replay
 from elitescript.worlds.memory import MemoryFiles
 from tests.protocol.snapshots import description, output
@@ -83,6 +84,9 @@ class FakeChild:
     def kill(self) -> None:
         self.is_killed = True
 
+    async def gone(self) -> None:
+        """It is."""
+
 
 @pytest.fixture
 def children(monkeypatch):
@@ -101,7 +105,7 @@ def clock(monkeypatch):
 
 def with_link(body: Callable[[ChildLink], Awaitable[None]], **options: Any) -> None:
     async def run() -> None:
-        link = ChildLink(KernelConfig(), grace_s=0.0, **options)
+        link = ChildLink(KernelConfig(), **{"grace_s": 0.0, **options})
         await link.open()
         try:
             await body(link)
@@ -147,7 +151,7 @@ class TestLink:
             await link.tick([Do("poison", SetTcp(TCP))])
             await link.tick([Do("later", WriteSignal("flag", 0, True))])
             clock[0] += 0.8
-            for _ in range(child_link.PATIENCE_TICKS - 1):
+            for _ in range(PATIENCE_TICKS - 1):
                 await link.tick(())
             assert children[0].is_asked
             assert not children[0].is_killed
@@ -185,7 +189,7 @@ class TestLink:
             children[0].processor_s = worked_before_s
             await link.tick(())
             children[0].is_mute = True
-            for _ in range(child_link.PATIENCE_TICKS + 1):
+            for _ in range(PATIENCE_TICKS + 1):
                 await link.tick(())
             clock[0] += wall_s
             if processor_s is not None:
@@ -195,14 +199,46 @@ class TestLink:
 
         with_link(body)
 
+    def test_a_child_that_is_a_little_late_is_waited_for_so_that_no_tick_is_missing(self, children):
+        async def body(link):
+            await link.tick(())
+            loop = asyncio.get_running_loop()
+            children[0].is_mute = True
+            for tick in range(1, 20):
+                loop.call_soon(children[0].answer)
+                found = await link.tick(())
+                assert (found.tick, found.snapshot.robot.tick) == (tick, tick)
+
+        with_link(body, grace_s=PATIENT_S / 2, patience_s=PATIENT_S)
+
+    def test_who_waits_again_and_again_runs_out_of_grace(self, children, monkeypatch):
+        waited: list[float] = []
+
+        async def wait(link, is_over, longest_s):
+            waited.append(longest_s)
+            now[0] += longest_s
+
+        now = [100.0]
+
+        async def body(link):
+            await link.tick(())
+            monkeypatch.setattr(child_link.time, "monotonic", lambda: now[0])
+            monkeypatch.setattr(ChildLink, "_wait_until", wait)
+            children[0].is_mute = True
+            for _ in range(6):
+                await link.tick(())
+            assert waited == pytest.approx([0.02, 0.0025, 0.0025, 0.0, 0.0, 0.0])
+
+        with_link(body, grace_s=0.02)
+
     def test_every_answer_begins_the_silence_anew(self, children, clock):
         async def body(link):
             children[0].processor_s = 0.0
             await link.tick(())
             children[0].is_mute = True
-            for _ in range(2 * child_link.PATIENCE_TICKS):
+            for _ in range(2 * PATIENCE_TICKS):
                 await link.tick(())
-            for _ in range(child_link.PATIENCE_TICKS):
+            for _ in range(PATIENCE_TICKS):
                 await link.tick(())
                 clock[0] += 0.5
                 children[0].processor_s += 0.5
@@ -317,6 +353,8 @@ class TestLink:
         with_link(body)
 
     def test_gives_up_when_no_child_answers(self, children, monkeypatch):
+        monkeypatch.setattr(child_link, "PAUSES_TICKS", (0,))
+
         async def body(link):
             await link.tick(())
             children[0].is_mute = True
@@ -328,13 +366,99 @@ class TestLink:
         with pytest.raises(ElitescriptError, match="times"):
             with_link(body)
 
-    def test_too_many_inputs_are_refused_and_told(self, children, monkeypatch):
-        monkeypatch.setattr(child_link, "HELD_MAX", 3)
+    def test_nothing_of_the_connections_of_one_child_comes_to_the_next(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick(())
+            children[0].answer(requests=(OpenChannel(1, "tcp", "10.0.0.1", 50001, 1.0),))
+            await link.tick(())
+            await link.tick([ChannelData(1, b"x"), Do("later", SetTcp(TCP)), ChannelCredit(1, 5)])
+            children[0].end("it has ended")
+            for _ in range(3):
+                await link.tick([ChannelCredit(1, 5)])
+            told = [item for letter, data in children[1].told if letter == frames.TICK for item in data]
+            assert any(item[1] == "later" for item in told)
+            assert not any(item[0].startswith("Channel") for item in told)
+
+        with_link(body)
+
+    def test_what_came_while_there_was_no_child_is_done_over_ticks_in_its_order(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].end("it has ended")
+            children[0].is_mute = True
+            sent = [RunUnit("primary#1", "secondary", f"sec s():\n  x = {number}\nend\n") for number in range(100)]
+            assert link.room is None
+            for number in range(0, 100, 10):
+                await link.tick(sent[number : number + 10])
+            for _ in range(20):
+                await link.tick(())
+            ticks = [data for letter, data in children[1].told if letter == frames.TICK]
+            assert max(len([item for item in data if item[0] == "RunUnit"]) for data in ticks) <= 40
+            assert [item[3] for data in ticks for item in data if item[0] == "RunUnit"] == [one.text for one in sent]
+            assert link.room == 1.0
+
+        with_link(body)
+
+    def test_children_that_end_again_and_again_are_started_later_each_time(self, children, monkeypatch):
+        monkeypatch.setattr(child_link, "PAUSES_TICKS", (0, 0, 0, 6, 12, 25, 50, 100))
+        monkeypatch.setattr(child_link, "CALM_TICKS", 60)
 
         async def body(link):
+            await link.tick(())
+            alarms, ticks = [], []
+            for _ in range(6):
+                children[-1].end("it has ended")
+                known = len(children)
+                alarms.append((await link.tick(())).events[0].text)
+                waited = 0
+                while len(children) == known:
+                    assert link.room is None
+                    assert (await link.tick([Do("a", WriteSignal("flag", 0, True))])).events == ()
+                    waited += 1
+                await link.tick(())
+                ticks.append(waited)
+            assert ticks == [0, 0, 6, 12, 25, 50]
+            assert "later" not in alarms[1]
+            assert "after 3 times in a row it starts 0.024 s later" in alarms[2]
+            for _ in range(60):
+                await link.tick(())
+            children[-1].end("it has ended")
+            assert "later" not in (await link.tick(())).events[0].text
+
+        with_link(body)
+
+    def test_a_child_that_cannot_be_started_just_now_is_started_later(self, children, monkeypatch):
+        async def body(link):
+            await link.tick(())
+            failures = [OSError(11, "Resource temporarily unavailable")]
+
+            def starting(*arguments):
+                if failures:
+                    raise failures.pop()
+                return FakeChild(*arguments)
+
+            monkeypatch.setattr(child_link, "ChildProcess", starting)
+            children[0].end("it has ended")
+            for _ in range(child_link.PAUSES_TICKS[-1] + 5):
+                last = await link.tick(())
+            assert last.snapshot.robot.tick == last.tick
+
+        with_link(body)
+
+    def test_inputs_that_find_no_room_are_told_once_with_their_number(self, children, monkeypatch):
+        monkeypatch.setattr(held_inputs, "HELD_MAX", 3)
+
+        async def body(link):
+            await link.tick(())
+            children[0].end("it has ended")
             found = await link.tick([Do("a", SetTcp(TCP))] * 5)
-            assert "refused" in found.events[0].text
-            assert len(children[0].told[-1][1]) == 3
+            found = [*found.events, *(await link.tick([Do("a", SetTcp(TCP))] * 5)).events]
+            found += (await link.tick(())).events
+            warnings = [event.text for event in found if isinstance(event, Warned)]
+            assert len(warnings) == 1
+            assert "7 inputs were refused" in warnings[0]
 
         with_link(body)
 
@@ -522,7 +646,7 @@ class TestChild:
             while not link.restarts:
                 assert loop.time() - began_s < 20.0
                 found = await link.tick(())
-            assert "exit code -9" in found.events[0].text
+            assert "killed by signal 9" in found.events[0].text
             cycle, restarted = Cycle(), found.tick
             while found.snapshot.robot.tick < restarted:
                 assert loop.time() - began_s < 20.0

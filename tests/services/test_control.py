@@ -16,7 +16,7 @@ import pytest
 
 from elitescript.errors import UsageError
 from elitescript.messages.enums import RobotMode
-from elitescript.messages.inputs import ClosePopup, Do
+from elitescript.messages.inputs import AddFault, ClosePopup, Do
 from elitescript.messages.machine import (
     AskSafety,
     PauseTask,
@@ -31,8 +31,9 @@ from elitescript.messages.machine import (
 from elitescript.messages.outputs import Reply
 from elitescript.services import control
 from elitescript.services.control import Answers, ControlChannel, address_of, ask, runtime_folder
-from elitescript.services.control_verbs import Order, outcome_text
-from tests.protocol.snapshots import output
+from elitescript.services.control_verbs import VERBS, Order, Request, outcome_text
+from elitescript.worlds.virtual.faults import Fault, fault_of
+from tests.protocol.snapshots import description, output
 from tests.services.fake_robot import FakeRobot
 from tests.services.served import Scene, run, serving
 
@@ -299,3 +300,32 @@ def test_without_a_unix_socket_a_secret_keeps_others_out(monkeypatch: pytest.Mon
 def test_nobody_there_is_said_clearly() -> None:
     with pytest.raises(UsageError, match="no controller is served here"):
         ask(address_of(7), "state", [], {})
+
+
+def disturbed(*arguments: str) -> Order:
+    verb = VERBS["disturb"]
+    assert verb.order is not None
+    last = output(0)
+    return verb.order(Request("ctl#1/1", arguments, {}, last.snapshot, description()))
+
+
+def test_a_disturbance_is_an_input_of_the_robot() -> None:
+    (asked,) = disturbed("delay", "on=5000", "delay_s=0.5", "direction=to_robot").inputs
+    assert isinstance(asked, AddFault)
+    assert fault_of(asked.text) == Fault("delay", 5000, delay_s=0.5, direction="to_robot")
+    assert disturbed("end").inputs == (AddFault("ctl#1/1", ""),)
+
+
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        (("drop",), "on: is missing"),
+        (("drop", "5000"), "disturb takes KIND on=PLACE NAME=VALUE..., not '5000'"),
+        (("refuse", "on=tool"), "a serial line cannot refuse"),
+        (("drop", "on=5000", "colour=red"), "colour: is not known"),
+        (("end", "on=5000"), "there is no fault 'end'"),
+    ],
+)
+def test_a_disturbance_that_makes_no_sense_is_refused(arguments: tuple[str, ...], words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        disturbed(*arguments)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import sys
 import time
 from collections.abc import Callable
@@ -10,15 +11,25 @@ from collections.abc import Callable
 import pytest
 
 from elitescript.services import cycle
-from elitescript.services.cycle import CATCH_UP_TICKS, PERIOD_NS, Alarm, Cycle, LoopAlarm, TimerFdAlarm, best_alarm
+from elitescript.services.cycle import (
+    CATCH_UP_TICKS,
+    OUTLET_NS,
+    PERIOD_NS,
+    Alarm,
+    Cycle,
+    LoopAlarm,
+    TimerFdAlarm,
+    best_alarm,
+)
 from tests.services.served import run
 
 
 class Clock:
     """Wall time that goes on only when somebody waits, or when the test says so."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, is_exact: bool = True) -> None:
         self.now_ns = 1_000_000_000
+        self.is_exact = is_exact
 
     def monotonic_ns(self) -> int:
         return self.now_ns
@@ -109,6 +120,42 @@ def test_what_was_missed_before_a_restart_is_forgotten(clock: Clock) -> None:
     asyncio.run(test())
 
 
+def test_what_a_tick_gives_leaves_at_an_appointed_time(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock, outlet_alarm=clock)
+        begin_ns = clock.now_ns
+        for number, work_ns in enumerate((0, 300_000, OUTLET_NS - 1), 1):
+            await ticks.next()
+            clock.now_ns += work_ns
+            await ticks.outlet()
+            assert clock.now_ns - begin_ns == number * PERIOD_NS + OUTLET_NS
+
+    asyncio.run(test())
+
+
+def test_who_is_later_than_that_is_not_held_up(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock, outlet_alarm=clock)
+        await ticks.next()
+        clock.now_ns += OUTLET_NS + 5
+        now_ns = clock.now_ns
+        await ticks.outlet()
+        assert clock.now_ns == now_ns
+
+    asyncio.run(test())
+
+
+def test_an_alarm_that_is_not_exact_is_not_asked_for_outlets(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock, outlet_alarm=Clock(is_exact=False))
+        await ticks.next()
+        now_ns = clock.now_ns
+        await ticks.outlet()
+        assert clock.now_ns == now_ns
+
+    asyncio.run(test())
+
+
 def test_others_are_served_between_ticks_that_are_made_up_for(clock: Clock) -> None:
     async def test() -> None:
         ticks = Cycle(clock)
@@ -153,6 +200,38 @@ def test_real_alarms_do_not_ring_early(make: Callable[[], Alarm]) -> None:
             alarm.close()
 
     run(test())
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="timerfd is a Linux thing")
+def test_in_a_steady_cycle_the_timer_is_set_once_and_stops_when_nobody_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings: list[tuple[int, int]] = []
+    read_end, write_end = os.pipe()
+    os.set_blocking(read_end, False)
+    monkeypatch.setattr(cycle, "_open_timer", lambda: (read_end, lambda due, period: settings.append((due, period))))
+
+    def ring(count: int = 1) -> None:
+        os.write(write_end, count.to_bytes(8, sys.byteorder))
+
+    async def test() -> None:
+        alarm, loop = TimerFdAlarm(), asyncio.get_running_loop()
+        for due_ns in (10 * PERIOD_NS, 11 * PERIOD_NS, 13 * PERIOD_NS):
+            waiter = loop.create_future()
+            alarm.wake_at(due_ns, waiter)
+            ring(2 if due_ns == 11 * PERIOD_NS else 1)
+            await waiter
+        assert settings == [(10 * PERIOD_NS, PERIOD_NS)]
+        ring()
+        while len(settings) < 2:
+            await asyncio.sleep(0)
+        waiter = loop.create_future()
+        alarm.wake_at(15 * PERIOD_NS, waiter)
+        assert settings[1:] == [(0, 0), (15 * PERIOD_NS, PERIOD_NS)]
+        alarm.close()
+
+    try:
+        run(test())
+    finally:
+        os.close(write_end)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="timerfd is a Linux thing")

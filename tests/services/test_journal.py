@@ -1,20 +1,24 @@
 """Sessions on disk: what is written, what a broken file gives, and whether they come out the same again."""
 
 import json
+import time
 from pathlib import Path
 
 import pytest
 
+from elitescript.cli.main import main
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.messages.inputs import Do, LoadTask, PlayTask, RunUnit
-from elitescript.messages.machine import WriteSignal
+from elitescript.messages.machine import WritePortCoils, WritePortRegisters, WriteSignal
 from elitescript.messages.plant import PlantConfig
 from elitescript.services.journal import DIGEST_TICKS, Journal, JournalReader
 from elitescript.services.replay import RecordedRobot, Replay
 from elitescript.worlds.memory import MemoryFiles
 
-CONFIG = KernelConfig(power_on=True, plant=PlantConfig(noise_rad=1e-5), signals=(("flag[3]", True),))
+CONFIG = KernelConfig(
+    power_on=True, plant=PlantConfig(noise_rad=1e-5), signals=(("flag[3]", True), ("general_register[9]", 9))
+)
 PROGRAM = (
     'textmsg(random())\nmovej([0.1, -1.4, -1.6, -1.5, 1.5, 0.2])\nwith open("log.txt", "w") as f:\n  f.write("x")\n'
 )
@@ -31,11 +35,19 @@ def recorded(tmp_path):
     inputs = {
         2: [LoadTask("dashboard#1", "job.task"), PlayTask("dashboard#1")],
         300: [Do("rtsi#1", WriteSignal("input_float_register", 0, 0.1))],
+        310: [Do("modbus#1/1", WritePortRegisters(256, (1, 2), 256, 2), is_answered=True)],
+        320: [Do("modbus#1/2", WritePortCoils(33, (True,)), is_answered=True)],
         400: [RunUnit("primary#1", "secondary", 'sec s():\n  textmsg(open("points.txt").read())\nend\n')],
     }
     outputs = [robot.tick(inputs.get(tick, ())) for tick in range(TICKS)]
     journal.close()
     return path, outputs
+
+
+def last_tick_in(data):
+    """Of the lines that are whole."""
+    records = [json.loads(line) for line in data.split(b"\n")[:-1]]
+    return max([-1, *(record[key] for record in records for key in ("tick", "digest") if key in record)])
 
 
 def lines_of(path):
@@ -99,13 +111,27 @@ class TestKilled:
             session, played, reader = replayed(path)
             assert session.difference is None
             assert played == outputs[: len(played)]
-            assert bool(reader.note) == (not whole[:size].endswith(b"\n"))
+            assert len(played) >= max(0, last_tick_in(whole[:size]) + 1)
+            assert bool(reader.note) == (size < len(whole))
+            if reader.note:
+                assert f"cut off behind tick {last_tick_in(whole[:size])}:" in reader.note
 
-    def test_every_line_is_there_at_once(self, tmp_path):
+    def test_a_file_without_its_end_says_where_it_was_cut(self, recorded, capsys):
+        path, outputs = recorded
+        path.write_text("".join(lines_of(path)[:-1]))
+        _, played, reader = replayed(path)
+        assert played == outputs
+        assert reader.note == f"the journal was cut off behind tick {TICKS - 1}: it has no end mark"
+        assert main(["replay", str(path)]) == 0
+        assert f"cut off behind tick {TICKS - 1}" in capsys.readouterr().err
+
+    def test_lines_are_written_while_the_session_goes_on(self, tmp_path):
         path = tmp_path / "a.journal"
         journal = Journal(path, CONFIG)
         robot = RecordedRobot(CONFIG, MemoryFiles({}), journal)
         robot.tick([Do("a", WriteSignal("flag", 0, True))])
+        while len(lines_of(path)) < 2:
+            time.sleep(0.001)
         assert [json.loads(line).get("tick") for line in lines_of(path)] == [None, 0]
         journal.close()
 
@@ -125,6 +151,7 @@ class TestJournal:
         robot = RecordedRobot(CONFIG, MemoryFiles({}), journal)
         for tick in range(3):
             assert robot.tick([Do("a", WriteSignal("flag", 0, True))]).tick == tick
+        journal._file._thread.join(10.0)
         assert "space" in journal.failure
         assert [event.text for event in journal.take_warning(3)] == [
             "the journal ends here, it cannot be written: No space left on device"

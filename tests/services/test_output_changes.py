@@ -1,6 +1,9 @@
 """Outputs as changes: what arrives is what was sent, and what is sent is checked."""
 
+import struct
 from dataclasses import replace
+from math import inf
+from random import Random
 
 import pytest
 
@@ -22,7 +25,7 @@ PROGRAM = (
 
 def sent(writer, reader, whole):
     letter, text = writer.message(whole)
-    return letter, reader.read(letter, text.encode())
+    return letter, reader.read(letter, text)
 
 
 def test_what_arrives_is_what_was_sent():
@@ -53,40 +56,86 @@ def test_the_sign_of_a_zero_is_a_change():
     assert repr(found.snapshot.tcp_force) == repr(second.snapshot.tcp_force)
 
 
+def changes(rest=None, *, bits=0, numbers=b"", tick=2):
+    """A message of changes."""
+    return struct.pack("<qqQ", tick, tick, bits) + numbers + (b"" if rest is None else to_text(rest).encode())
+
+
 @pytest.mark.parametrize(
-    "data",
+    "content",
     [
-        [],
-        [2, [], [], [], [], []][:5],
-        [2, [], [], [], 0, []],
-        [2, [], [], [], [3], []],
-        [2, [], [], [], [0, []], []],
-        [2, [], [], [], [-1, 0], []],
-        [2, [], [], [], [1000, 0], []],
-        [2, [], [], [], ["1", 0], []],
-        [2, [], [], [], [True, 0], []],
-        [2, [], [], [], [1, [1.0]], []],
-        [2, [], [], [], [], [0, "tick"]],
-        [2, [["Kernel"]], [], [], [], []],
-        ["2", [], [], [], [], []],
-        {},
+        b"",
+        changes()[:-1],
+        changes([]),
+        changes([[], [], [], []]),
+        changes([[], [], [], [], [], []]),
+        changes([[], [], [], 0, []]),
+        changes([[], [], [], [3], []]),
+        changes([[], [], [], [0, []], []]),
+        changes([[], [], [], [1, [0.0] * 6], []]),
+        changes([[], [], [], [-1, 0], []]),
+        changes([[], [], [], [1000, 0], []]),
+        changes([[], [], [], ["16", 0], []]),
+        changes([[], [], [], [True, 0], []]),
+        changes([[], [], [], [], [0, 7]]),
+        changes([[], [], [], [], [1, 0.5]]),
+        changes([[], [], [], [], [2, "7"]]),
+        changes([[["Kernel"]], [], [], [], []]),
+        changes({}),
+        changes() + b"[",
+        changes() + b"\xff",
+        changes(bits=1),
+        changes(bits=1, numbers=bytes(47)),
+        changes(bits=1, numbers=bytes(49)),
+        changes(bits=1 << 63),
+        changes(bits=2**64 - 1, numbers=bytes(4000)),
     ],
 )
-def test_what_makes_no_sense_is_refused(data):
+def test_what_makes_no_sense_is_refused(content):
     reader = OutputReader(CODEC)
-    letter, text = OutputWriter(CODEC).message(output(1))
-    reader.read(letter, text.encode())
+    reader.read(*OutputWriter(CODEC).message(output(1)))
     with pytest.raises(CodecError):
-        reader.read(frames.OUTPUT_CHANGES, to_text(data).encode())
+        reader.read(frames.OUTPUT_CHANGES, content)
+
+
+def test_any_bytes_are_an_output_or_refused():
+    random = Random(7)
+    writer = OutputWriter(CODEC)
+    whole = writer.message(output(1))
+    first = output(1)
+    later = writer.message(replace(first, snapshot=replace(first.snapshot, popup="a", tcp_force=(1.0,) * 6)))[1]
+    refused = 0
+    for _ in range(500):
+        reader = OutputReader(CODEC)
+        reader.read(*whole)
+        content = bytearray(later)
+        for _ in range(random.randint(1, 4)):
+            content[random.randrange(len(content))] = random.randrange(256)
+        try:
+            reader.read(frames.OUTPUT_CHANGES, bytes(content[: random.choice((len(content), 60))]))
+        except CodecError:
+            refused += 1
+    assert 50 < refused < 500
+
+
+def test_numbers_keep_every_bit():
+    writer, reader = OutputWriter(CODEC), OutputReader(CODEC)
+    first = output(1)
+    sent(writer, reader, first)
+    numbers = (0.1, -0.0, 5e-324, inf, -inf, 1.7976931348623157e308)
+    second = replace(first, snapshot=replace(first.snapshot, raw_wrench=numbers, io_current=1 / 3))
+    _, found = sent(writer, reader, second)
+    assert repr(found) == repr(second)
+    assert reader.text() == output_text(CODEC.shape(Output), second)
 
 
 def test_changes_of_nothing_are_refused():
     with pytest.raises(CodecError, match="not sent"):
-        OutputReader(CODEC).read(frames.OUTPUT_CHANGES, b"[1,[],[],[],[],[]]")
+        OutputReader(CODEC).read(frames.OUTPUT_CHANGES, changes())
 
 
 def test_an_output_that_is_whole_begins_anew():
     reader = OutputReader(CODEC)
     for tick in (1, 7):
         text = OutputWriter(CODEC).message(output(tick))[1]
-        assert reader.read(frames.OUTPUT, text.encode()).tick == from_text(text)[0] == tick
+        assert reader.read(frames.OUTPUT, text).tick == from_text(text)[0] == tick

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 
 import pytest
 
 from elitescript.errors import UsageError
 from elitescript.messages.events import TextMessage
-from elitescript.messages.inputs import Do, RunUnit
+from elitescript.messages.inputs import ClosePopup, Do, RunUnit
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.outputs import Output
 from elitescript.services import station
+from elitescript.services.listener import bind
 from elitescript.services.table import NAMES
-from elitescript.services.tcp import bind
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Scene, run, serving
 
@@ -232,5 +233,25 @@ def test_a_follower_gets_every_output_of_a_row_until_it_has_enough() -> None:
                 # No turn for anybody else in between.
                 await scene.station.step()
             assert seen == list(range(seen[0], seen[0] + 4))
+
+    run(test())
+
+
+def test_who_asks_while_a_tick_is_under_way_hears_of_the_next_one() -> None:
+    """What was posted meanwhile is not in the output of that tick, which leaves only later."""
+
+    async def test() -> None:
+        async with serving() as scene:
+            heard: list[int] = []
+            scene.robot.on_tick = lambda tick: asked.set() if not asked.is_set() else None
+            asked = asyncio.Event()
+            await asked.wait()
+            scene.robot.on_tick = lambda tick: None
+            scene.station.post([ClosePopup("test")])
+            scene.station.follow(lambda output: heard.append(output.tick) or False)
+            output = await scene.station.next_output()
+            tick = next(tick for tick, item in scene.robot.heard if isinstance(item, ClosePopup))
+            assert output.tick == tick
+            assert heard == [tick]
 
     run(test())

@@ -19,6 +19,7 @@ def test_the_ports_are_those_of_the_controller() -> None:
         "readonly": 30011,
         "interpreter": 30020,
         "query": 40011,
+        "modbus": 502,
     }
 
 

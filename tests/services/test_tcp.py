@@ -11,7 +11,7 @@ import pytest
 
 from elitescript.messages.outputs import Output
 from elitescript.protocol.rtsi import RtsiConnection
-from elitescript.services import tcp
+from elitescript.services import listener, tcp
 from tests.protocol import rtsi_client
 from tests.services.served import Peer, Scene, run, serving
 
@@ -128,7 +128,7 @@ def test_a_disconnect_in_the_middle_of_a_package_is_the_end_of_one_client() -> N
 
 
 def test_too_many_clients_are_turned_away(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tcp, "CLIENTS_MAX", 3)
+    monkeypatch.setattr(listener, "CLIENTS_MAX", 3)
 
     async def test() -> None:
         async with serving() as scene:
@@ -184,5 +184,37 @@ def test_goodbye_arrives_before_the_end() -> None:
             peer.send(b"quit\n")
             data = await peer.reader.read()
             assert data.endswith(b"Bye.\r\n")
+
+    run(test())
+
+
+def test_floods_of_all_kinds_at_once_cost_no_tick() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            good = await stream(scene)
+            floods = {
+                "rtsi": rtsi_client.message("U", b"\x01" + bytes(4)) * 20_000,
+                "primary": bytes(range(256)) * 400,
+                "dashboard": b"robotMode\n" * 10_000,
+                "interpreter": b"x = 1\n" * 10_000,
+                "query": b"req 1 get_joint_temp(1)\n" * 4_000,
+            }
+            for service, data in floods.items():
+                for number in range(6):
+                    peer = await scene.connect(service)
+                    if service == "rtsi":
+                        peer.send(rtsi_client.message("I", f"input_int_register{number}".encode()))
+                    peer.send(data)
+            storm = [await scene.connect("readonly") for _ in range(100)]
+            await reads_on_time(scene, good, 200)
+            # A computer that is busy accepts a storm later.
+            for _ in range(2000):
+                if scene.station.listeners["readonly"].refused:
+                    break
+                await scene.station.next_output()
+            assert len(storm) - scene.station.listeners["readonly"].refused == listener.CLIENTS_MAX
+            assert scene.station.left_out == 0
+            assert not scene.notes("left_out")
+            assert all(scene.station.waiting_of(f"rtsi#{number}") <= 2 * tcp.POSTED_MAX for number in range(2, 8))
 
     run(test())

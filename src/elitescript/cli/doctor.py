@@ -15,7 +15,7 @@ from elitescript.cli import jsonlines
 from elitescript.services.cycle import Cycle
 from elitescript.services.jail import is_complete
 from elitescript.services.robots import probe_jail
-from elitescript.services.table import port_numbers
+from elitescript.services.table import port_numbers, spare_numbers
 
 _CYCLES = 50
 
@@ -30,6 +30,10 @@ def doctor(options: argparse.Namespace) -> int:
     }
     layers, trouble = asyncio.run(probe_jail())
     ports = port_numbers(options.instance, {})
+    # Where this user may not have a port, `serve` takes its spare one.
+    for name, number in spare_numbers(options.instance, {}).items():
+        if _is_forbidden(ports[name]):
+            ports[name] = number
     busy = {name: number for name, number in ports.items() if not _is_free(number)}
     lateness = asyncio.run(_lateness())
     clock_ns = time.get_clock_info("monotonic").resolution * 1e9
@@ -86,6 +90,15 @@ def _is_free(number: int) -> bool:
         except OSError:
             return False
     return True
+
+
+def _is_forbidden(number: int) -> bool:
+    with socket.socket() as probe:
+        try:
+            probe.bind(("127.0.0.1", number))
+        except OSError as error:
+            return isinstance(error, PermissionError)
+    return False
 
 
 def _greenlet_version() -> str:

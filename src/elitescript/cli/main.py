@@ -189,6 +189,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
     add_serial(run)
+    run.add_argument(
+        "--state",
+        metavar="FILE",
+        help="begin with the registers, flags and general Modbus values of this file, and write them back at the end",
+    )
     run.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
     run.add_argument(
         "--step",

@@ -48,6 +48,7 @@ def run(options: argparse.Namespace) -> int:
         epoch_s=EPOCH_S if options.epoch is None else parse_epoch(options.epoch),
         world=options.world,
         lines=_lines(options.serial),
+        state_file=options.state,
         on_event=report.event,
     )
     for name, value in signals.items():

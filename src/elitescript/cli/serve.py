@@ -10,6 +10,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -26,11 +27,13 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
 from elitescript.services.jail import is_complete
 from elitescript.services.robot_link import RobotLink
-from elitescript.services.robots import journal_path, probe_jail, robot_link
+from elitescript.services.robots import numbered_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
+from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.station import DEVICE, Note, Station
-from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of
+from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of, spare_numbers
 from elitescript.worlds.line_bindings import parse_bindings
+from elitescript.worlds.state_file import StateFile
 
 if TYPE_CHECKING:
     from elitescript.worlds.virtual.world import World
@@ -46,13 +49,15 @@ def serve(options: argparse.Namespace) -> int:
     for config in {config.model: config for config in configs}.values():
         # What cannot be a robot is told before a port is open or a process started.
         _check_ports(options, Kernel(config).description)
-    numbers = [port_numbers(options.instance, chosen_ports(options.port), robot=index) for index in range(len(configs))]
+    chosen = chosen_ports(options.port)
+    numbers = [port_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
+    spares = [spare_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
     _check_host(options)
     if not is_in_process(options):
-        return _run(options, configs, worlds, numbers, _on_signals)
+        return _run(options, configs, worlds, numbers, spares, _on_signals)
     # Programs run in this process, and may keep it from hearing signals.
     with last_resort("elitescript serve") as listen:
-        return _run(options, configs, worlds, numbers, lambda stop: listen(_threadsafe(stop)))
+        return _run(options, configs, worlds, numbers, spares, lambda stop: listen(_threadsafe(stop)))
 
 
 def _run(
@@ -60,13 +65,17 @@ def _run(
     configs: list[KernelConfig],
     worlds: list[World | None],
     numbers: list[dict[str, int]],
+    spares: list[dict[str, int]],
     on_signals: Callable[[asyncio.Event], None],
 ) -> int:
     out = PatientStream(sys.stdout, told_to_programs) if options.json else PatientStream(sys.stdout)
     err = PatientStream(sys.stderr)
     try:
         log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
-        asyncio.run(_serve(options, configs, worlds, numbers, log, on_signals))
+        with contextlib.ExitStack() as held:
+            keepers = _keepers(options.state, len(configs), held)
+            configs = list(map(_remembering, configs, keepers))
+            asyncio.run(_serve(options, configs, worlds, keepers, numbers, spares, log, on_signals))
     finally:
         out.close()
         err.close()
@@ -77,7 +86,9 @@ async def _serve(
     options: argparse.Namespace,
     configs: list[KernelConfig],
     worlds: list[World | None],
+    keepers: list[StateKeeper | None],
     numbers: list[dict[str, int]],
+    spares: list[dict[str, int]],
     log: Log,
     on_signals: Callable[[asyncio.Event], None],
 ) -> None:
@@ -93,10 +104,11 @@ async def _serve(
             is_lockstep=is_lockstep,
             lines=lines,
             world=worlds[index],
+            keeper=keeper,
         )
-        for index, config in enumerate(configs)
+        for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
     ]
-    server = Server(stations, options.host, numbers, options.instance)
+    server = Server(stations, options.host, numbers, options.instance, spares)
     await server.open()
     try:
         log.ready(options.host, server, configs)
@@ -113,8 +125,30 @@ def make_link(options: argparse.Namespace, config: KernelConfig, index: int) -> 
         task_dir=None if options.task_dir is None else Path(options.task_dir),
         in_process=is_in_process(options),
         is_jailed=not options.no_jail,
-        journal=None if options.journal is None else journal_path(Path(options.journal), index),
+        journal=None if options.journal is None else numbered_path(Path(options.journal), index),
     )
+
+
+def _keepers(path: str | None, count: int, held: contextlib.ExitStack) -> list[StateKeeper | None]:
+    """What remembers for each robot; `held` lets the files go in the end.
+
+    Raises:
+        UsageError: somebody else uses a file.
+    """
+    keepers: list[StateKeeper | None] = [None] * count
+    if path is not None:
+        for index in range(count):
+            file = StateFile(numbered_path(Path(path), index))
+            held.callback(file.release)
+            keepers[index] = StateKeeper(file)
+    return keepers
+
+
+def _remembering(config: KernelConfig, keeper: StateKeeper | None) -> KernelConfig:
+    """A robot that begins with what is kept; what the command line sets counts more."""
+    if keeper is None:
+        return config
+    return replace(config, signals=tuple({**keeper.load(), **dict(config.signals)}.items()))
 
 
 def is_in_process(options: argparse.Namespace) -> bool:

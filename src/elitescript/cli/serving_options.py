@@ -67,6 +67,12 @@ def add_serve(
     serve.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="signal at the start; may be repeated"
     )
+    serve.add_argument(
+        "--state",
+        metavar="FILE",
+        help="remember registers, flags and general Modbus values in this file over restarts, as the robot does; of "
+        "further robots in files with a number in their names (default: nothing is remembered)",
+    )
     serve.add_argument("--world", metavar="FILE.toml", help="what is around each robot, as for run")
     serve.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
     add_serial(serve)

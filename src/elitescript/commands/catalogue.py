@@ -16,6 +16,7 @@ from elitescript.commands import (  # noqa: F401  (importing a family registers 
     maths,
     messages,
     micro_line,
+    modbus_port,
     modbus_rtu_cabinet,
     modbus_rtu_tool,
     modbus_tcp,

@@ -89,6 +89,17 @@ class Machine(Protocol):
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin as its configuration makes it: the driven or the applied one."""
 
+    def port_register(self, address: int, version: tuple[int, ...]) -> int:
+        """A register of the controller's own Modbus server, 0 to 65535.
+
+        Args:
+            address: of the register, 0 to 511.
+            version: of the controller: major, minor, bug fix.
+        """
+
+    def port_coil(self, address: int) -> bool:
+        """A coil of the controller's own Modbus server, 0 to 127."""
+
     def encoder_count(self, index: int) -> float:
         """What the counter of a conveyor encoder shows."""
 
@@ -187,6 +198,86 @@ class Lines(Protocol):
         """Have a slave take values over by function 5, 6, 15 or 16; whether it has."""
 
 
+class ModbusSignals(Protocol):
+    """The MODBUS TCP signals of the controller, by name.
+
+    Whoever names a signal that there is not gets an `InvalidValueError`; a signal that is used while it does not work
+    for longer than its watchdog allows is a `ScriptStateError`, code R134.
+    """
+
+    def add(
+        self, address: str, port: int, name: str, kind: int, slave: int, first: int, count: int, *, is_sequential: bool
+    ) -> None:
+        """Add a signal that reads or writes coils or registers, of the kind that `modbus_add_signal` names.
+
+        Raises:
+            ScriptStateError: there are too many.
+        """
+
+    def add_read_write(
+        self,
+        address: str,
+        port: int,
+        name: str,
+        slave: int,
+        read: tuple[int, int],
+        write: tuple[int, int],
+        *,
+        is_sequential: bool,
+    ) -> None:
+        """Add a signal that reads and writes registers; `read` and `write` are first register and count.
+
+        Raises:
+            ScriptStateError: there are too many.
+        """
+
+    def delete(self, name: str) -> None:
+        """Remove a signal."""
+
+    def status(self, name: str) -> bool | int | tuple[bool, ...] | tuple[int, ...]:
+        """What a signal stands at: a tuple if it has several coils or registers."""
+
+    def set(self, name: str, values: tuple[int, ...], *, is_digital: bool) -> None:
+        """Set an output.
+
+        Raises:
+            InvalidValueError: it is none of that sort, or has fewer coils or registers.
+        """
+
+    def tie(self, name: str, choice: int) -> None:
+        """Tie a digital output to whether a program runs.
+
+        Raises:
+            InvalidValueError: it is no digital output.
+        """
+
+    def retime(self, name: str, frequency_hz: int) -> None:
+        """Change how often a signal is asked for."""
+
+    def set_watchdog(self, name: str, timeout_s: float) -> None:
+        """Change how long it may be faulty before using it is an alarm."""
+
+    def errors(self, name: str) -> tuple[int, int]:
+        """Error code of the device, error number of the connection."""
+
+    def invalid_s(self, name: str) -> float:
+        """Time since a faulty signal worked; 0 for one that does."""
+
+    def request(self, address: str, port: int, slave: int, function: int, data: bytes, *, is_once: bool) -> None:
+        """Send a request once, or again and again.
+
+        Raises:
+            ScriptStateError: too many wait, or there are too many signals.
+        """
+
+    def reset(self, address: str, port: int, *, waits: bool) -> None:
+        """Connect anew; a thread may wait for the outcome, a secondary program does not.
+
+        Raises:
+            InvalidValueError: no signal uses that connection.
+        """
+
+
 class Robot(Protocol):
     """Machine and program, as the calling script thread sees them."""
 
@@ -218,6 +309,10 @@ class Robot(Protocol):
     @property
     def lines(self) -> Lines:
         """The serial ports of the robot."""
+
+    @property
+    def modbus(self) -> ModbusSignals:
+        """The MODBUS TCP signals of the controller."""
 
     @property
     def micro_lines(self) -> list[MicroLine]:

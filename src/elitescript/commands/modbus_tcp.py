@@ -1,37 +1,41 @@
-"""MODBUS TCP signals, and the controller's own MODBUS server (manual 2.10 chapter 4.1, manual 2.14 chapter 6.1).
+"""MODBUS TCP signals (manual 2.10 chapter 4.1, manual 2.14 chapter 6.1).
 
 A signal has a name; the controller keeps reading or writing it in the background. There can be 200 of them.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import Annotated, Any, Final
 
-from elitescript.commands.quantities import Bool, Boolean, Either, Integer, Number, Seconds, Str, Vector, Whole
+from elitescript.commands.context import Robot
+from elitescript.commands.quantities import Bool, Boolean, Either, Integer, Number, Seconds, Str, Vector
 from elitescript.commands.registry import command
-from elitescript.errors import ArgumentRangeError, InvalidValueError, NotSimulatedError
+from elitescript.errors import ArgumentRangeError, InvalidValueError
 
-if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
-
-_NOT_YET: Final = "MODBUS TCP is not simulated yet"
 _WRITE_SINGLE_REGISTER: Final = 6
-_NO_SERVER: Final = "the controller's MODBUS server is not simulated yet"
+_INPUTS: Final = (0, 2)
+_ADDRESSES: Final = 65536
+_DATA_MAX: Final = 252
+"""Bytes that fit behind a function code."""
+_WRITE_MAX: Final = 121
+"""Registers that function 23 can write."""
+_BROADCAST: Final = 0
+_ANY_SLAVE: Final = 255
+_LAST_SLAVE: Final = 247
 
 _Register = Annotated[int, Integer(0, 65535)]
 _RegisterCount = Annotated[int, Integer(1, 123)]
 _TcpPort = Annotated[int, Integer(1, 65535)]
 _Slave = Annotated[int, Integer(0, 255)]
-_Coil = Annotated[int, Integer(0, 127)]
 
 
 @command(
     family="modbus",
     manual="4.1.1",
     spellings={"singal_type": "signal_type", "singal_name": "signal_name"},
-    is_simulated=False,
 )
 def modbus_add_signal(
+    robot: Robot,
     IP: Str,
     slave_number: _Slave,
     signal_address: _Register,
@@ -43,33 +47,53 @@ def modbus_add_signal(
 ) -> None:
     """Add a signal; the call does not wait for an answer. Firmware 2.10 knows the first five arguments.
 
-    Outputs are read until a program sets them for the first time, and written from then on.
+    Outputs are read until a program sets them for the first time, and written from then on, 10 times a second
+    (*assumed*) unless `modbus_set_signal_update_frequency` says otherwise. Signals stay when the program ends
+    (*assumed*); with `elitescript run` they end with the run.
 
     Args:
         IP: address of the device.
-        slave_number: number of the slave, usually 255; 0 is broadcast, 248 to 254 count as 255.
+        slave_number: number of the slave, usually 255; 0 is broadcast, which nobody answers, so that there is
+            nothing to read from it; 248 to 254 count as 255.
         signal_address: first coil or register.
-        signal_type: 0 digital input, 1 digital output, 2 input register, 3 output register.
+        signal_type: 0 digital input, 1 digital output, 2 input register, 3 register output.
         signal_name: name of the signal; an older signal of that name is replaced.
-        issequential: True updates the signals in the order in which they were added.
+        issequential: True updates the signals in the order in which they were added, each when the one before it was
+            answered.
         registers_count: number of coils or registers.
         port: TCP port of the device.
+
+    Raises:
+        InvalidValueError: no address or name, or more coils or registers than there are from that address on.
+        ScriptStateError: there are 200 signals already.
     """
-    raise NotSimulatedError(_NOT_YET)
+    _check_names(IP, signal_name)
+    _check_end("registers_count", signal_address, registers_count)
+    slave = _slave(slave_number)
+    if slave == _BROADCAST and signal_type in _INPUTS:
+        text = f"nobody answers a broadcast: the MODBUS signal {signal_name!r} stays at 0"
+        robot.warn_once(f"broadcast {signal_name}", text)
+    robot.modbus.add(
+        IP, port, signal_name, signal_type, slave, signal_address, registers_count, is_sequential=issequential
+    )
 
 
-@command(family="modbus", manual="4.1.2", spellings={"singal_name": "signal_name"}, is_simulated=False)
-def modbus_delete_signal(signal_name: Str) -> None:
+@command(family="modbus", manual="4.1.2", spellings={"singal_name": "signal_name"})
+def modbus_delete_signal(robot: Robot, signal_name: Str) -> None:
     """Remove a signal.
 
     Args:
         signal_name: name of the signal.
+
+    Raises:
+        InvalidValueError: there is none of that name.
     """
-    raise NotSimulatedError(_NOT_YET)
+    robot.modbus.delete(signal_name)
 
 
-@command(family="modbus", since="2.14", manual="2.14: 6.1.3", is_simulated=False)
+@command(family="modbus", since="2.14", manual="2.14: 6.1.3")
 def modbus_add_rw_signal(
+    robot: Robot,
     IP: Str,
     slave_number: _Slave,
     read_address: _Register,
@@ -82,25 +106,47 @@ def modbus_add_rw_signal(
 ) -> None:
     """Add a signal that reads and writes registers in one request (function code 23).
 
+    It is read with function code 3 until a program sets it for the first time. It counts as one of the 200 signals
+    (*assumed*).
+
     Args:
         IP: address of the device.
         slave_number: number of the slave, usually 255; 0 is broadcast, 248 to 254 count as 255.
         read_address: first register to read.
         read_register_count: number of registers to read.
         write_address: first register to write; the ranges may overlap.
-        write_register_count: number of registers to write.
+        write_register_count: number of registers to write; more than 121 do not fit into a request of MODBUS.
         signal_name: name of the signal; an older signal of that name is replaced.
         issequential: True updates the signals in the order in which they were added.
         port: TCP port of the device.
+
+    Raises:
+        InvalidValueError: no address or name, more registers than there are from an address on, or too many to write.
+        ScriptStateError: there are 200 signals already.
     """
-    raise NotSimulatedError(_NOT_YET)
+    _check_names(IP, signal_name)
+    _check_end("read_register_count", read_address, read_register_count)
+    _check_end("write_register_count", write_address, write_register_count)
+    if write_register_count > _WRITE_MAX:
+        what, count = "write_register_count", write_register_count
+        text = f"{what} must be <= {_WRITE_MAX}, as more do not fit into a request, got {count}"
+        raise InvalidValueError(text, argument=what, value=count, limit=f"<= {_WRITE_MAX}")
+    robot.modbus.add_read_write(
+        IP,
+        port,
+        signal_name,
+        _slave(slave_number),
+        (read_address, read_register_count),
+        (write_address, write_register_count),
+        is_sequential=issequential,
+    )
 
 
-@command(family="modbus", manual="4.1.3", is_simulated=False)
+@command(family="modbus", manual="4.1.3")
 def modbus_get_signal_status(
-    signal_name: Str, is_secondary_program: Bool = False
+    robot: Robot, signal_name: Str, is_secondary_program: Bool = False
 ) -> Annotated[Any, Either(Boolean(), Integer(), Vector(Integer(), None))]:
-    """Value of a signal.
+    """Value of a signal: what was read last, zeros before; of an output that was set, what it was set to (*assumed*).
 
     Args:
         signal_name: name of the signal.
@@ -108,113 +154,149 @@ def modbus_get_signal_status(
 
     Returns:
         A bool for a coil, an int 0 to 65535 for a register, a list for several of them.
+
+    Raises:
+        InvalidValueError: there is none of that name.
+        ScriptStateError: it has not worked for longer than its watchdog allows (R134).
     """
-    raise NotSimulatedError(_NOT_YET)
+    return robot.modbus.status(signal_name)
 
 
-@command(family="modbus", manual="4.1.4", is_simulated=False)
+@command(family="modbus", manual="4.1.4")
 def modbus_send_custom_command(
     robot: Robot,
     IP: Str,
     slave_number: _Slave,
-    function_code: Annotated[int, Integer(0, 255)],
+    function_code: Annotated[int, Integer(1, 127)],
     data: Annotated[tuple[int, ...], Vector(Integer(0, 255), None)],
     oneshot: Bool = True,
     port: _TcpPort = 502,
 ) -> None:
     """Send a request with a function code and bytes of one's own; the answer is not delivered.
 
-    Firmware 2.10 knows the first four arguments and function code 6 alone.
+    A refusal, or no answer, is a warning. Repeated requests leave 10 times a second, until the program ends or sends
+    another one of that function to that slave, and count as signals (*assumed*). Firmware 2.10 knows the first four
+    arguments and function code 6 alone.
 
     Args:
         IP: address of the device.
-        slave_number: number of the slave, usually 255.
+        slave_number: number of the slave, usually 255; 0 is broadcast; 248 to 254 count as 255 up to firmware 2.10.
         function_code: MODBUS function code.
-        data: bytes behind the function code.
+        data: bytes behind the function code, at most 252.
         oneshot: True sends once, False again and again.
         port: TCP port of the device.
 
     Raises:
         ArgumentRangeError: another function code than 6 up to firmware 2.10.
+        InvalidValueError: no address, or too many bytes.
+        ScriptStateError: too many requests wait, or there are 200 signals already.
     """
-    if robot.profile.release <= (2, 10) and function_code != _WRITE_SINGLE_REGISTER:
+    is_old = robot.profile.release <= (2, 10)
+    if is_old and function_code != _WRITE_SINGLE_REGISTER:
         raise ArgumentRangeError(
             f"function_code must be {_WRITE_SINGLE_REGISTER} in firmware {robot.profile.name}, got {function_code}",
             argument="function_code",
             value=function_code,
             limit=str(_WRITE_SINGLE_REGISTER),
         )
-    raise NotSimulatedError(_NOT_YET)
+    _check_names(IP)
+    if len(data) > _DATA_MAX:
+        text = f"data has {len(data)} bytes, at most {_DATA_MAX} fit behind a function code"
+        raise InvalidValueError(text, argument="data", value=len(data), limit=f"<= {_DATA_MAX}", unit="bytes")
+    slave = _slave(slave_number) if is_old else slave_number
+    robot.modbus.request(IP, port, slave, function_code, bytes(data), is_once=oneshot)
 
 
-@command(family="modbus", manual="4.1.5", is_simulated=False)
+@command(family="modbus", manual="4.1.5")
 def modbus_set_output_register(
-    signal_name: Str, register_value: Annotated[Any, Either(Integer(), Vector(Integer(), None))]
+    robot: Robot, signal_name: Str, register_value: Annotated[Any, Either(Integer(), Vector(Integer(), None))]
 ) -> None:
-    """Set an output register signal.
+    """Set an output register signal, or the registers that a read/write signal writes.
 
     Args:
         signal_name: name of the signal.
         register_value: value, of which the low 16 bits count; from 2.14 also a list, which may be shorter than the
-            signal.
+            signal: the registers behind it keep what they have.
+
+    Raises:
+        InvalidValueError: an empty list, one longer than the signal, no signal of that name, or one of another type.
+        ScriptStateError: it has not worked for longer than its watchdog allows (R134).
     """
-    _refuse_empty("register_value", register_value)
-    raise NotSimulatedError(_NOT_YET)
+    values = _values("register_value", register_value)
+    robot.modbus.set(signal_name, tuple(value & 0xFFFF for value in values), is_digital=False)
 
 
-@command(family="modbus", manual="4.1.6", spellings={"ignal_name": "signal_name"}, is_simulated=False)
+@command(family="modbus", manual="4.1.6", spellings={"ignal_name": "signal_name"})
 def modbus_set_output_signal(
-    signal_name: Str, digital_value: Annotated[Any, Either(Boolean(), Vector(Boolean(), None))]
+    robot: Robot, signal_name: Str, digital_value: Annotated[Any, Either(Boolean(), Vector(Boolean(), None))]
 ) -> None:
     """Set a digital output signal.
 
     Args:
         signal_name: name of the signal.
-        digital_value: level; from 2.14 also a list, which may be shorter than the signal.
+        digital_value: level; from 2.14 also a list, which may be shorter than the signal: the coils behind it keep what
+            they have.
+
+    Raises:
+        InvalidValueError: an empty list, one longer than the signal, no signal of that name, or one of another type.
+        ScriptStateError: it has not worked for longer than its watchdog allows (R134).
     """
-    _refuse_empty("digital_value", digital_value)
-    raise NotSimulatedError(_NOT_YET)
+    values = _values("digital_value", digital_value)
+    robot.modbus.set(signal_name, tuple(int(value) for value in values), is_digital=True)
 
 
-@command(family="modbus", manual="4.1.7", is_simulated=False)
-def modbus_set_runstate_dependent_choice(signal_name: Str, runstate_choice: Annotated[int, Integer(0, 3)]) -> None:
-    """Tie an output signal to whether a program runs.
+@command(family="modbus", manual="4.1.7")
+def modbus_set_runstate_dependent_choice(
+    robot: Robot, signal_name: Str, runstate_choice: Annotated[int, Integer(0, 3)]
+) -> None:
+    """Tie a digital output signal to whether a program runs; a paused one does (*assumed*).
 
     Args:
         signal_name: name of the signal.
         runstate_choice: 0 not tied; 1 low without a program; 2 high without a program; 3 low without, high with a
             program.
+
+    Raises:
+        InvalidValueError: there is no signal of that name, or it is no digital output.
     """
-    raise NotSimulatedError(_NOT_YET)
+    robot.modbus.tie(signal_name, runstate_choice)
 
 
-@command(family="modbus", manual="4.1.8", spellings={"update_freqency": "update_frequency"}, is_simulated=False)
+@command(family="modbus", manual="4.1.8", spellings={"update_freqency": "update_frequency"})
 def modbus_set_signal_update_frequency(
-    signal_name: Str, update_frequency: Annotated[int, Integer(0, 250, "Hz")]
+    robot: Robot, signal_name: Str, update_frequency: Annotated[int, Integer(0, 250, "Hz")]
 ) -> None:
     """Set how often a signal is read or written.
 
     Args:
         signal_name: name of the signal.
-        update_frequency: requests per second; 0 for none (*assumed*).
+        update_frequency: requests per second; 0 for none but one for each time that a program sets it (*assumed*).
+
+    Raises:
+        InvalidValueError: there is none of that name.
     """
-    raise NotSimulatedError(_NOT_YET)
+    robot.modbus.retime(signal_name, update_frequency)
 
 
-@command(family="modbus", since="2.14", manual="2.14: 6.1.10", is_simulated=False)
-def modbus_set_signal_watchdog(signal_name: Str, timeout: Annotated[float, Number("s", 0.0, 300.0)]) -> None:
+@command(family="modbus", since="2.14", manual="2.14: 6.1.10")
+def modbus_set_signal_watchdog(
+    robot: Robot, signal_name: Str, timeout: Annotated[float, Number("s", 0.0, 300.0)]
+) -> None:
     """Set how long a signal may be faulty before using it is an alarm; 5 s at first.
 
     Args:
         signal_name: name of the signal.
         timeout: the time.
+
+    Raises:
+        InvalidValueError: there is none of that name.
     """
-    raise NotSimulatedError(_NOT_YET)
+    robot.modbus.set_watchdog(signal_name, timeout)
 
 
-@command(family="modbus", since="2.14", manual="2.14: 6.1.15", is_simulated=False)
+@command(family="modbus", since="2.14", manual="2.14: 6.1.15")
 def modbus_get_error(
-    signal_name: Str, error_source: Annotated[int, Integer(0, 2)] = 0
+    robot: Robot, signal_name: Str, error_source: Annotated[int, Integer(0, 2)] = 0
 ) -> Annotated[tuple[int, ...], Vector(Integer(), None)]:
     """What is wrong with a signal.
 
@@ -224,22 +306,31 @@ def modbus_get_error(
 
     Returns:
         [code of the device, code of the connection], or the one that was asked for. Devices: -2 not connected, -1
-        connecting, 0 nothing, 1 to 11 MODBUS exceptions; connections: error numbers of TCP/IP.
+        connecting or not answered yet, 0 nothing, 1 to 11 MODBUS exceptions, 9 also an answer that makes no sense
+        (*assumed*); connections: error numbers of TCP/IP, 110 also for a request without an answer within 1 s
+        (*assumed*).
+
+    Raises:
+        InvalidValueError: there is none of that name.
     """
-    raise NotSimulatedError(_NOT_YET)
+    codes = robot.modbus.errors(signal_name)
+    return codes if error_source == 0 else (codes[error_source - 1],)
 
 
-@command(family="modbus", since="2.14", manual="2.14: 6.1.16", is_simulated=False)
-def modbus_get_time_since_signal_invalid(signal_name: Str) -> Seconds:
-    """Time since a faulty signal worked the last time.
+@command(family="modbus", since="2.14", manual="2.14: 6.1.16")
+def modbus_get_time_since_signal_invalid(robot: Robot, signal_name: Str) -> Seconds:
+    """Time since a faulty signal worked the last time; since it was added if it never did (*assumed*).
 
     Args:
         signal_name: name of the signal.
 
     Returns:
         The time; 0 for a signal that works.
+
+    Raises:
+        InvalidValueError: there is none of that name.
     """
-    raise NotSimulatedError(_NOT_YET)
+    return robot.modbus.invalid_s(signal_name)
 
 
 @command(
@@ -248,68 +339,40 @@ def modbus_get_time_since_signal_invalid(signal_name: Str) -> Seconds:
     manual="2.14: 6.1.17",
     spellings={"ip": "connection_id"},
     waits=True,
-    is_simulated=False,
 )
-def modbus_reset_connection(connection_id: Str, isBlocking: Bool = True, port: _TcpPort = 502) -> None:
+def modbus_reset_connection(robot: Robot, connection_id: Str, isBlocking: Bool = True, port: _TcpPort = 502) -> None:
     """Connect to a device anew.
 
     Args:
-        connection_id: address of the device.
-        isBlocking: True waits for the outcome.
+        connection_id: address of the device, as its signals name it.
+        isBlocking: True waits for the outcome, at most 2 s; a secondary program does not wait.
         port: TCP port of the device.
+
+    Raises:
+        InvalidValueError: no signal uses that device (*assumed*).
     """
-    raise NotSimulatedError(_NOT_YET)
+    robot.modbus.reset(connection_id, port, waits=isBlocking)
 
 
-@command(family="modbus", manual="4.1.9", is_simulated=False)
-def read_port_bit(address: _Coil) -> Bool:
-    """A coil of the controller's own MODBUS server.
-
-    Args:
-        address: number of the coil.
-
-    Returns:
-        The value.
-    """
-    raise NotSimulatedError(_NO_SERVER)
+def _check_names(address: str, name: str | None = None) -> None:
+    if not address:
+        raise InvalidValueError("IP is empty", argument="IP", value=address, limit="an address")
+    if name == "":
+        raise InvalidValueError("signal_name is empty", argument="signal_name", value=name, limit="a name")
 
 
-@command(family="modbus", manual="4.1.10", is_simulated=False)
-def read_port_register(address: _Register, is_signed: Bool = False) -> Whole:
-    """A register of the controller's own MODBUS server.
-
-    Args:
-        address: number of the register.
-        is_signed: True for a value from -32768 to 32767, False for 0 to 65535.
-
-    Returns:
-        The value.
-    """
-    raise NotSimulatedError(_NO_SERVER)
+def _check_end(name: str, first: int, count: int) -> None:
+    room = _ADDRESSES - first
+    if count > room:
+        text = f"{name} must be <= {room}, as the last address is {_ADDRESSES - 1}, got {count}"
+        raise InvalidValueError(text, argument=name, value=count, limit=f"<= {room}")
 
 
-@command(family="modbus", manual="4.1.11", is_simulated=False)
-def write_port_bit(address: _Coil, value: Bool) -> None:
-    """Set a coil of the controller's own MODBUS server.
-
-    Args:
-        address: number of the coil; the range is that of `read_port_bit` (*assumed*).
-        value: value to store.
-    """
-    raise NotSimulatedError(_NO_SERVER)
+def _slave(number: int) -> int:
+    return _ANY_SLAVE if number > _LAST_SLAVE else number
 
 
-@command(family="modbus", manual="4.1.12", is_simulated=False)
-def write_port_register(address: _Register, value: Annotated[int, Integer(-32768, 65535)]) -> None:
-    """Set a register of the controller's own MODBUS server.
-
-    Args:
-        address: number of the register.
-        value: value to store, 16 bits signed or unsigned.
-    """
-    raise NotSimulatedError(_NO_SERVER)
-
-
-def _refuse_empty(name: str, value: Any) -> None:
+def _values(name: str, value: Any) -> tuple[Any, ...]:
     if value == ():
         raise InvalidValueError(f"{name} is an empty list", argument=name, value=[], limit=">= 1 element")
+    return value if isinstance(value, tuple) else (value,)

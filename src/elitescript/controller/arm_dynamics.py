@@ -24,7 +24,7 @@ class ArmDynamics:
         plant: says how much friction there is.
     """
 
-    __slots__ = ("_effort_max", "_has_friction", "_links", "_model", "_plant", "_qd_max")
+    __slots__ = ("_carried", "_carried_of", "_effort_max", "_has_friction", "_links", "_model", "_plant", "_qd_max")
 
     def __init__(self, model: RobotModel, plant: PlantConfig | None = None) -> None:
         self._model = model
@@ -33,6 +33,8 @@ class ArmDynamics:
         self._qd_max = tuple([joint.qd_max for joint in model.joints])
         self._effort_max = tuple([joint.effort_max for joint in model.joints])
         self._links: tuple[Body, ...] = ()
+        self._carried_of: Payload | None = None
+        self._carried: Body | None = None
 
     def own_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float]) -> Six:
         """Return what the arm needs to carry and to move itself, friction included."""
@@ -73,5 +75,6 @@ class ArmDynamics:
 
         if not self._links:
             self._links = tuple([Body(link.mass, link.com, link.inertia) for link in self._model.links])
-        carried = Body(payload.mass_kg, payload.cog, payload.inertia)
-        return joint_torques(self._model.arm, self._links, q, qd, qdd, gravity, carried)
+        if payload is not self._carried_of:
+            self._carried_of, self._carried = payload, Body(payload.mass_kg, payload.cog, payload.inertia)
+        return joint_torques(self._model.arm, self._links, q, qd, qdd, gravity, self._carried)

@@ -315,6 +315,22 @@ class Controller:
         """One point of the signal image."""
         return self.signals.read(name, index)
 
+    def port_register(self, address: int, version: tuple[int, ...]) -> int:
+        """See `commands.context.Machine.port_register`."""
+        return self.port_registers(address, 1, version)[0]
+
+    def port_registers(self, first: int, count: int, version: tuple[int, ...]) -> list[int]:
+        """Registers of the controller's own Modbus server, upwards from an address."""
+        from elitescript.controller.port_access import port_image
+
+        return port_image(self, version).registers(first, count)
+
+    def port_coil(self, address: int) -> bool:
+        """See `commands.context.Machine.port_coil`."""
+        from elitescript.controller.port_access import port_image
+
+        return port_image(self, ()).coils(address, 1)[0]
+
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin."""
         return self.signals.tool_pin(index)

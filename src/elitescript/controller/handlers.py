@@ -11,7 +11,7 @@ from elitescript.controller.modes import WHY_NOT_READY
 from elitescript.controller.setup import SETUP_HANDLERS
 from elitescript.controller.task_requests import TASK_HANDLERS
 from elitescript.controller.yield_control import YIELD_SETTINGS
-from elitescript.messages.machine import AskSafety, SetLineMark, SetSpeedScale
+from elitescript.messages.machine import AskSafety, SetLineMark, SetSpeedScale, WritePortCoils, WritePortRegisters
 
 if TYPE_CHECKING:
     from elitescript.controller.controller import Controller
@@ -44,10 +44,21 @@ def _set_force(controller: Controller, request: Any) -> None:
     YIELD_SETTINGS[type(request)](controller.yielding, request, controller.arm_state.joints(controller.tick))
 
 
+def _write_port(controller: Controller, request: WritePortCoils | WritePortRegisters) -> None:
+    # Few programs do; the others need not pay for the import.
+    from elitescript.controller.port_access import write_coils, write_registers
+
+    if isinstance(request, WritePortCoils):
+        write_coils(controller, request)
+    else:
+        write_registers(controller, request)
+
+
 HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     SetSpeedScale: _set_speed,
     SetLineMark: lambda controller, request: controller.mark(request.number, request.label),
     AskSafety: _ask_safety,
+    **dict.fromkeys((WritePortCoils, WritePortRegisters), _write_port),
     **TASK_HANDLERS,
     **dict.fromkeys(SIGNAL_SETTINGS, _set_signal),
     **dict.fromkeys(SETUP_HANDLERS, _declare),

@@ -8,7 +8,7 @@ manual says of the ES series).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 from elitescript.errors import ArgumentRangeError, ScriptStateError
@@ -59,6 +59,7 @@ class SignalImage:
         "_is_running",
         "_on_change",
         "_runstate",
+        "_stale",
         "_values",
         "tool_analog_mode",
         "tool_pins",
@@ -73,7 +74,8 @@ class SignalImage:
         self._runstate: dict[tuple[str, int], RunstateChoice] = {}
         self._freedrive_inputs: set[tuple[str, int]] = set()
         self._is_running = False
-        self._image: dict[str, tuple[Value, ...]] | None = None
+        self._image: dict[str, tuple[Value, ...]] = {name: tuple(values) for name, values in self._values.items()}
+        self._stale: set[str] = set()
         self.tool_pins: list[SetToolPin] = list(_DEFAULT_TOOL_PINS)
         self.tool_analog_mode = _DEFAULT_TOOL_ANALOG_MODE
 
@@ -81,11 +83,17 @@ class SignalImage:
         """The level of one point."""
         return self._values[name][index]
 
+    def levels(self, name: str) -> Sequence[Value]:
+        """The levels of one family."""
+        return self._values[name]
+
     @property
     def image(self) -> Mapping[str, tuple[Value, ...]]:
         """Every family by name; what was returned once does not change."""
-        if self._image is None:
-            self._image = {name: tuple(values) for name, values in self._values.items()}
+        if self._stale:
+            # Families that have not changed stay the very same tuples: who compares two images sees that at a glance.
+            self._image = {**self._image, **{name: tuple(self._values[name]) for name in self._stale}}
+            self._stale.clear()
         return self._image
 
     def domain(self, name: str, index: int) -> AnalogDomain:
@@ -100,6 +108,11 @@ class SignalImage:
                 name: tuple([self.domain(name, index) for index in range(SIGNALS[name].size)]) for name in _ANALOG
             }
         return self._domain_image
+
+    def is_tool_output(self, index: int) -> bool:
+        """Whether a tool pin can be driven."""
+        pin = self.tool_pins[index]
+        return pin.is_enabled and pin.is_output
 
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin: the driven one of an output, the applied one of an input."""
@@ -122,11 +135,23 @@ class SignalImage:
             ScriptError: out of range, or a tool pin that is no output; nothing has changed.
         """
         name, index, value = request.name, request.index, request.value
+        self.check(request, self.domain(name, index))
+        self._command(name, index, float(value) if SIGNALS[name].kind == "float" else value)
+
+    def check(self, request: WriteSignal, domain: AnalogDomain) -> None:
+        """Let a value pass that a point can take.
+
+        Args:
+            request: the point and its value.
+            domain: of the point, if it is an analog channel.
+
+        Raises:
+            ScriptError: out of range, or a tool pin that is no output.
+        """
+        name, index, value = request.name, request.index, request.value
         row = SIGNALS[name]
-        if row.kind == "float":
-            value = float(value)
         if name in _ANALOG:
-            self._check_analog(name, index, float(value))
+            _check_analog(name, index, float(value), domain)
         elif row.low is not None and row.high is not None and not row.low <= value <= row.high:
             raise ArgumentRangeError(
                 f"{signal_name(row, index)} must be in [{row.low:g}, {row.high:g}] {row.unit}".rstrip()
@@ -137,7 +162,6 @@ class SignalImage:
             )
         if name == TOOL_PIN_OUT:
             self._check_pin(index)
-        self._command(name, index, value)
 
     def set_analog_fraction(self, request: SetAnalogFraction) -> None:
         """Drive an analog output to a fraction of its range, clamped to [0, 1] (manual)."""
@@ -213,9 +237,9 @@ class SignalImage:
             self._apply(*key)
 
     def _check_pin(self, index: int) -> None:
-        pin = self.tool_pins[index]
-        if pin.is_enabled and pin.is_output:
+        if self.is_tool_output(index):
             return
+        pin = self.tool_pins[index]
         what = "is an input" if pin.is_enabled else "is disabled"
         raise ScriptStateError(
             f"I/O type error: tool pin {index} {what}",
@@ -223,18 +247,6 @@ class SignalImage:
             value=index,
             hint=f"set_tool_digital_io_config({index}, {int(pin.mode)}, True, True) makes it an output",
         )
-
-    def _check_analog(self, name: str, index: int, value: float) -> None:
-        domain = self.domain(name, index)
-        _, high = _RANGES[domain]
-        if not 0.0 <= value <= high:
-            raise ArgumentRangeError(
-                f"{signal_name(SIGNALS[name], index)} must be in [0, {high:g}] {_UNITS[domain]} "
-                f"({domain.name.lower()} domain), got {value:g}",
-                value=value,
-                limit=f"[0, {high:g}]",
-                unit=_UNITS[domain],
-            )
 
     def _command(self, name: str, index: int, value: Value) -> None:
         key = (name, index)
@@ -264,8 +276,20 @@ class SignalImage:
         values = self._values[name]
         if values[index] != value:
             values[index] = value
-            self._image = None
+            self._stale.add(name)
             self._on_change(name, index, value)
+
+
+def _check_analog(name: str, index: int, value: float, domain: AnalogDomain) -> None:
+    _, high = _RANGES[domain]
+    if not 0.0 <= value <= high:
+        raise ArgumentRangeError(
+            f"{signal_name(SIGNALS[name], index)} must be in [0, {high:g}] {_UNITS[domain]} "
+            f"({domain.name.lower()} domain), got {value:g}",
+            value=value,
+            limit=f"[0, {high:g}]",
+            unit=_UNITS[domain],
+        )
 
 
 SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {

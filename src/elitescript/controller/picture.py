@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from elitescript.controller.controller import Controller
 from elitescript.kinematics.arm import Arm
-from elitescript.messages.enums import RobotMode, TaskState
+from elitescript.messages.enums import POWERED, RobotMode, TaskState
 from elitescript.messages.motion import Six
 from elitescript.messages.snapshot import Snapshot, TaskPicture, Three
 from elitescript.messages.state import ZERO_SIX, JointState, Payload
@@ -28,9 +28,6 @@ TOOL_CURRENT_A: Final = 0.05
 _INSTANT_S: Final = 1e-4
 _NO_VOLTAGES: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _BUS_VOLTAGES: Final[Six] = (BUS_V, BUS_V, BUS_V, BUS_V, BUS_V, BUS_V)
-_POWERED: Final = frozenset(
-    {RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE, RobotMode.BACK_DRIVE, RobotMode.RUNNING}
-)
 
 
 class Load(NamedTuple):
@@ -86,7 +83,7 @@ class Pictures:
         signals = controller.signals
         temperatures, controller_temperature = controller.loads.temperatures(robot.tick)
         load = self._load_of_now(robot.robot_mode)
-        is_powered = robot.robot_mode in _POWERED
+        is_powered = robot.robot_mode in POWERED
         voltage = BUS_V if is_powered else 0.0
         image = signals.image
         pins = signals.tool_pins

@@ -33,12 +33,16 @@ from elitescript.messages.machine import (
     SetToolAnalogMode,
     SetToolPin,
     StopTask,
+    WritePortCoils,
+    WritePortRegisters,
     WriteSignal,
     ZeroForceSensor,
 )
 
 ACTIONS: Final[dict[type, str]] = {
     WriteSignal: "set {0.name}[{0.index}] to {0.value}",
+    WritePortCoils: "set coils from {0.first} on",
+    WritePortRegisters: "set registers from {0.first} on",
     SetAnalogDomain: "set the domain of {0.name}[{0.index}]",
     SetAnalogFraction: "set {0.name}[{0.index}] to a fraction of {0.fraction:g}",
     SetRunstateChoice: "tie {0.name}[{0.index}] to the program",

@@ -13,7 +13,7 @@ is exactly what touches the TCP.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import hypot
 
 from elitescript.controller.contact import ContactConfig
@@ -55,7 +55,7 @@ class WrenchSensor:
     @property
     def external_wrench(self) -> Six:
         """What pushes the TCP besides the contacts: N, N m, base frame."""
-        a, b, c, d, e, f = [float(self._signals.read("external_wrench", index)) for index in range(6)]
+        a, b, c, d, e, f = map(float, self._signals.levels("external_wrench"))
         return (a, b, c, d, e, f)
 
     @property
@@ -71,6 +71,8 @@ class WrenchSensor:
         """Return everything that touches the TCP for actual joints (rad, rad/s), in the base frame."""
         if self.client_offset is not None:
             return self._client_reading(q, self.client_offset)
+        if not self.contact.planes:
+            return self.external_wrench
         T_flange_tcp = self._setup.T_flange_tcp
         p = position_of(self._arm.forward_tcp(q, T_flange_tcp))
         v = tcp_twist(self._arm, q, qd, T_flange_tcp)[:3]
@@ -99,11 +101,17 @@ class WrenchSensor:
             return self.external(q, qd)
         return _turned(rotation_of(self._arm.forward_tcp(q, self._setup.T_flange_tcp)), self.compensated(q, qd))
 
-    def raw(self, q: Six, qd: Six, qdd: Six) -> Six:
-        """Return the wrench with weight and inertia of the payload, not tared, in the TCP frame."""
-        if self.client_offset is not None:
+    def raw(self, q: Six, qd: Six, qdd: Callable[[], Six]) -> Six:
+        """Return the wrench with weight and inertia of the payload, not tared, in the TCP frame.
+
+        Args:
+            q: actual joints, rad.
+            qd: their speeds, rad/s.
+            qdd: works out their accelerations, rad/s^2, which only a payload needs.
+        """
+        if self.client_offset is not None or self._setup.payload.mass_kg == 0.0:
             return self._untared(q, qd)
-        load = self._payload_wrench(q, qd, qdd)
+        load = self._payload_wrench(q, qd, qdd())
         a, b, c, d, e, f = [x + y for x, y in zip(self._untared(q, qd), load, strict=True)]
         return (a, b, c, d, e, f)
 
@@ -112,14 +120,15 @@ class WrenchSensor:
         self.zero = self._untared(q, qd)
 
     def _untared(self, q: Six, qd: Six) -> Six:
+        external = self.external(q, qd)
+        if external == ZERO_SIX:
+            return ZERO_SIX
         R_base_tcp = rotation_of(self._arm.forward_tcp(q, self._setup.T_flange_tcp))
-        return _turned(transpose(R_base_tcp), self.external(q, qd))
+        return _turned(transpose(R_base_tcp), external)
 
     def _payload_wrench(self, q: Six, qd: Six, qdd: Six) -> Six:
         """What the payload exerts on the flange, about the TCP and along its axes."""
         payload = self._setup.payload
-        if payload.mass_kg == 0.0:
-            return ZERO_SIX
         T_flange_com: Transform = (*IDENTITY[:9], *payload.cog)
         ax, ay, az, *alpha = self._acceleration(q, qd, qdd, T_flange_com)
         gx, gy, gz = self._setup.gravity

@@ -133,7 +133,7 @@ class YieldControl:
         joints = arm.joints(tick)
         if is_compensated:
             return self.sensor.compensated(joints.q_actual, joints.qd_actual)
-        return self.sensor.raw(joints.q_actual, joints.qd_actual, arm.actual_acceleration())
+        return self.sensor.raw(joints.q_actual, joints.qd_actual, arm.actual_acceleration)
 
     def is_done(self, call: int) -> bool:
         """Whether the call of that number is over."""

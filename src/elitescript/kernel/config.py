@@ -19,10 +19,6 @@ from elitescript.runtime.host import RPC_TIMEOUT_S
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.wiring import EPOCH_S
 
-BUG_FIX: Final = 0
-BUILD: Final = 0
-"""Of the version that clients are told, besides the firmware profile (*assumed*)."""
-
 DEFAULT_CONFIGURATION: Final = "default.configuration"
 
 
@@ -74,7 +70,7 @@ def describe(config: KernelConfig, model: RobotModel, profile: Profile) -> Robot
         type_id=model.type_id,
         serial_number=config.serial_number,
         robot_id=config.robot_id,
-        firmware=(*profile.release, BUG_FIX, BUILD),
+        firmware=profile.version,
         q_min=_six([low for low, _ in ranges]),
         q_max=_six([high for _, high in ranges]),
         qd_max=_six([joint.qd_max for joint in model.joints]),

@@ -75,6 +75,7 @@ class Fetch:
     """
 
     __slots__ = (
+        "_abandoned",
         "_channels",
         "_failure",
         "_heard_tick",
@@ -92,7 +93,7 @@ class Fetch:
         self.origin = origin
         self.data = bytearray()
         self._start_tick = self._heard_tick = tick
-        self._failure = ""
+        self._abandoned = self._failure = ""
         self._is_over = False
         self.channel = channels.open(sender.host, sender.port, CONNECT_S)
         if not self.channel:
@@ -122,11 +123,13 @@ class Fetch:
         Raises:
             ConnectionError: it does not come; says why.
         """
-        if not self._failure and not self._is_whole(tick):
+        if not self._abandoned and not self._failure and not self._is_whole(tick):
             if tick - self._start_tick < FETCH_TICKS:
                 return None
             self._failure = f"it has not come within {FETCH_TICKS / TICKS_PER_S:g} s"
         self.close()
+        if self._abandoned:
+            raise ConnectionError(0, f"{self._abandoned} before its program had come")
         if not self._failure and not self.data.strip():
             self._failure = "it has sent nothing"
         if self._failure:
@@ -135,7 +138,7 @@ class Fetch:
 
     def abandon(self, why: str) -> None:
         """It is not wanted any more."""
-        self._failure = why
+        self._abandoned = why
 
     def close(self) -> None:
         """Let the sender go."""

@@ -13,6 +13,7 @@ from elitescript.controller.picture import Pictures
 from elitescript.controller.refusals import refusal_text
 from elitescript.controller.signal_view import Signals
 from elitescript.errors import ScriptError, UsageError
+from elitescript.kernel.answers import shown_after
 from elitescript.kernel.config import KernelConfig, describe
 from elitescript.kernel.conversations import Conversations
 from elitescript.kernel.interpreter_logs import InterpreterLogs
@@ -184,7 +185,8 @@ class Kernel:
         if why_not:
             self._emit(Warned(self._controller.tick, why_not))
         if item.is_answered:
-            self._reply(item.origin, refused(why_not) if why_not else done())
+            shown = shown_after(self._controller, self.description.firmware, item.request)
+            self._reply(item.origin, refused(why_not) if why_not else done(shown))
 
     def _attempt(self, request: MachineRequest) -> str:
         """Do what is asked; return why it cannot be done, empty if it is."""
@@ -226,9 +228,10 @@ class Kernel:
         controller = self._controller
         controller.request(PowerOff())
         controller.request(AskSafety("restart_safety", "the controller was started anew"))
-        close_lines(self._host.lines, self._host.connections)
+        close_lines(self._host.background.lines, self._host.connections)
         self._popup = ""
         self._tasks.forget()
+        self._host.background.close()
 
     def _arrived(self, item: VariablesArrived) -> None:
         self._host.watchdogs.arrived(item.names, self._controller.tick)

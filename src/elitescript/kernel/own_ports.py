@@ -13,6 +13,7 @@ from elitescript.controller.controller import Controller
 from elitescript.controller.picture import Pictures
 from elitescript.controller.refusals import refusal_text
 from elitescript.errors import ScriptError, UsageError
+from elitescript.kernel.answers import shown_after
 from elitescript.kernel.config import DEFAULT_CONFIGURATION, KernelConfig, describe
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Do, Input, VariablesArrived
@@ -55,6 +56,11 @@ class OwnPorts:
         self._pictures: Pictures | None = None
         self._shared: dict[str, object] = {}
         self._replies: list[Reply] = []
+
+    @property
+    def tick(self) -> int:
+        """See `RobotPort.tick`."""
+        return self._controller.tick
 
     def read(self, name: str, index: int) -> Value:
         """See `RobotPort.read`."""
@@ -108,7 +114,8 @@ class OwnPorts:
             why_not = refusal_text(item.request, error)
             self._controller.emit(Warned(self._controller.tick, why_not))
         if item.is_answered:
-            self._replies.append(Reply(item.origin, refused(why_not) if why_not else done()))
+            shown = shown_after(self._controller, self._description.firmware, item.request)
+            self._replies.append(Reply(item.origin, refused(why_not) if why_not else done(shown)))
 
 
 def _loaded(name: str) -> Callable[..., Connection]:

@@ -90,9 +90,7 @@ class Tasks:
         """Nothing is loaded, and no variable has a value."""
         self._loaded, self._configuration, self._picture = "", self._initial, None
         self._programs.presets.clear()
-        if self._fetch is not None:
-            self._fetch.close()
-            self._fetch = None
+        self._abandon("the controller was started anew")
 
     def answer(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> str:
         """Do what is asked; return the text of the reply, empty if `due` has it later."""
@@ -100,8 +98,12 @@ class Tasks:
 
     def stop(self) -> None:
         """The task is to stop: a program that is on its way does not start."""
+        self._abandon("the task was stopped")
+
+    def _abandon(self, why: str) -> None:
+        """A program that is on its way is not wanted any more; who has asked for it hears so in this tick."""
         if self._fetch is not None:
-            self._fetch.abandon("the task was stopped")
+            self._fetch.abandon(why)
 
     def channel_event(self, event: ChannelEvent) -> bool:
         """Take an event of a channel; whether it was for a task."""
@@ -118,6 +120,7 @@ class Tasks:
         text = self._guarded(lambda: self._start_fetched(fetch), fetch.origin)
         if not text:
             return None
+        fetch.close()
         self._fetch = None
         return fetch.origin, text
 
@@ -148,6 +151,7 @@ class Tasks:
             return refused("a task is running; stop it first")
         if sender_of(self._files, relative_name(path)) is None:
             self._program_of(path)
+        self._abandon("another task was loaded")
         self._loaded, self._picture = path, None
         return done()
 
@@ -200,15 +204,14 @@ class Tasks:
         return done()
 
     def _start_fetched(self, fetch: Fetch) -> str:
+        """What keeps a task from starting ends the waiting too: nothing starts by itself after an emergency stop."""
         controller = self._controller
         data = fetch.result(controller.tick)
-        if data is None:
-            return ""
         if controller.task.is_running:
             return refused("another program has been started meanwhile")
         controller.safety.require("start_task")
         controller.power.require_ready()
-        return self._start(str(fetch.sender), data)
+        return "" if data is None else self._start(str(fetch.sender), data)
 
     def _set_variable(self, name: str, value: str) -> str:
         if self._controller.task.is_running:

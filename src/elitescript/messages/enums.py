@@ -24,6 +24,10 @@ class RobotMode(IntEnum):
     WAITING_CALIBRATION = 9
 
 
+POWERED = frozenset({RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE, RobotMode.BACK_DRIVE, RobotMode.RUNNING})
+"""Modes in which the arm has power."""
+
+
 class SafetyMode(IntEnum):
     """What the safety system allows."""
 

@@ -19,6 +19,26 @@ class WriteSignal:
 
 
 @dataclass(frozen=True, slots=True)
+class WritePortCoils:
+    """Set coils of the controller's own Modbus server, upwards from an address: all of them or none."""
+
+    first: int
+    values: tuple[bool, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class WritePortRegisters:
+    """Set registers of the controller's own Modbus server, upwards from an address: all of them or none."""
+
+    first: int
+    values: tuple[int, ...]
+    """0 to 65535 each."""
+    read_first: int = 0
+    read_count: int = 0
+    """Registers that the answer shows as they are right after; none if the count is 0."""
+
+
+@dataclass(frozen=True, slots=True)
 class SetAnalogDomain:
     """Choose current or voltage for one analog channel."""
 
@@ -228,6 +248,8 @@ class AskSafety:
 
 MachineRequest = (
     WriteSignal
+    | WritePortCoils
+    | WritePortRegisters
     | SetAnalogDomain
     | SetAnalogFraction
     | SetRunstateChoice

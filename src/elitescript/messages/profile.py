@@ -28,6 +28,11 @@ class Profile:
     is_servoj_gain_used: bool
     interpreter_queue_limit: int
 
+    @property
+    def version(self) -> tuple[int, int, int, int]:
+        """What the controller says of itself: major, minor, bug fix, build; the last two are *assumed*."""
+        return (*self.release, 0, 0)
+
 
 PROFILES: Final[dict[str, Profile]] = {
     "2.10": Profile("2.10", (2, 10), 15, 0.010, False, 2000),

@@ -3,13 +3,15 @@
 One row per family. Its name is what `--set`, `robot.signals` and the end record use; protocols,
 commands and the pendant derive theirs from here.
 
-Evidence: counts and ranges are *documented* (manual 2.10, I/O and register chapters); that a tool
-pin has separate in and out images is *assumed*. The last rows are what a test does to the robot; no
-program reads them as signals.
+Evidence: counts and ranges are *documented* (manual 2.10, I/O and register chapters; the vendor's sheet of the Modbus
+server); that a tool pin has separate in and out images is *assumed*. That flags and registers outlast a restart of the
+controller is *assumed* from the manual: flags keep their value between programs, registers are in system memory. The
+last rows are what a test does to the robot; no program reads them as signals.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Final, NamedTuple
 
 from elitescript.errors import UsageError
@@ -31,6 +33,8 @@ class Signal(NamedTuple):
     high: float | None = None
     unit: str = ""
     summary: str = ""
+    is_kept: bool = False
+    """Whether a state file has it: the controller remembers it when it is switched off."""
 
     @property
     def default(self) -> Value:
@@ -40,8 +44,11 @@ class Signal(NamedTuple):
 
 INT32_LOW: Final = -(2**31)
 INT32_HIGH: Final = 2**31 - 1
+WORD_MAX: Final = 2**16 - 1
 ANALOG_CURRENT_A: Final = (0.004, 0.020)
 ANALOG_VOLTAGE_V: Final = (0.0, 10.0)
+
+_kept = partial(Signal, is_kept=True)
 
 _ROWS: Final = (
     Signal("standard_digital_in", "bool", 16, True, summary="digital inputs of the control box"),
@@ -55,13 +62,15 @@ _ROWS: Final = (
     Signal("tool_analog_in", "float", 1, True, 0.0, 10.0, "V or A", "analog input of the tool"),
     Signal("tool_analog_out", "float", 1, False, 0.0, 10.0, "V or A", "analog output of the tool"),
     Signal("tool_voltage", "int", 1, False, 0, 24, "V", "supply of the tool connector: 0, 12 or 24"),
-    Signal("input_bool_register", "bool", 128, True, summary="boolean registers that clients write"),
-    Signal("input_int_register", "int", 48, True, INT32_LOW, INT32_HIGH, summary="integer registers of clients"),
-    Signal("input_float_register", "float", 48, True, summary="float registers that clients write"),
-    Signal("output_bool_register", "bool", 128, False, summary="boolean registers that programs write"),
-    Signal("output_int_register", "int", 48, False, INT32_LOW, INT32_HIGH, summary="integer registers of programs"),
-    Signal("output_float_register", "float", 48, False, summary="float registers that programs write"),
-    Signal("flag", "bool", 32, False, summary="internal flags, kept from one program to the next"),
+    _kept("input_bool_register", "bool", 128, True, summary="boolean registers that clients write"),
+    _kept("input_int_register", "int", 48, True, INT32_LOW, INT32_HIGH, summary="integer registers of clients"),
+    _kept("input_float_register", "float", 48, True, summary="float registers that clients write"),
+    _kept("output_bool_register", "bool", 128, False, summary="boolean registers that programs write"),
+    _kept("output_int_register", "int", 48, False, INT32_LOW, INT32_HIGH, summary="integer registers of programs"),
+    _kept("output_float_register", "float", 48, False, summary="float registers that programs write"),
+    _kept("flag", "bool", 32, False, summary="internal flags, kept from one program to the next"),
+    _kept("general_register", "int", 128, False, 0, WORD_MAX, summary="Modbus registers 256 to 383"),
+    _kept("general_coil", "bool", 68, False, summary="Modbus coils 60 to 127"),
     Signal("emergency_stop", "bool", 1, True, summary="an emergency stop button is pressed"),
     Signal("system_emergency_stop", "bool", 1, True, summary="an emergency stop button of the cell is pressed"),
     Signal("safeguard_stop", "bool", 1, True, summary="a safeguard, such as a door, is open"),
@@ -72,6 +81,8 @@ _ROWS: Final = (
 )
 
 SIGNALS: Final[dict[str, Signal]] = {row.name: row for row in _ROWS}
+KEPT: Final = tuple(row.name for row in _ROWS if row.is_kept)
+"""Families that the controller remembers when it is switched off."""
 
 
 def parse_signal_name(text: str) -> tuple[Signal, int]:

@@ -29,7 +29,7 @@ from elitescript.modbus.pdu import (
     request_of,
     written,
 )
-from elitescript.modbus.rtu_frames import BROADCAST, RtuSplitter, rtu_frame
+from elitescript.modbus.rtu_frames import BROADCAST, RtuFrame, RtuSplitter, rtu_frame
 from elitescript.modbus.tcp_frames import TcpSplitter, tcp_frame
 
 NAMES: Final = {
@@ -231,19 +231,18 @@ class RtuSlave:
 
     def take(self, data: bytes) -> bytes:
         """Bytes of the line; what to send back."""
+        return self._answers(self._splitter.feed(data))
+
+    def silence(self) -> bytes:
+        """The line was silent for the time that ends a frame; what to send back."""
+        return self._answers(self._splitter.silence())
+
+    def _answers(self, frames: list[RtuFrame]) -> bytes:
         answers: list[bytes] = []
-        for unit, pdu in self._splitter.feed(data):
+        for unit, pdu in frames:
             if unit == BROADCAST:
                 for slave in self._slaves.values():
                     slave.answer(pdu)
             elif unit in self._slaves:
-                answers.append(rtu_frame(unit, self._slaves[unit].answer(pdu)))
-        return b"".join(answers)
-
-    def silence(self) -> bytes:
-        """The line was silent for the time that ends a frame; what to send back."""
-        answers = []
-        for unit, pdu in self._splitter.silence():
-            if unit in self._slaves:
                 answers.append(rtu_frame(unit, self._slaves[unit].answer(pdu)))
         return b"".join(answers)

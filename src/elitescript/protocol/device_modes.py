@@ -9,7 +9,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Final
 
-from elitescript.messages.enums import RobotMode, SafetyMode
+from elitescript.messages.enums import POWERED, RobotMode, SafetyMode
 from elitescript.messages.state import RobotState
 
 
@@ -45,19 +45,16 @@ _JOINT: Final = {
     RobotMode.WAITING_CALIBRATION: DeviceMode.POWER_OFF,
 }
 _BROKEN: Final = {SafetyMode.VIOLATION: DeviceMode.VIOLATION, SafetyMode.FAULT: DeviceMode.FAULT}
-_POWERED: Final = frozenset(
-    {RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE, RobotMode.BACK_DRIVE, RobotMode.RUNNING}
-)
 
 
 def is_powered(mode: RobotMode) -> bool:
     """Whether the arm has power in this mode."""
-    return mode in _POWERED
+    return mode in POWERED
 
 
 def joint_mode(robot: RobotState) -> DeviceMode:
     """Mode of every joint; the six of them always agree."""
-    if robot.robot_mode in _POWERED and robot.safety_mode in _BROKEN:
+    if robot.robot_mode in POWERED and robot.safety_mode in _BROKEN:
         return _BROKEN[robot.safety_mode]
     return _JOINT[robot.robot_mode]
 

@@ -17,7 +17,7 @@ from elitescript.language.compiler import column_of
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import PROFILES, Profile, release_of
-from elitescript.runtime.strand import INNER_TEXTS
+from elitescript.runtime.strand import INNER_TEXTS, Strand
 
 CLOSE_ENOUGH: Final = 0.7
 """Similarity from which a name is suggested for a wrong one."""
@@ -81,6 +81,12 @@ def alarm_of(
     if place.inner:
         text = f"{text} ({place.inner})"
     return Alarm(clock(), code, class_name, text, place.line, place.column, thread, place.source_line, details)
+
+
+def abandoned(strand: Strand, tick: int) -> Alarm:
+    """The alarm of a thread that does not end when it is stopped."""
+    text = f"thread {strand.name!r} does not let itself be stopped; it is given up where it stands"
+    return Alarm(tick, "R131", "RuntimeError", text, strand.line, 0, strand.name)
 
 
 def summary_of(error: BaseException) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol
 
 from elitescript.commands.context import Machine
-from elitescript.errors import InvalidValueError, ScriptError, ScriptStateError
+from elitescript.errors import ScriptStateError
 from elitescript.messages.events import Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import MachineRequest, PauseTask, SetLineMark
 from elitescript.messages.motion import (
@@ -26,13 +26,14 @@ from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
-from elitescript.runtime.world import TASK_PATH, Files, World, relative_name
+from elitescript.runtime.world import TASK_PATH, Files, World
 
 if TYPE_CHECKING:
+    from elitescript.runtime.background import Background
     from elitescript.runtime.connection import Receiver
     from elitescript.runtime.interpreter import Interpreter
-    from elitescript.runtime.line import Line
     from elitescript.runtime.lines import Lines
+    from elitescript.runtime.modbus_signals import ModbusSignals
     from elitescript.runtime.rpc import RemoteProcedures
     from elitescript.runtime.sockets import Sockets
     from elitescript.runtime.watchdogs import Watchdogs
@@ -49,10 +50,6 @@ MOVE_END: Final = "the end of its move"
 """What a thread waits for in `movej` and its like."""
 
 
-_NAMES_SHOWN: Final = 3
-"""File names that a message offers for one that does not exist."""
-
-
 class TaskPort(Protocol):
     """What a context asks of the host: the program as a whole."""
 
@@ -62,8 +59,6 @@ class TaskPort(Protocol):
     """Those of them that `abort` of interpreter mode ends."""
     connections: dict[int, Receiver]
     """Who listens to each open channel."""
-    lines: dict[str, Line]
-    """The serial ports that were configured, by device."""
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
         """Start a thread of the program."""
@@ -76,6 +71,9 @@ class TaskPort(Protocol):
 
     def thread_failed(self, error: BaseException) -> None:
         """An exception left a thread."""
+
+    background: Background
+    """What goes on whether a program runs or not."""
 
     interpreter: Interpreter
     """Interpreter mode."""
@@ -172,6 +170,11 @@ class Context:
         return self._world.files
 
     @property
+    def modbus(self) -> ModbusSignals:
+        """The MODBUS TCP signals of the controller."""
+        return self._port.background.modbus(self._world.channels)
+
+    @property
     def sockets(self) -> Sockets:
         """The program's TCP connections."""
         if self._sockets is None:
@@ -187,7 +190,9 @@ class Context:
             from elitescript.runtime.lines import Lines
 
             port = self._port
-            self._lines = Lines(self._world.channels, self.scheduler, port.connections, port.lines, self.warn_once)
+            self._lines = Lines(
+                self._world.channels, self.scheduler, port.connections, port.background.lines, self.warn_once
+            )
         return self._lines
 
     def remote_procedures(self, url: str) -> object:
@@ -208,31 +213,9 @@ class Context:
 
     def read_task_file(self, path: str, size_max: int) -> bytes:
         """See `commands.context.Robot.read_task_file`."""
-        name = relative_name(path)
-        files = self._world.files
-        try:
-            kind = files.kind(name)
-            if kind != "file":
-                what = "is a folder" if kind else "does not exist"
-                near = [other for other in files.names("") if other.startswith(name.rpartition(".")[0] or name)]
-                hint = f"the task folder holds {', '.join(near[:_NAMES_SHOWN])}" if near and not kind else None
-                raise InvalidValueError(f"the file {name!r} {what}", argument="file_name", value=path, hint=hint)
-            size = files.size(name)
-            if size <= size_max:
-                with files.open(name, "rb", None, None) as file:
-                    return bytes(file.read(size_max))
-        except OSError as error:
-            if isinstance(error, ScriptError):
-                raise
-            text = f"the file {name!r} cannot be read: {error.strerror or error}"
-            raise InvalidValueError(text, argument="file_name", value=path) from None
-        raise InvalidValueError(
-            f"the file {name!r} has {size} bytes; at most {size_max} are allowed",
-            argument="file_name",
-            value=size,
-            limit=f"<= {size_max}",
-            unit="bytes",
-        )
+        from elitescript.runtime.task_file import content_of
+
+        return content_of(self._world.files, path, size_max)
 
     def timestamp_s(self) -> float:
         """The controller's clock, seconds since 1970."""

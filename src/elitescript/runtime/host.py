@@ -15,7 +15,8 @@ from elitescript.errors import ScriptStateError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
-from elitescript.runtime.alarms import summary_of
+from elitescript.runtime.alarms import abandoned, summary_of
+from elitescript.runtime.background import Background
 from elitescript.runtime.context import POPUP
 from elitescript.runtime.interpreter import Interpreter
 from elitescript.runtime.program import Program
@@ -30,7 +31,6 @@ from elitescript.runtime.world import NoWorld, World
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
     from elitescript.runtime.connection import Receiver
-    from elitescript.runtime.line import Line
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -60,12 +60,12 @@ class ScriptHost:
     Attributes:
         result: how the last program ended; empty while one runs and before the first.
         alarm: what ended it, if an alarm did.
+        background: what goes on whether a program runs or not.
         interpreter: statements of interpreter mode.
         movers: which strands wait for which move.
         abortable: those of these moves that `abort_move` ends.
         rpc_timeout_s: see above.
         connections: who listens to each open channel.
-        lines: the serial ports that were configured, by device.
         watchdogs: RTSI inputs that the program watches.
     """
 
@@ -84,9 +84,9 @@ class ScriptHost:
         "_world",
         "abortable",
         "alarm",
+        "background",
         "connections",
         "interpreter",
-        "lines",
         "movers",
         "result",
         "rpc_timeout_s",
@@ -126,7 +126,7 @@ class ScriptHost:
         self.movers: dict[int, list[Strand]] = {}
         self.abortable: set[int] = set()
         self.connections: dict[int, Receiver] = {}
-        self.lines: dict[str, Line] = {}
+        self.background = Background(machine, self._scheduler, self.connections)
         self.result = ""
         self.alarm: Alarm | None = None
 
@@ -274,6 +274,7 @@ class ScriptHost:
         """Run every thread that is due, until each waits or has used up its work of this tick."""
         scheduler = self._scheduler
         scheduler.begin_tick(tick)
+        self.background.run_tick(tick, is_running=self.is_running)
         if not self.is_paused:
             self.watchdogs.look(tick)
         try:
@@ -293,7 +294,9 @@ class ScriptHost:
         due_secondary = self._secondaries.next_tick(tick)
         due_query = self._queries.next_tick(tick)
         due_watch = None if self.is_paused else self.watchdogs.next_tick()
-        return min((at for at in (due, due_secondary, due_query, due_watch) if at is not None), default=None)
+        due_outside = self.background.next_tick(tick, is_running=self.is_running)
+        dues = due, due_secondary, due_query, due_watch, due_outside
+        return min((at for at in dues if at is not None), default=None)
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
         """A move is over; the threads that wait for it go on at the next `run_tick`."""
@@ -375,17 +378,7 @@ class ScriptHost:
             self._queries.ended(strand)
 
     def _strand_abandoned(self, strand: Strand) -> None:
-        self._machine.emit(
-            Alarm(
-                self._machine.tick,
-                "R131",
-                "RuntimeError",
-                f"thread {strand.name!r} does not let itself be stopped; it is given up where it stands",
-                strand.line,
-                0,
-                strand.name,
-            )
-        )
+        self._machine.emit(abandoned(strand, self._machine.tick))
 
     def _failed(self, error: BaseException, program: Program) -> None:
         """An exception left a strand. What a stopped one raises on its way out is lost with it."""

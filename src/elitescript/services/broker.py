@@ -3,6 +3,9 @@
 The robot asks by channel requests and hears by channel events; it never has a socket. Everything is bounded: channels,
 attempts to connect, and the bytes that are on their way in either direction (`messages.outputs.CHANNEL_WINDOW`). A
 program that does not read stops its peer; a peer that does not read stops the program, by the credit that it misses.
+
+A peer that ends its own half of a connection has ended it for the program: what it sent before can be read, what the
+program sent before still arrives, more cannot be sent (*assumed*; servers of the vendor's client end both at once).
 """
 
 from __future__ import annotations
@@ -11,6 +14,8 @@ import asyncio
 import socket
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from os import strerror
+from re import search
 from typing import Any, Final
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
@@ -24,6 +29,7 @@ from elitescript.messages.outputs import (
     OpenLine,
     SendChannel,
 )
+from elitescript.services.liveness import watch_peer
 from elitescript.services.serial_ports import SerialPorts
 from elitescript.worlds.line_bindings import bridge_address
 
@@ -132,7 +138,7 @@ class Broker:
         try:
             async with asyncio.timeout(min(max(request.timeout_s, 0.0), TIMEOUT_MAX_S)):
                 _, channel = await loop.create_connection(
-                    lambda: _Channel(number, self._post, self._forget), request.address, request.port
+                    lambda: _Channel(number, self._post, self._part), request.address, request.port
                 )
         except TimeoutError:
             self._give_up(number, f"no answer within {request.timeout_s:g} s")
@@ -159,14 +165,18 @@ class Broker:
         self._ports.close(number)
         if (task := self._attempts.pop(number, None)) is not None:
             task.cancel()
-        if (channel := self._channels.pop(number, None)) is not None:
-            channel.close()
-            self._leaving.append(channel)
-            if len(self._leaving) > LEAVING_MAX:
-                self._leaving.popleft().drop()
+        self._part(number)
 
-    def _forget(self, number: int) -> None:
-        self._channels.pop(number, None)
+    def _part(self, number: int) -> None:
+        """Nothing more is said on a channel; it may get rid of what was sent before."""
+        if (channel := self._channels.pop(number, None)) is None:
+            return
+        channel.close()
+        self._leaving.append(channel)
+        if len(self._leaving) > LEAVING_MAX:
+            self._leaving = deque(one for one in self._leaving if not one.is_gone)
+        if len(self._leaving) > LEAVING_MAX:
+            self._leaving.popleft().drop()
 
 
 class _Channel(asyncio.BufferedProtocol):
@@ -174,21 +184,21 @@ class _Channel(asyncio.BufferedProtocol):
 
     __slots__ = (
         "_buffer",
-        "_forget",
         "_is_closed",
         "_is_reading",
         "_is_started",
         "_number",
+        "_part",
         "_post",
         "_room",
         "_transport",
         "_unsent",
     )
 
-    def __init__(self, number: int, post: Post, forget: Callable[[int], None]) -> None:
+    def __init__(self, number: int, post: Post, part: Callable[[int], None]) -> None:
         self._number = number
         self._post = post
-        self._forget = forget
+        self._part = part
         self._buffer = bytearray(READ_BYTES)
         self._transport: asyncio.Transport | None = None
         self._room = CHANNEL_WINDOW
@@ -196,6 +206,11 @@ class _Channel(asyncio.BufferedProtocol):
         self._is_started = False
         self._is_reading = False
         self._is_closed = False
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether nothing is left of the connection."""
+        return self._transport is None
 
     def start(self) -> None:
         """The robot knows of the channel."""
@@ -243,6 +258,7 @@ class _Channel(asyncio.BufferedProtocol):
         raw = transport.get_extra_info("socket")
         if raw is not None:
             raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            watch_peer(raw)
 
     def get_buffer(self, sizehint: int) -> memoryview:
         return memoryview(self._buffer)[: max(1, min(self._room, READ_BYTES))]
@@ -260,15 +276,19 @@ class _Channel(asyncio.BufferedProtocol):
         self._unsent = 0
 
     def eof_received(self) -> bool:
-        return False
+        self._end("")
+        return True
 
     def connection_lost(self, exc: Exception | None) -> None:
         # It has no loop any more, and must not be asked for anything.
         self._transport = None
+        self._end(reason_of(exc) if exc else "")
+
+    def _end(self, reason: str) -> None:
         if not self._is_closed:
             self._is_closed = True
-            self._forget(self._number)
-            self._post([ChannelClosed(self._number, reason_of(exc) if exc else "")])
+            self._part(self._number)
+            self._post([ChannelClosed(self._number, reason)])
 
     def _read_or_not(self) -> None:
         transport = self._transport
@@ -284,5 +304,11 @@ class _Channel(asyncio.BufferedProtocol):
 
 
 def reason_of(error: BaseException) -> str:
-    """Why a connection failed, in a few words."""
+    """Why a connection failed, in a few words: those of the operating system, where it has any."""
+    number = getattr(error, "errno", None)
+    if number is None and (found := search(r"\[Errno (\d+)\]", str(error))):
+        # Of several addresses each has failed; programs hear of the first.
+        number = int(found[1])
+    if number is not None and number > 0:
+        return strerror(number).lower()
     return str(getattr(error, "strerror", None) or str(error) or type(error).__name__)

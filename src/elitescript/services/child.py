@@ -39,11 +39,12 @@ def serve(line: frames.BlockingLine) -> None:
     kernel: Kernel | None = None
     while True:
         letter, text = line.receive()
-        data = from_text(text)
         if letter == frames.TICK and kernel is not None:
-            output = kernel.tick([inputs_shape.decode(item) for item in data])
-            line.send(*writer.message(output))
-        elif letter == frames.LOCK_IN:
+            inputs = () if text == frames.NO_INPUTS else [inputs_shape.decode(item) for item in from_text(text)]
+            line.send(*writer.message(kernel.tick(inputs)))
+            continue
+        data = from_text(text)
+        if letter == frames.LOCK_IN:
             is_jailed, memory_max = data
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
@@ -70,8 +71,11 @@ def main(descriptor: int) -> None:
     except (EOFError, ConnectionError, BrokenPipeError):
         os._exit(0)
     except BaseException as error:
-        kind = "usage" if isinstance(error, ElitescriptError) else "bug"
-        text = str(error) if kind == "usage" else "".join(traceback.format_exception(error))[-8000:]
+        kind = "usage" if isinstance(error, ElitescriptError | MemoryError) else "bug"
+        if isinstance(error, MemoryError):
+            text = "the program has used up the memory that the robot's process may have"
+        else:
+            text = str(error) if kind == "usage" else "".join(traceback.format_exception(error))[-8000:]
         line.send(frames.FAILED, to_text([kind, text.encode("utf-8", "replace").decode()]))
         # No destructor of a program's object is to run now.
         os._exit(1)

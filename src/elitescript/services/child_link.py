@@ -1,10 +1,9 @@
 """The way to a robot in a child process: no program that runs there can hold up whoever serves it.
 
-A tick is sent to the child, and its output taken, within the period. A child that is late is not waited for: clients
-see the last picture meanwhile, the ticks queue up, and the child makes up for them. One that has worked for
-`PATIENCE_S` without saying anything is in a call that does not come back: it is killed, and a fresh child goes on from
-the last picture. Its own processor time counts, so that a busy computer does not look like such a call; one that does
-not work either, because it sleeps, is killed after `ABSENCE_MAX_S`.
+A tick is sent to the child, and its output taken, within the period. A child that is a little late is waited for, so
+that nothing is missing; if it takes longer, clients see the last picture meanwhile, the ticks queue up, and the child
+makes up for them. One that is silent for too long (`patience`), ends or talks nonsense is killed and reported; a fresh
+child goes on from the last picture, soon or later.
 """
 
 from __future__ import annotations
@@ -21,36 +20,32 @@ from elitescript.kernel import KernelConfig
 from elitescript.kernel.restart import restored_config, restored_inputs
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import Warned
-from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Input
-from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output
+from elitescript.messages.inputs import Input
+from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.world import Files, FilesRefused
 from elitescript.services import frames
-from elitescript.services.child_process import ChildProcess, Silence
+from elitescript.services.child_process import ChildProcess
 from elitescript.services.config_codec import full_codec
+from elitescript.services.held_inputs import HELD_MAX, HeldInputs
 from elitescript.services.jail import MEMORY_MAX, Layer
 from elitescript.services.journal import Journal
 from elitescript.services.last_words import last_words
 from elitescript.services.output_buffer import OutputBuffer
 from elitescript.services.output_changes import OutputReader
+from elitescript.services.patience import PATIENCE_S, Patience
 from elitescript.services.remote_files import FileDesk
 
-PATIENCE_S: Final = 0.7
-"""Processor time without a word after which a child is given up; wall time where processor time is not known."""
-FIRST_PATIENCE_S: Final = 3.0
-"""The same before the first output of a fresh child, which has its robot to make."""
-ABSENCE_MAX_S: Final = 5.0
-"""Wall time without a word after which a child is given up, whatever it does."""
-PATIENCE_TICKS: Final = 20
-"""Ticks that have gone by as well: whoever was away himself has no reason to complain."""
-GRACE_S: Final = 0.0015
-"""How long an output is waited for in its own period; timers of an event loop may add 1 ms."""
-ON_TIME_S: Final = 0.8 * PERIOD_S
-"""Whoever calls again sooner than this has time to make up for, and does not wait."""
+GRACE_S: Final = 0.1
+"""How long outputs that are late are waited for, if the others were in time: ticks leave late then, but all of them."""
+GRACE_PER_TICK_S: Final = 0.0025
+"""How much of it every tick gives back; timers of an event loop may add 1 ms."""
 BEHIND_TICKS: Final = 3
 """Ticks behind which no output is waited for."""
+BUSY_TICKS: Final = 10
+"""Ticks behind which a child gets nothing that is much work until it has caught up."""
 TRACE_S: Final = 0.05
 """How long a child that is given up may take to say where it is."""
 READING_MAX_S: Final = 0.25
@@ -59,10 +54,12 @@ READING_KEPT: Final = 0.99
 BOOT_S: Final = 20.0
 UNANSWERED_MAX: Final = 2000
 """Ticks that may wait for an answer; more than `ABSENCE_MAX_S` has."""
-HELD_MAX: Final = 10_000
-"""Inputs that wait while there is no child; more are refused."""
 BOOTS_MAX: Final = 5
 """Children that may end one after the other before they have answered a tick."""
+CALM_TICKS: Final = 10 * TICKS_PER_S
+"""After so many answered ticks it is forgotten that a child had to be replaced."""
+PAUSES_TICKS: Final = (0, 0, 0, 62, 125, 250, 500, 1000, 2000)
+"""How long nobody starts the next child, by the number of children before it that lived no longer than that."""
 
 
 @dataclass(slots=True)
@@ -71,6 +68,8 @@ class _Sent:
 
     tick: int
     inputs: Sequence[Input]
+    text: str
+    """The inputs as JSON text."""
     answers: list[Any] = field(default_factory=list)
 
 
@@ -83,7 +82,7 @@ class ChildLink:
         is_jailed: lock the child in.
         journal: where to write the session down.
         patience_s: silence after which the child is given up, in its own processor time.
-        grace_s: how long to wait for an output in its own period; infinite in a test that compares outputs.
+        grace_s: how long late outputs are waited for; infinite in a test that compares outputs.
         memory_max: bytes of address space of the child.
 
     Attributes:
@@ -92,18 +91,19 @@ class ChildLink:
     """
 
     __slots__ = (
+        "_answered",
         "_boots",
-        "_called_s",
         "_changed",
-        "_channels",
         "_child",
         "_codec",
         "_config",
+        "_crashes",
         "_description",
         "_desk",
         "_end_reason",
         "_failure",
         "_given_up_s",
+        "_grace_left_s",
         "_grace_s",
         "_held",
         "_input_shape",
@@ -115,11 +115,11 @@ class ChildLink:
         "_memory_max",
         "_next",
         "_outputs",
-        "_patience_s",
+        "_patience",
         "_reader",
         "_reading_s",
         "_replaced_because",
-        "_silence",
+        "_restart_at",
         "_unanswered",
         "layers",
         "restarts",
@@ -139,8 +139,9 @@ class ChildLink:
         self._config = config
         self._is_jailed = is_jailed
         self._journal = journal
-        self._patience_s = patience_s
+        self._patience = Patience(patience_s)
         self._grace_s = grace_s
+        self._grace_left_s = grace_s
         self._memory_max = memory_max
         self._codec = full_codec()
         self._input_shape = self._codec.shape(Input)
@@ -151,28 +152,33 @@ class ChildLink:
         self._description: RobotDescription | None = None
         self._outputs = OutputBuffer()
         self._unanswered: deque[_Sent] = deque()
-        self._held: list[Input] = []
-        self._channels: set[int] = set()
+        self._held = HeldInputs()
         self._changed: asyncio.Future[None] | None = None
         self._is_locked_in = False
         self._is_describing = False
         self._end_reason = ""
         self._failure = ""
         self._given_up_s = 0.0
-        self._boots = 0
-        self._called_s = 0.0
+        self._answered = self._boots = self._crashes = self._restart_at = 0
         self._reading_s = 0.0
         self._replaced_because = ""
         self._lost: Sequence[Input] = ()
-        self._silence = Silence(0.0, 0.0)
         self.layers: tuple[Layer, ...] = ()
         self.restarts = 0
 
     @property
     def description(self) -> RobotDescription:
-        """What never changes about the robot; known once the link is open."""
+        """What never changes about the robot."""
         assert self._description is not None, "the link is not open"
         return self._description
+
+    @property
+    def room(self) -> float | None:
+        """Share of a tick's work for clients that the child can do: less, the more it is behind; None without one."""
+        if self._child is None or not self._is_describing or self._end_reason or len(self._held):
+            return None
+        late = self._next - self._unanswered[0].tick if self._unanswered else 0
+        return 1.0 if late <= BEHIND_TICKS else max(0.0, 1.0 - late / BUSY_TICKS)
 
     @property
     def pid(self) -> int:
@@ -197,7 +203,8 @@ class ChildLink:
                 self._child.kill()
         if self._description is None:
             reason = self._failure or self._end_reason or "it does not answer"
-            raise ElitescriptError(f"the robot's process did not come up: {reason}\n{self._log()}".rstrip())
+            log = "" if self._child is None else self._child.log
+            raise ElitescriptError(f"the robot's process did not come up: {reason}\n{log}".rstrip())
 
     async def tick(self, inputs: Sequence[Input]) -> Output:
         """Give the robot its inputs and return what it has had to say by now.
@@ -206,17 +213,24 @@ class ChildLink:
             ElitescriptError: one child after the other has ended.
         """
         tick, self._next = self._next, self._next + 1
-        self._hold(inputs)
+        self._held.add(inputs)
+        if self._child is None and tick >= self._restart_at:
+            self._start_again(tick)
         if len(self._unanswered) >= UNANSWERED_MAX:
             # Only who does not pace its calls gets here.
             room = UNANSWERED_MAX // 2
-            await self._wait_until(lambda: len(self._unanswered) < room or bool(self._end_reason), self._patience_s)
+            await self._wait_until(
+                lambda: len(self._unanswered) < room or bool(self._end_reason), self._patience.patience_s
+            )
         if self._child is not None and self._is_locked_in and not self._end_reason:
             if not self._is_describing:
                 self._go_on(tick)
             self._send_tick(tick)
+        grace_s = self._grace_of(tick)
         if self._unanswered and self._outputs.is_empty:
-            await self._wait_until(lambda: not self._unanswered or bool(self._end_reason), self._grace_of(tick))
+            began_s = time.monotonic()
+            await self._wait_until(lambda: not self._unanswered or bool(self._end_reason), grace_s)
+            self._grace_left_s -= time.monotonic() - began_s
         else:
             # Who calls without a pause must not keep a fresh child from being heard.
             await asyncio.sleep(0)
@@ -231,8 +245,9 @@ class ChildLink:
     async def close(self) -> None:
         """End the child."""
         if self._child is not None:
-            self._child.kill()
-            self._child = None
+            child, self._child = self._child, None
+            child.kill()
+            await child.gone()
         self._desk.close()
         if self._journal is not None:
             self._journal.close()
@@ -244,6 +259,7 @@ class ChildLink:
         self._end_reason = self._failure = ""
         self._given_up_s = self._reading_s = 0.0
         self._boots += 1
+        self._answered = 0
         self._reader = OutputReader(self._codec)
         try:
             self._child = ChildProcess(self._message, self._ended)
@@ -261,40 +277,30 @@ class ChildLink:
         last = self._outputs.newest
         assert last is not None
         self._begin(restored_config(self._config, self.description, last, tick))
-        self._held[:0] = restored_inputs(last)
+        self._held.put_first(restored_inputs(last))
         if self._journal is not None:
             self._journal.restart(tick, self._replaced_because, last, self._lost)
 
     def _grace_of(self, tick: int) -> float:
         """How long to wait in this tick: one that is far behind does not catch up within a period."""
-        now_s = time.monotonic()
-        is_late, self._called_s = now_s - self._called_s < ON_TIME_S, now_s
-        if self._grace_s >= self._patience_s:
-            return self._patience_s
+        self._grace_left_s = min(max(self._grace_left_s, 0.0) + GRACE_PER_TICK_S, self._grace_s)
+        if self._grace_s >= self._patience.patience_s:
+            return self._patience.patience_s
         is_behind = bool(self._unanswered) and tick - self._unanswered[0].tick >= BEHIND_TICKS
-        return 0.0 if is_behind or is_late else self._grace_s
-
-    def _hold(self, inputs: Sequence[Input]) -> None:
-        for item in inputs:
-            if isinstance(item, ChannelOpened | ChannelData | ChannelClosed):
-                if item.channel not in self._channels:
-                    # Of a child that is gone.
-                    continue
-                if isinstance(item, ChannelClosed):
-                    self._channels.discard(item.channel)
-            if len(self._held) >= HELD_MAX:
-                text = f"an input was refused: {HELD_MAX} wait for the robot already"
-                self._outputs.add_own(Warned(self._next - 1, text))
-                return
-            self._held.append(item)
+        # A fresh child has its robot to make.
+        return 0.0 if is_behind or self._boots else self._grace_left_s
 
     def _send_tick(self, tick: int) -> None:
         assert self._child is not None
-        inputs, self._held = self._held, []
+        inputs = self._held.portion()
+        if refused := self._held.take_refused():
+            text = f"{refused} inputs were refused: {HELD_MAX} waited for the robot already"
+            self._outputs.add_own(Warned(tick, text))
         if not self._unanswered:
-            self._silence = self._silence_from_now()
-        self._unanswered.append(_Sent(tick, inputs))
-        self._child.send(frames.TICK, to_text([self._input_shape.encode(item) for item in inputs]))
+            self._patience.begin(self._child.worked_s())
+        text = to_text([self._input_shape.encode(item) for item in inputs])
+        self._unanswered.append(_Sent(tick, inputs, text))
+        self._child.send(frames.TICK, text)
 
     # ---------------------------------------------------------------- up
 
@@ -331,16 +337,14 @@ class ChildLink:
         if output.tick != sent.tick:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.tick}")
         self._boots = 0
+        self._answered += 1
+        self._crashes = 0 if self._answered >= CALM_TICKS else self._crashes
         self._given_up_s = 0.0
-        self._silence = self._silence_from_now()
+        self._patience.begin(None if self._child is None else self._child.worked_s())
         self._outputs.add(output)
-        for request in output.requests:
-            if isinstance(request, OpenChannel | OpenLine):
-                self._channels.add(request.channel)
-            elif isinstance(request, CloseChannel):
-                self._channels.discard(request.channel)
+        self._held.note(output.requests)
         if self._journal is not None:
-            self._journal.tick(sent.tick, sent.inputs, sent.answers, self._reader.text().encode())
+            self._journal.tick(sent.tick, sent.text, sent.answers, self._reader.text().encode())
             self._outputs.add_own(*self._journal.take_warning(sent.tick))
 
     def _take_question(self, text: bytes) -> None:
@@ -363,24 +367,16 @@ class ChildLink:
             return
         if not self._unanswered or self._child is None:
             return
-        oldest, now_s = self._unanswered[0], time.monotonic()
-        silent_s = now_s - self._silence.since_s
-        patience_s = max(self._patience_s, FIRST_PATIENCE_S) if self._boots else self._patience_s
-        if silent_s < patience_s or tick - oldest.tick < PATIENCE_TICKS:
+        if not self._patience.is_over(
+            tick - self._unanswered[0].tick, self._child.worked_s, is_fresh=bool(self._boots)
+        ):
             return
-        worked_s, before_s = self._child.worked_s(), self._silence.worked_s
-        if worked_s is not None and before_s is not None:
-            has_worked_enough = worked_s - before_s >= patience_s
-            if not has_worked_enough and silent_s < max(ABSENCE_MAX_S, patience_s):
-                return
+        now_s = time.monotonic()
         if not self._given_up_s:
             self._given_up_s = now_s
             self._child.ask_where()
         elif self._child.where() is not None or now_s - self._given_up_s > TRACE_S:
-            self._replace(tick, f"a call of the program did not come back for {silent_s:.2f} s")
-
-    def _silence_from_now(self) -> Silence:
-        return Silence(time.monotonic(), None if self._child is None else self._child.worked_s())
+            self._replace(tick, f"a call of the program did not come back for {self._patience.silent_s():.2f} s")
 
     def _replace(self, tick: int, reason: str) -> None:
         """Kill the child, report it, and start a fresh one."""
@@ -390,30 +386,45 @@ class ChildLink:
         self._child = None
         self._desk.close()
         self.restarts += 1
+        self._crashes += 1
+        pause = PAUSES_TICKS[min(self._crashes, len(PAUSES_TICKS) - 1)]
         # The oldest of the ticks is what it died of; it has not seen the others.
         self._lost = self._unanswered[0].inputs if self._unanswered else ()
-        self._report(tick, reason, where)
-        self._outputs.add_own(requests=tuple(CloseChannel(channel) for channel in sorted(self._channels)))
+        self._report(tick, reason, where, pause)
+        self._outputs.add_own(requests=self._held.end_connections())
         self._outputs.flush()
-        self._channels.clear()
-        later = [item for sent in list(self._unanswered)[1:] for item in sent.inputs]
-        self._held[:0] = later
-        del self._held[HELD_MAX:]
+        self._held.put_first(item for sent in list(self._unanswered)[1:] for item in sent.inputs)
         self._unanswered.clear()
-        if self._boots >= BOOTS_MAX:
-            raise ElitescriptError(f"the robot's process ended {self._boots} times before it answered: {reason}")
-        self._start_child()
-        self._replaced_because = reason
+        self._replaced_because, self._end_reason = reason, ""
+        self._restart_at = tick + pause
+        if not pause:
+            self._start_again(tick)
 
-    def _report(self, tick: int, reason: str, where: tuple[str, int] | None) -> None:
+    def _start_again(self, tick: int) -> None:
+        """Start the child that takes the place of another one.
+
+        Raises:
+            ElitescriptError: too many have ended before they have answered anything.
+        """
+        if self._boots >= BOOTS_MAX:
+            text = f"the robot's process ended {self._boots} times before it answered: {self._replaced_because}"
+            raise ElitescriptError(text)
+        try:
+            self._start_child()
+        except UsageError as error:
+            # No room for a process just now; there may be some later.
+            self._crashes += 1
+            self._replaced_because = str(error)
+            self._restart_at = tick + PAUSES_TICKS[-1]
+
+    def _report(self, tick: int, reason: str, where: tuple[str, int] | None, pause: int) -> None:
+        if pause:
+            reason += f"; after {self._crashes} times in a row it starts {seconds(pause):g} s later"
         hangs = bool(self._given_up_s)
         events = last_words(tick, reason, self._outputs.newest, self._lost, where=where, hangs=hangs)
         self._outputs.add_own(*events)
         if self._journal is not None:
             self._journal.told(tick, events)
-
-    def _log(self) -> str:
-        return "" if self._child is None else self._child.log
 
     # ---------------------------------------------------------------- waiting
 

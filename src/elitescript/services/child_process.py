@@ -12,36 +12,31 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import elitescript
 from elitescript.messages.shapes import CodecError
-from elitescript.services.frames import UP_MAX, FrameReader, frame
+from elitescript.services.frames import QUESTION, READ_BYTES, UP_MAX, FrameReader, frame
 
+COMMAND: Final = (sys.executable, "-P", "-s", "-m", "elitescript.services.child")
+"""What a child is; the number of its socket is the last argument."""
 HASH_SEED: Final = "0"
 """The order of a set of strings depends on it; every process that runs programs has the same."""
 LOG_MAX: Final = 1 << 16
 """Bytes of its output that are kept; what is older is thrown away."""
 BACKLOG_MAX: Final = 64 * 1024 * 1024
 """Bytes that may wait for a child that does not read."""
-_READ_AT_ONCE: Final = 1 << 20
+LOG_PAUSE_S: Final = 0.01
+"""Between two looks at its output: who floods it waits, and takes nobody's time."""
+BURIAL_S: Final = 2.0
+GONE_S: Final = 0.005
+"""How long is waited at once for a killed process to be gone; then it is looked after again so often."""
 _SCHEDULER_CLOCK: Final = 2
 """Kind of clock that counts what the scheduler has given to a process, in user and system mode."""
 
 _TRACE_BEGIN: Final = b"most recent call first"
 _TRACE_LINE: Final = re.compile(r'^  File "([^"]*)", line (\d+) in ', re.MULTILINE)
-
-
-@dataclass(frozen=True, slots=True)
-class Silence:
-    """When a child that owes an answer was heard last, or was asked if it owed none then."""
-
-    since_s: float
-    """On the monotonic clock."""
-    worked_s: float | None
-    """Processor time of the child then; None if it is not known."""
 
 
 class ChildProcess:
@@ -79,7 +74,7 @@ class ChildProcess:
         self._socket, theirs = socket.socketpair()
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-s", "-m", "elitescript.services.child", str(theirs.fileno())],
+                [*COMMAND, str(theirs.fileno())],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
@@ -110,11 +105,11 @@ class ChildProcess:
         """The end of what it has written to its output."""
         return self._log.decode("utf-8", "replace")
 
-    def send(self, letter: str, text: str) -> None:
+    def send(self, letter: str, content: str | bytes) -> None:
         """Send a message; never waits."""
         if self._is_over:
             return
-        data = frame(letter, text)
+        data = frame(letter, content)
         if not self._backlog:
             try:
                 data = data[self._socket.send(data) :]
@@ -151,16 +146,23 @@ class ChildProcess:
         return None
 
     def kill(self) -> None:
-        """End it at once, and wait until it is gone; a killed process takes no time."""
+        """End it at once; what it leaves behind is cleared away as soon as it is gone, which much memory delays."""
         self._release()
         self._process.kill()
-        self._process.wait()
+        self._bury()
+
+    async def gone(self) -> None:
+        """Return when a killed child is gone, which nothing but a fault of the computer can hold up for long."""
+        for _ in range(round(BURIAL_S / GONE_S)):
+            if self._process.poll() is not None:
+                return
+            await asyncio.sleep(GONE_S)
 
     # ---------------------------------------------------------------- inner
 
     def _readable(self) -> None:
         try:
-            data = self._socket.recv(_READ_AT_ONCE)
+            data = self._socket.recv(READ_BYTES)
         except BlockingIOError:
             return
         except OSError as error:
@@ -169,8 +171,12 @@ class ChildProcess:
         if not data:
             self._over("it has ended")
             return
+        questions = 0
         try:
             for letter, text in self._reader.feed(data):
+                questions += letter == QUESTION
+                if questions > 1:
+                    raise CodecError("a question before the answer to the one before")
                 if self._is_over:
                     return
                 self._on_message(letter, text)
@@ -199,6 +205,23 @@ class ChildProcess:
         self._log += data
         if len(self._log) > LOG_MAX:
             del self._log[: len(self._log) - LOG_MAX]
+            self._loop.remove_reader(self._log_fd)
+            self._loop.call_later(LOG_PAUSE_S, self._read_log_on)
+
+    def _read_log_on(self) -> None:
+        if not self._is_over:
+            self._loop.add_reader(self._log_fd, self._log_readable)
+
+    def _bury(self) -> None:
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(GONE_S)
+            return
+        if not self._loop.is_closed():
+            self._loop.call_later(GONE_S, self._bury_later)
+
+    def _bury_later(self) -> None:
+        if self._process.poll() is None:
+            self._loop.call_later(GONE_S, self._bury_later)
 
     def _over(self, reason: str) -> None:
         if self._is_over:
@@ -207,8 +230,11 @@ class ChildProcess:
         with suppress(subprocess.TimeoutExpired):
             # Its socket is closed a moment before it is gone.
             self._process.wait(0.02)
-        if self._process.returncode not in (None, 0, 1):
-            reason += f" (exit code {self._process.returncode})"
+        code = self._process.returncode
+        if code is not None and code < 0:
+            reason += f" (killed by signal {-code})"
+        elif code not in (None, 0, 1):
+            reason += f" (exit code {code})"
         self._on_end(reason)
 
     def _release(self) -> None:

@@ -1,5 +1,9 @@
 """The cycle of a served robot: one tick of 4 ms after the other, against the wall clock, in an event loop.
 
+A tick has two moments: it begins when it is due, and what it gives leaves `OUTLET_NS` later. How long the robot takes
+differs from tick to tick, the more so when its process or the caches have to be woken up; what leaves at an appointed
+time does not show it.
+
 The timers of an event loop have a resolution of 1 ms; on Linux a `timerfd` wakes us within 0.1 ms instead. A tick that
 begins late is counted; ticks that have been missed are made up for, one after the other, so that robot time and wall
 clock agree again. If the computer was away for longer than `CATCH_UP_TICKS`, the ticks beyond that are *left out*:
@@ -18,12 +22,18 @@ from typing import Any, Final, Protocol
 PERIOD_NS: Final = 4_000_000
 LATE_NS: Final = PERIOD_NS
 """A tick that begins this much after its time is counted as an overrun."""
+OUTLET_NS: Final = 1_000_000
+"""After the moment at which a tick is due; most robots have given their output by then."""
 CATCH_UP_TICKS: Final = 125
 """Missed ticks that are made up for, 0.5 s; more would reach clients in one burst."""
 
 
 class Alarm(Protocol):
     """Wakes a waiter at a time of `time.monotonic_ns`."""
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether it wakes well within a millisecond."""
 
     def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
         """Set the result of the waiter at that time."""
@@ -38,6 +48,7 @@ class Cycle:
     Args:
         alarm: what wakes it; the best there is if None.
         on_left_out: called with the number of ticks that are left out.
+        outlet_alarm: what wakes it for the outlets; another one of the same kind if None.
 
     Attributes:
         overruns: ticks that began late by a period or more.
@@ -45,10 +56,16 @@ class Cycle:
         worst_ns: the latest beginning of a tick since `worst_ns` was last set to 0.
     """
 
-    __slots__ = ("_alarm", "_due_ns", "_on_left_out", "left_out", "overruns", "worst_ns")
+    __slots__ = ("_alarm", "_due_ns", "_on_left_out", "_outlet_alarm", "left_out", "overruns", "worst_ns")
 
-    def __init__(self, alarm: Alarm | None = None, on_left_out: Callable[[int], None] | None = None) -> None:
+    def __init__(
+        self,
+        alarm: Alarm | None = None,
+        on_left_out: Callable[[int], None] | None = None,
+        outlet_alarm: Alarm | None = None,
+    ) -> None:
         self._alarm = alarm or best_alarm()
+        self._outlet_alarm = outlet_alarm or best_alarm()
         self._on_left_out = on_left_out
         self._due_ns = 0
         self.overruns = 0
@@ -69,17 +86,18 @@ class Cycle:
             await asyncio.sleep(0)
             now_ns = time.monotonic_ns()
         else:
-            loop = asyncio.get_running_loop()
-            while now_ns < self._due_ns:
-                waiter = loop.create_future()
-                self._alarm.wake_at(self._due_ns, waiter)
-                await waiter
-                now_ns = time.monotonic_ns()
+            now_ns = await _until(self._due_ns, self._alarm)
         self._note(now_ns - self._due_ns, now_ns)
+
+    async def outlet(self) -> None:
+        """Return when what the present tick gives is to leave; at once if that was before, or no alarm is so exact."""
+        if self._outlet_alarm.is_exact:
+            await _until(self._due_ns + OUTLET_NS, self._outlet_alarm)
 
     def close(self) -> None:
         """No tick comes after this."""
         self._alarm.close()
+        self._outlet_alarm.close()
 
     def _note(self, late_ns: int, now_ns: int) -> None:
         self.worst_ns = max(self.worst_ns, late_ns)
@@ -99,6 +117,8 @@ class LoopAlarm:
 
     __slots__ = ("_timer",)
 
+    is_exact: Final = False
+
     def __init__(self) -> None:
         self._timer: asyncio.TimerHandle | None = None
 
@@ -114,21 +134,29 @@ class LoopAlarm:
 class TimerFdAlarm:
     """An alarm from a Linux timer that is a file.
 
+    It rings every period from the time at which it is first asked for, so that in a steady cycle it need not be set
+    again. When it rings and nobody waits it stops.
+
     Raises:
         OSError: there is none.
     """
 
-    __slots__ = ("_fd", "_loop", "_set", "_waiter")
+    __slots__ = ("_fd", "_loop", "_next_ns", "_set", "_waiter")
+
+    is_exact: Final = True
 
     def __init__(self) -> None:
         self._loop = asyncio.get_running_loop()
         self._waiter: asyncio.Future[None] | None = None
+        self._next_ns = 0
         self._fd, self._set = _open_timer()
         self._loop.add_reader(self._fd, self._rung)
 
     def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
         self._waiter = waiter
-        self._set(due_ns)
+        if due_ns != self._next_ns:
+            self._next_ns = due_ns
+            self._set(due_ns, PERIOD_NS)
 
     def close(self) -> None:
         if self._fd >= 0:
@@ -138,11 +166,16 @@ class TimerFdAlarm:
 
     def _rung(self) -> None:
         try:
-            os.read(self._fd, 8)
+            count = os.read(self._fd, 8)
         except BlockingIOError:
             return
-        if self._waiter is not None:
-            _wake(self._waiter)
+        waiter, self._waiter = self._waiter, None
+        if waiter is None:
+            self._next_ns = 0
+            self._set(0, 0)
+        else:
+            self._next_ns += PERIOD_NS * int.from_bytes(count, sys.byteorder)
+            _wake(waiter)
 
 
 def best_alarm() -> Alarm:
@@ -155,16 +188,28 @@ def best_alarm() -> Alarm:
     return LoopAlarm()
 
 
+async def _until(due_ns: int, alarm: Alarm) -> int:
+    """Wait for a time of `time.monotonic_ns`; return what time it is then."""
+    loop = asyncio.get_running_loop()
+    while (now_ns := time.monotonic_ns()) < due_ns:
+        waiter = loop.create_future()
+        alarm.wake_at(due_ns, waiter)
+        await waiter
+    return now_ns
+
+
 def _wake(waiter: asyncio.Future[None]) -> None:
     if not waiter.done():
         waiter.set_result(None)
 
 
-def _open_timer() -> tuple[int, Callable[[int], Any]]:
-    """A timer on the clock of `time.monotonic_ns`, and what sets it to an absolute time."""
+def _open_timer() -> tuple[int, Callable[[int, int], Any]]:
+    """A timer on the clock of `time.monotonic_ns`, and what sets it to an absolute time and a period; 0 stops it."""
     if sys.version_info >= (3, 13):
         fd = os.timerfd_create(time.CLOCK_MONOTONIC, flags=os.TFD_NONBLOCK | os.TFD_CLOEXEC)
-        return fd, lambda due_ns: os.timerfd_settime_ns(fd, flags=os.TFD_TIMER_ABSTIME, initial=due_ns)
+        return fd, lambda due_ns, period_ns: os.timerfd_settime_ns(
+            fd, flags=os.TFD_TIMER_ABSTIME, initial=due_ns, interval=period_ns
+        )
     import ctypes
 
     clock_monotonic, absolute = 1, 1
@@ -176,7 +221,8 @@ def _open_timer() -> tuple[int, Callable[[int], Any]]:
     spec = (ctypes.c_long * 4)()
     settime = libc.timerfd_settime
 
-    def set_timer(due_ns: int) -> None:
+    def set_timer(due_ns: int, period_ns: int) -> None:
+        spec[0], spec[1] = divmod(period_ns, 1_000_000_000)
         spec[2], spec[3] = divmod(due_ns, 1_000_000_000)
         settime(opened, absolute, spec, None)
 

@@ -66,6 +66,11 @@ class DeviceServer:
 
     # ---------------------------------------------------------------- the robot that is not there
 
+    @property
+    def tick(self) -> int:
+        """The time is that of the world itself."""
+        return 0
+
     def read(self, name: str, index: int) -> Value:
         """A level that was set before."""
         row = SIGNALS[name]

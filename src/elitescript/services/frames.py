@@ -1,6 +1,6 @@
-"""Messages between a serving process and its child: a length, a letter, a JSON text.
+"""Messages between a serving process and its child: a length, a letter, and a JSON text but for `OUTPUT_CHANGES`.
 
-Length (4 bytes, big-endian) counts letter and text. What is longer than `DOWN_MAX` or `UP_MAX` ends the connection:
+Length (4 bytes, big-endian) counts letter and content. What is longer than `DOWN_MAX` or `UP_MAX` ends the connection:
 nobody here says so much.
 """
 
@@ -16,7 +16,10 @@ from elitescript.messages.shapes import CodecError
 DOWN_MAX: Final = 32 * 1024 * 1024
 UP_MAX: Final = 8 * 1024 * 1024
 """Less, because reading it takes the time of everybody who is served."""
+READ_BYTES: Final = 1 << 16
+"""Taken from a socket at once: more would be memory that the system has to find anew for every message."""
 _LENGTH: Final = struct.Struct(">I")
+_HEAD: Final = struct.Struct(">IB")
 
 # Down.
 LOCK_IN: Final = "L"
@@ -25,6 +28,8 @@ BEGIN: Final = "B"
 """A configuration: the child makes its robot and says `DESCRIBED`."""
 TICK: Final = "T"
 """Inputs; the child says `OUTPUT`, later `OUTPUT_CHANGES`."""
+NO_INPUTS: Final = b"[]"
+"""The content of most of them."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 
@@ -36,23 +41,25 @@ DESCRIBED: Final = "D"
 OUTPUT: Final = "O"
 """What the robot says after a tick."""
 OUTPUT_CHANGES: Final = "C"
-"""The same, after the first one: what is new; see `output_changes`."""
+"""The same, after the first one: what is new, in the form of `output_changes`."""
 QUESTION: Final = "Q"
 """Something about files, in the middle of a tick."""
 FAILED: Final = "F"
 """`[kind, text]`: why the child ends."""
 
 
-def frame(letter: str, text: str, limit: int = DOWN_MAX) -> bytes:
+def frame(letter: str, content: str | bytes, limit: int = DOWN_MAX) -> bytes:
     """The bytes of one message.
 
     Raises:
         CodecError: it is too long.
     """
-    body = (letter + text).encode()
-    if len(body) > limit:
-        raise CodecError(f"a message of {len(body)} bytes; at most {limit} are sent")
-    return _LENGTH.pack(len(body)) + body
+    if isinstance(content, str):
+        content = content.encode()
+    size = 1 + len(content)
+    if size > limit:
+        raise CodecError(f"a message of {size} bytes; at most {limit} are sent")
+    return _HEAD.pack(size, ord(letter)) + content
 
 
 class FrameReader:
@@ -104,9 +111,9 @@ class BlockingLine:
         self._reader = FrameReader()
         self._messages: list[tuple[str, bytes]] = []
 
-    def send(self, letter: str, text: str) -> None:
+    def send(self, letter: str, content: str | bytes) -> None:
         """Send a message; waits until it is on its way."""
-        data = memoryview(frame(letter, text, UP_MAX))
+        data = memoryview(frame(letter, content, UP_MAX))
         while data:
             data = data[os.write(self._descriptor, data) :]
 
@@ -117,7 +124,7 @@ class BlockingLine:
             EOFError: the other end has gone.
         """
         while not self._messages:
-            data = os.read(self._descriptor, 1 << 18)
+            data = os.read(self._descriptor, READ_BYTES)
             if not data:
                 raise EOFError
             self._messages += self._reader.feed(data)

@@ -10,7 +10,8 @@ One JSON text a line:
     {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from that picture
     {"end": 2000}                                  the session ended before that tick
 
-Every line is written at once, so what a killed process leaves behind lacks at most the end of its last line.
+Lines are written by a thread (`journal_file`), so what a killed process leaves behind lacks at most what happened
+in the last moment before, and a full or slow disk ends the journal, not the session.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import platform
 from collections.abc import Iterator, Sequence
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, BinaryIO, Final
+from typing import Any, Final
 from zlib import crc32
 
 from elitescript import __version__
@@ -34,10 +35,12 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import Snapshot
 from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.journal_file import JournalFile
 from elitescript.services.journal_records import DIGEST_TICKS, RecordError, RecordReader
 
 FORMAT: Final = 1
 LINE_MAX: Final = 64 * 1024 * 1024
+_NOTHING: Final = to_text([])
 
 
 class Digest:
@@ -67,14 +70,11 @@ class Journal:
         path: the file; one that is there is replaced.
         config: of the robot.
 
-    Attributes:
-        failure: why nothing more is written; empty while all is well.
-
     Raises:
         UsageError: the file exists, or cannot be written.
     """
 
-    __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_told", "_last_tick", "_output", "failure")
+    __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_over", "_is_told", "_last_tick", "_output")
 
     def __init__(self, path: Path, config: KernelConfig) -> None:
         self._codec = full_codec()
@@ -82,14 +82,9 @@ class Journal:
         self._output = self._codec.shape(Output)
         self._digest = Digest()
         self._last_tick = config.first_tick - 1
-        self.failure = ""
         self._is_told = False
-        if path.is_file():
-            raise UsageError(f"--journal {path}: the file exists; name another one, or remove it")
-        try:
-            self._file: BinaryIO | None = path.open("wb", buffering=0)
-        except OSError as error:
-            raise UsageError(f"--journal {path}: {error.strerror or error}") from error
+        self._is_over = False
+        self._file = JournalFile(path)
         self._write(
             {
                 "journal": FORMAT,
@@ -100,22 +95,26 @@ class Journal:
             }
         )
 
-    def tick(self, tick: int, inputs: Sequence[Input], answers: Sequence[Any], output: Output | bytes) -> None:
+    @property
+    def failure(self) -> str:
+        """Why nothing more is written; empty while all is well."""
+        return self._file.failure
+
+    def tick(self, tick: int, inputs: Sequence[Input] | str, answers: Sequence[Any], output: Output | bytes) -> None:
         """A tick is over.
 
         Args:
             tick: its number.
-            inputs: what it was given.
+            inputs: what it was given, or the JSON text of it.
             answers: what was said of files in it.
             output: what it gave, or the JSON text of it.
         """
-        if self._file is None:
+        if self.failure or self._is_over:
             return
-        if inputs or answers:
-            record: dict[str, Any] = {"tick": tick, "in": [self._inputs.encode(item) for item in inputs]}
-            if answers:
-                record["asked"] = list(answers)
-            self._write(record)
+        given = inputs if isinstance(inputs, str) else to_text([self._inputs.encode(item) for item in inputs])
+        if given != _NOTHING or answers:
+            asked = f',"asked":{to_text(list(answers))}' if answers else ""
+            self._file.put(f'{{"tick":{tick},"in":{given}{asked}}}\n'.encode())
         text = output if isinstance(output, bytes) else output_text(self._output, output).encode()
         self._digest.add(text)
         self._last_tick = tick
@@ -150,12 +149,11 @@ class Journal:
 
     def close(self) -> None:
         """The session is over."""
-        if self._file is not None:
+        if not self._is_over:
+            self._is_over = True
             self._mark()
             self._write({"end": self._last_tick + 1})
-        if self._file is not None:
             self._file.close()
-            self._file = None
 
     def _mark(self) -> None:
         if self._digest.sums:
@@ -163,17 +161,7 @@ class Journal:
             self._write({"digest": self._last_tick, "hash": total, "ticks": sums})
 
     def _write(self, record: dict[str, Any]) -> None:
-        if self._file is None:
-            return
-        try:
-            data = memoryview(to_text(record).encode() + b"\n")
-            while data:
-                data = data[self._file.write(data) :]
-        except OSError as error:
-            # A full disk ends the journal, not the session.
-            self.failure = error.strerror or str(error)
-            self._file.close()
-            self._file = None
+        self._file.put(to_text(record).encode() + b"\n")
 
 
 class JournalReader:
@@ -222,11 +210,14 @@ class JournalReader:
             UsageError: a line that makes no sense; the text names file, line and byte.
         """
         reader = RecordReader(self._codec, self.config.first_tick)
+        last, has_end = self.config.first_tick - 1, False
         with self._path.open("rb") as file:
             start = len(file.readline(LINE_MAX))
             for number, line in enumerate(file, 2):
                 if not line.endswith(b"\n"):
-                    self.note = f"line {number} is not complete and was left out: the session ended in the middle of it"
+                    self.note = (
+                        f"the journal was cut off behind tick {last}: line {number} is not complete and was left out"
+                    )
                     return
                 self.place = f"{self._path}: line {number}, byte {start}"
                 try:
@@ -234,5 +225,9 @@ class JournalReader:
                 except RecordError as error:
                     place = f"{self._path}: line {number}, byte {start + error.at}"
                     raise UsageError(f"{place}: {error}") from None
+                last = max([last, *(record[key] for key in ("tick", "digest", "told") if key in record)])
+                has_end = has_end or "end" in record
                 yield record
                 start += len(line)
+        if not has_end:
+            self.note = f"the journal was cut off behind tick {last}: it has no end mark"

@@ -35,6 +35,10 @@ class RobotLink(Protocol):
     def description(self) -> RobotDescription:
         """What never changes about the robot; known once the link is open."""
 
+    @property
+    def room(self) -> float | None:
+        """Share of a tick's work for clients that the robot can do, 0 to 1; None if it is not there just now."""
+
     async def open(self) -> None:
         """Bring the robot up."""
 
@@ -60,6 +64,10 @@ class InProcessLink:
     @property
     def description(self) -> RobotDescription:
         return self.robot.description
+
+    @property
+    def room(self) -> float | None:
+        return 1.0
 
     async def open(self) -> None:
         """Nothing has to be brought up."""

@@ -45,8 +45,8 @@ def robot_link(
     return _RecordedLink(RecordedRobot(config, files, record), record)
 
 
-def journal_path(path: Path, index: int) -> Path:
-    """The journal of one of several robots: `day.journal`, `day.1.journal`, `day.2.journal`, ..."""
+def numbered_path(path: Path, index: int) -> Path:
+    """The file of one of several robots: `day.journal`, `day.1.journal`, `day.2.journal`, ..."""
     return path if index == 0 else path.with_name(f"{path.stem}.{index}{path.suffix}")
 
 

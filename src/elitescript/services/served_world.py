@@ -63,6 +63,11 @@ class ServedWorld:
 
     # ---------------------------------------------------------------- what the world asks
 
+    @property
+    def tick(self) -> int:
+        """The last tick."""
+        return 0 if self._output is None else self._output.tick
+
     def read(self, name: str, index: int) -> Value:
         """A point of the last picture."""
         assert self._output is not None
@@ -98,7 +103,6 @@ class ServedWorld:
     def begin(self, output: Output) -> None:
         """The robot is up."""
         self._output = output
-        self._world.agenda.tick = output.tick
         self._world.begin(self)
 
     def inputs(self, tick: int) -> list[Input]:

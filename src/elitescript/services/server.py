@@ -27,16 +27,23 @@ class Server:
         host: address to serve at.
         numbers: of each robot, its port for each service; 0 takes a free one.
         instance: of the first robot; the control channel of each is found by its instance.
+        spares: of each robot, what stands in for ports that this user may not have; nothing if there are none.
     """
 
-    __slots__ = ("_controls", "_host", "_instance", "_numbers", "stations")
+    __slots__ = ("_controls", "_host", "_instance", "_numbers", "_spares", "stations")
 
     def __init__(
-        self, stations: Sequence[Station], host: str, numbers: Sequence[Mapping[str, int]], instance: int
+        self,
+        stations: Sequence[Station],
+        host: str,
+        numbers: Sequence[Mapping[str, int]],
+        instance: int,
+        spares: Sequence[Mapping[str, int]] = (),
     ) -> None:
         self.stations = tuple(stations)
         self._host = host
         self._numbers = tuple(numbers)
+        self._spares = tuple(spares) or ({},) * len(self._numbers)
         self._instance = instance
         self._controls: list[ControlChannel] = []
 
@@ -49,8 +56,8 @@ class Server:
         try:
             for station in self.stations:
                 await station.boot()
-            for station, numbers in zip(self.stations, self._numbers, strict=True):
-                station.bind(self._host, numbers)
+            for station, numbers, spares in zip(self.stations, self._numbers, self._spares, strict=True):
+                station.bind(self._host, numbers, spares)
             for index, station in enumerate(self.stations):
                 control = ControlChannel(station, self._instance + index)
                 await control.open()

@@ -8,8 +8,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
@@ -17,14 +20,18 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.protocol.connection import Connection
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
+from elitescript.services.inbox import WAITING_MAX, Inbox
+from elitescript.services.listener import Listener, bind
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
+from elitescript.services.shares import Shares
+from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.table import PORTS_PER_INSTANCE, services_of
-from elitescript.services.tcp import Listener, bind
 
 if TYPE_CHECKING:
     from elitescript.services.served_world import ServedWorld
@@ -41,6 +48,9 @@ LATE_MANY: Final = REPORT_TICKS // 100
 """So many of them are a problem."""
 BUSY_STEPS: Final = 64
 """Ticks in lockstep after which everybody else is served."""
+
+
+_ALL_BUT_OVERRUNS: Final = attrgetter(*list(Snapshot.__dataclass_fields__)[:-1])
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,17 +77,23 @@ class Station:
         listen: hears every event of the robot and every note; must not block.
         lines: what is on the robot's serial ports; see `worlds.line_bindings`.
         world: virtual devices beside the robot.
+        keeper: remembers what the robot keeps; nobody does if None.
     """
 
     __slots__ = (
+        "_answered",
+        "_by_urgency",
+        "_comers",
         "_cycle",
         "_failure",
         "_followers",
+        "_inbox",
         "_is_lockstep",
         "_is_standing",
+        "_keeper",
         "_listen",
         "_news",
-        "_pending",
+        "_overruns_before",
         "_relief",
         "_stepped",
         "_task",
@@ -87,7 +103,7 @@ class Station:
         "listeners",
         "name",
         "output",
-        "reading_ns",
+        "shares",
         "waits_for",
     )
 
@@ -100,23 +116,35 @@ class Station:
         is_lockstep: bool = False,
         lines: Mapping[str, str] | None = None,
         world: World | None = None,
+        keeper: StateKeeper | None = None,
     ) -> None:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
+        self._by_urgency: list[Listener] = []
         self.broker = Broker(self.post, lines)
         self.output: Output
-        self.reading_ns = 0
+        self.shares = Shares()
         self.waits_for = ""
         """Origin of the client that time waits for in lockstep."""
         self._listen = listen
         self._is_lockstep = is_lockstep
         self._is_standing = False
+        self._keeper = keeper
+        if keeper is not None:
+            keeper.tell = lambda text: self.note("state", text, is_problem=True)
+        self._overruns_before = 0
         self._failure: Exception | None = None
-        self._pending: list[Input] = []
+        # Time that waits for clients waits for what they ask, too.
+        self._inbox = Inbox(inf) if is_lockstep else Inbox()
         self._relief: asyncio.TimerHandle | None = None
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
+        """Wait for the tick that begins next."""
+        self._answered: list[asyncio.Future[Output]] = []
+        """Wait for the output of the tick that is under way."""
+        self._comers: list[Callable[[Output], bool]] = []
+        """Follow from the tick that begins next."""
         self._followers: list[Callable[[Output], bool]] = []
         self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
@@ -130,7 +158,11 @@ class Station:
 
     def post(self, inputs: list[Input]) -> None:
         """Take inputs for the next tick."""
-        self._pending += inputs
+        self._inbox.post(inputs)
+
+    def waiting_of(self, origin: str) -> int:
+        """Inputs of a client that could not go in at the last tick."""
+        return self._inbox.waiting_of(origin)
 
     def wake(self) -> None:
         """Something has changed that time may have waited for."""
@@ -158,14 +190,14 @@ class Station:
         self._listen(self, Note(self.name, kind, text, is_problem, details))
 
     async def next_output(self) -> Output:
-        """What the robot says at its next tick."""
+        """What the robot says at the next tick that begins: it has heard what was posted before."""
         waiter: asyncio.Future[Output] = asyncio.get_running_loop().create_future()
         self._stepped.append(waiter)
         return await waiter
 
     def follow(self, take: Callable[[Output], bool]) -> None:
-        """Call `take` with every output from the next one on, without a gap, until it returns False."""
-        self._followers.append(take)
+        """Call `take` with every output from the next tick that begins on, without a gap, until it returns False."""
+        self._comers.append(take)
 
     @property
     def overruns(self) -> int:
@@ -184,28 +216,42 @@ class Station:
 
     # ---------------------------------------------------------------- life
 
-    def bind(self, host: str, numbers: Mapping[str, int]) -> None:
+    def bind(self, host: str, numbers: Mapping[str, int], spares: Mapping[str, int] | None = None) -> None:
         """Take all ports, or none; clients that connect wait until `open`.
 
         The robot's link must be open.
+
+        Args:
+            host: address to listen at.
+            numbers: of every service.
+            spares: what to take instead of a number that this user may not have.
 
         Raises:
             UsageError: a port cannot be had.
         """
         try:
             for service in services_of(self.link.description.firmware):
-                number = numbers[service.name]
-                try:
-                    bound = bind(host, number)
-                except OSError as error:
-                    raise UsageError(_why_not(service.name, host, number, error)) from error
+                bound = self._bound(service.name, host, numbers[service.name], (spares or {}).get(service.name))
                 connect = service.open(self.link.description)
                 self.listeners[service.name] = Listener(service, self, connect, bound)
+            self._by_urgency = sorted(self.listeners.values(), key=lambda listener: listener.service.name != RTSI)
         except BaseException:
             for listener in self.listeners.values():
                 listener.release()
             self.listeners.clear()
             raise
+
+    def _bound(self, name: str, host: str, number: int, spare: int | None) -> socket.socket:
+        try:
+            return bind(host, number)
+        except PermissionError as error:
+            if spare is None:
+                raise UsageError(_why_not(name, host, number, error)) from error
+        except OSError as error:
+            raise UsageError(_why_not(name, host, number, error)) from error
+        text = f"port {number} ({name}) may not be had by this user: {name} is served at {spare}"
+        self.note("spare_port", text, is_problem=True, port=name, number=spare)
+        return self._bound(name, host, spare, None)
 
     async def boot(self) -> None:
         """Bring the robot up, with one tick, so that there is something to show."""
@@ -241,12 +287,16 @@ class Station:
             self._relief.cancel()
         for listener in self.listeners.values():
             await listener.close()
+        if self._world is not None:
+            self._world.close_all()
         self.broker.close_all()
-        for waiter in self._stepped:
+        for waiter in (*self._stepped, *self._answered):
             waiter.cancel()
         if self._cycle is not None:
             self._cycle.close()
         await self.link.close()
+        if self._keeper is not None:
+            await self._keeper.close()
 
     # ---------------------------------------------------------------- time
 
@@ -257,7 +307,11 @@ class Station:
             before = cycle.overruns
             for _ in range(REPORT_TICKS):
                 await cycle.next()
-                await self.step()
+                output = await self.link.tick(self._taken())
+                if cycle.overruns:
+                    output = replace(output, snapshot=_counted(output.snapshot, cycle.overruns))
+                await cycle.outlet()
+                self._pass_on(output)
             self._tell_late(cycle, cycle.overruns - before)
 
     def _tell_late(self, cycle: Cycle, late: int) -> None:
@@ -298,43 +352,53 @@ class Station:
 
     def _relieve(self) -> None:
         """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
-        self.reading_ns = 0
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
-                if len(self._pending) < PENDING_MAX or client.origin == self.waits_for:
+                if len(self._inbox) < PENDING_MAX or client.origin == self.waits_for:
                     client.relieve()
+        self._begin_reading()
         self._relief = asyncio.get_running_loop().call_later(PERIOD_S, self._relieve)
 
     def _gate(self) -> Gate:
         return gate(self.listeners[RTSI].clients)
 
     async def step(self) -> None:
-        """One tick."""
-        output = await self.link.tick(self._taken())
-        if self.overruns and not self._is_lockstep:
-            output = replace(output, snapshot=replace(output.snapshot, overruns=self.overruns))
-        self._pass_on(output)
+        """One tick, whose output leaves as soon as it is there."""
+        self._pass_on(await self.link.tick(self._taken()))
 
     def _taken(self) -> list[Input]:
-        inputs, self._pending = self._pending, []
+        """What the tick that begins now is given."""
+        self._answered += self._stepped
+        self._stepped.clear()
+        self._followers += self._comers
+        self._comers.clear()
+        if self._inbox.refused:
+            self._tell_refused()
+        inputs = self._inbox.take(self.link.room)
         return inputs if self._world is None else inputs + self._world.inputs(self.output.tick + 1)
+
+    def _tell_refused(self) -> None:
+        count, self._inbox.refused = self._inbox.refused, 0
+        text = f"{count} inputs were refused: {WAITING_MAX} wait for the robot already"
+        self.note("overfull", text, is_problem=True, count=count)
 
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
         self.output = output
-        self.reading_ns = 0
-        for listener in self.listeners.values():
+        for listener in self._by_urgency:
             if listener.clients:
                 listener.publish(output)
         self._carry_out(output)
         self._hear(output)
+        if self._keeper is not None:
+            self._keeper.take(output.snapshot.signals)
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
-        if self._stepped:
-            waiters, self._stepped = self._stepped, []
-            for waiter in waiters:
-                if not waiter.done():
-                    waiter.set_result(output)
+        self._begin_reading()
+        for waiter in self._answered:
+            if not waiter.done():
+                waiter.set_result(output)
+        self._answered.clear()
 
     def _say(self, text: str, is_problem: bool) -> None:
         self.note(DEVICE, text, is_problem=is_problem)
@@ -354,6 +418,14 @@ class Station:
             self.broker.carry_out(self._world.take(output.requests))
             self._world.heard(output)
 
+    def _begin_reading(self) -> None:
+        """Everybody has got the tick; now there is time for what clients send."""
+        for listener in self.listeners.values():
+            listener.begin_tick()
+        overruns = self.overruns
+        self.shares.begin_tick(is_late=overruns > self._overruns_before)
+        self._overruns_before = overruns
+
     def _hear(self, output: Output) -> None:
         for event in output.events:
             self._listen(self, event)
@@ -362,6 +434,12 @@ class Station:
         is_playing = self.output.snapshot.robot.task_state is TaskState.PLAYING
         text = f"the computer was away for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
         self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
+
+
+def _counted(snapshot: Snapshot, overruns: int) -> Snapshot:
+    """A snapshot with that many overruns. `dataclasses.replace` takes some times as long."""
+    fields: tuple[Any, ...] = (*_ALL_BUT_OVERRUNS(snapshot), overruns)
+    return Snapshot(*fields)
 
 
 def _why_not(name: str, host: str, number: int, error: OSError) -> str:

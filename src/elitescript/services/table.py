@@ -12,10 +12,11 @@ from typing import Final, NamedTuple
 from elitescript.errors import UsageError
 from elitescript.messages.profile import Release
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.protocol import primary
+from elitescript.protocol import modbus_port, primary
 from elitescript.protocol.connection import Connection
 from elitescript.protocol.dashboard import DashboardConnection
 from elitescript.protocol.interpreter import InterpreterConnection
+from elitescript.protocol.modbus_port import ModbusConnection, ModbusPort
 from elitescript.protocol.primary import PrimaryConnection, PrimaryFeed, PrimaryPort
 from elitescript.protocol.primary_packets import ROBOT_STATE
 from elitescript.protocol.query import QueryConnection
@@ -48,6 +49,8 @@ class Service(NamedTuple):
     """Whether a client that has ended its own half of the connection still gets the stream."""
     since: Release = (0, 0)
     """Firmware that brought it; an older one leaves the port closed (*assumed*)."""
+    spare_number: int | None = None
+    """Of instance 0, where the system does not let this user have the other one."""
 
 
 def _open_primary(port: PrimaryPort, description: RobotDescription) -> Connect:
@@ -58,6 +61,11 @@ def _open_primary(port: PrimaryPort, description: RobotDescription) -> Connect:
 def _open_rtsi(description: RobotDescription) -> Connect:
     port = RtsiPort()
     return lambda origin: RtsiConnection(origin, description, port)
+
+
+def _open_modbus(description: RobotDescription) -> Connect:
+    port = ModbusPort(description)
+    return lambda origin: ModbusConnection(origin, description, port)
 
 
 def _open_plain(kind: Callable[[str, RobotDescription], Connection], description: RobotDescription) -> Connect:
@@ -113,6 +121,16 @@ SERVICES: Final[tuple[Service, ...]] = (
     ),
     _plain_row("interpreter", 30020, "statements one at a time", "documented", InterpreterConnection, (2, 11)),
     _plain_row("query", 40011, "single function calls and their values", "observed", QueryConnection, (2, 11)),
+    Service(
+        "modbus",
+        modbus_port.NUMBER,
+        f"Modbus TCP server; {modbus_port.SPARE_NUMBER} where ports below 1024 are not for everybody",
+        "documented",
+        _open_modbus,
+        _is_never_a_sample,
+        outlives_silence=False,
+        spare_number=modbus_port.SPARE_NUMBER,
+    ),
 )
 
 NAMES: Final[tuple[str, ...]] = tuple(row.name for row in SERVICES)
@@ -152,3 +170,18 @@ def port_numbers(instance: int, chosen: Mapping[str, int], *, robot: int = 0) ->
             users[number] = row.name
         numbers[row.name] = number
     return numbers
+
+
+def spare_numbers(instance: int, chosen: Mapping[str, int], *, robot: int = 0) -> dict[str, int]:
+    """Ports that stand in for those that this user may not have; there is none for a port that was chosen.
+
+    Args:
+        instance: see `port_numbers`.
+        chosen: see `port_numbers`.
+        robot: see `port_numbers`.
+    """
+    return {
+        row.name: row.spare_number + PORTS_PER_INSTANCE * (instance + robot)
+        for row in SERVICES
+        if row.spare_number is not None and row.name not in chosen
+    }

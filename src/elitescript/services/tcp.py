@@ -2,8 +2,9 @@
 
 What arrives is decoded at once, what a tick gives leaves at once; each message is one write. A client harms nobody:
 
-- of what it sends, as much is read in a tick as takes `SLICE_NS`; the rest stays in its socket, and a connection
-  that has enough to work on (`is_busy`) is not read at all;
+- of what it sends, as much is read in a tick as its share of time allows (`shares`); the rest stays in its socket.
+  One whose connection has enough to work on (`is_busy`), or of whom `POSTED_MAX` inputs wait for the robot, is not
+  read at all;
 - one that reads slower than its stream misses samples of the stream (they are counted); one that lets `BACKLOG_MAX`
   bytes pile up, or takes nothing for `STALLED_TICKS`, is cut off;
 - one that sends what cannot be is closed;
@@ -13,33 +14,30 @@ What arrives is decoded at once, what a tick gives leaves at once; each message 
 from __future__ import annotations
 
 import asyncio
-import socket
 import time
 import traceback
+from collections.abc import Callable
 from typing import Any, Final, Protocol
 
 from elitescript.messages.inputs import Input, VariablesArrived
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.connection import Connection, ProtocolError
-from elitescript.services.table import Connect, Service
+from elitescript.services.shares import READ_MAX, SHARE_NS, Shares
+from elitescript.services.table import Service
 
-READ_BYTES: Final = 4096
-"""Taken from a socket at once."""
-SLICE_NS: Final = 300_000
-"""Of every tick, for what one client sends; processor time."""
-SLICES_NS: Final = 1_500_000
-"""Of every tick, for what all clients of a robot send; beyond it each is read once."""
+NS_PER_BYTE: Final = 250.0
+"""What reading a byte of a client is taken to cost before any has been read."""
+HANDING_NS: Final = 5_000
+"""What handing one input on to the robot's process takes besides, about."""
+POSTED_MAX: Final = 250
+"""Inputs of one client that may wait for the robot."""
 SAMPLE_BACKLOG: Final = 64 * 1024
 """Bytes that wait for a client, besides what the operating system holds, from which on samples are left out."""
 BACKLOG_MAX: Final = 1024 * 1024
 STALLED_TICKS: Final = 30 * TICKS_PER_S
 LINGER_TICKS: Final = 5 * TICKS_PER_S
 """How long a client that has ended its half, or is to be closed, has to take what it asked for."""
-CLIENTS_MAX: Final = 64
-"""Of one service."""
-LEAVING_MAX: Final = 1024
-"""Of one service, with those who are about to leave."""
 
 
 class Hub(Protocol):
@@ -47,11 +45,14 @@ class Hub(Protocol):
 
     output: Output
     """Of the last tick."""
-    reading_ns: int
-    """Time that has gone into reading since then."""
+    shares: Shares
+    """The time that clients have."""
 
     def post(self, inputs: list[Input]) -> None:
         """Take inputs for the next tick."""
+
+    def waiting_of(self, origin: str) -> int:
+        """Inputs of a client that could not go in at the last tick."""
 
     def wake(self) -> None:
         """A client has sent an input package, has read, or has gone: time may go on, if it waited."""
@@ -64,70 +65,85 @@ class Client(asyncio.BufferedProtocol):
     """One client: its socket and its connection.
 
     Args:
-        listener: where it came in.
+        hub: the robot.
+        service: where it came in.
+        connection: what it says and hears.
+        forget: called once when it has gone.
+
+    Attributes:
+        peer: its address, once it is connected.
+        dropped: samples that it has missed.
+        owes_input: whether it has got a sample since its last input package.
+        expected_ns: what it will take to read it once more, see `shares.Waiting`.
     """
 
     __slots__ = (
         "_buffer",
         "_deadline",
+        "_forget",
+        "_hub",
+        "_is_light",
         "_is_paused",
         "_is_silent",
-        "_listener",
+        "_is_waiting",
+        "_late_ns",
+        "_ns_per_byte",
+        "_service",
+        "_size",
         "_spent_ns",
         "_stalled_since",
         "_transport",
         "connection",
         "dropped",
-        "origin",
+        "expected_ns",
         "owes_input",
         "peer",
     )
 
-    def __init__(self, listener: Listener) -> None:
-        self._listener = listener
-        self._buffer = bytearray(READ_BYTES)
+    def __init__(self, hub: Hub, service: Service, connection: Connection, forget: Callable[[str], None]) -> None:
+        self._hub = hub
+        self._service = service
+        self._forget = forget
+        self._buffer = memoryview(bytearray(READ_MAX))
+        self._size = READ_MAX
+        self._ns_per_byte = NS_PER_BYTE
         self._transport: asyncio.Transport | None = None
-        self.connection: Connection | None = None
-        self.origin = ""
-        self.peer = ""
-        self.dropped = 0
-        """Samples that this client has missed."""
-        self.owes_input = False
-        """Whether it has got a sample since its last input package."""
+        self._is_light = True
         self._is_silent = False
         self._is_paused = False
-        self._spent_ns = 0
+        self._is_waiting = False
+        self._spent_ns = self._late_ns = 0
         self._stalled_since: int | None = None
         self._deadline: int | None = None
+        self.connection = connection
+        self.peer = ""
+        self.dropped = 0
+        self.owes_input = False
+        self.expected_ns = 0
+
+    @property
+    def origin(self) -> str:
+        """Its name, in inputs and in the log."""
+        return self.connection.origin
 
     # ---------------------------------------------------------------- what the event loop calls
 
     def connection_made(self, transport: Any) -> None:
         self._transport = transport
-        listener = self._listener
+        transport.set_write_buffer_limits(high=SAMPLE_BACKLOG, low=SAMPLE_BACKLOG // 4)
         address = transport.get_extra_info("peername")
         self.peer = f"{address[0]}:{address[1]}" if address else "?"
-        if listener.count >= CLIENTS_MAX or len(listener.clients) >= LEAVING_MAX:
-            text = f"refused {self.peer}: {CLIENTS_MAX} clients are connected"
-            listener.hub.note("refused", f"{listener.service.name}: {text}", is_problem=True, peer=self.peer)
-            transport.abort()
-            return
-        raw = transport.get_extra_info("socket")
-        if raw is not None:
-            raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        transport.set_write_buffer_limits(high=SAMPLE_BACKLOG, low=SAMPLE_BACKLOG // 4)
-        self.origin = listener.next_origin()
-        self.connection = listener.connect(self.origin)
-        listener.clients[self.origin] = self
-        listener.hub.note("connected", f"{self.origin}: connected from {self.peer}", origin=self.origin, peer=self.peer)
+        text = f"{self.origin}: connected from {self.peer}"
+        self._hub.note("connected", text, origin=self.origin, peer=self.peer)
         self._write()
 
-    def get_buffer(self, sizehint: int) -> bytearray:
-        return self._buffer
+    def get_buffer(self, sizehint: int) -> memoryview:
+        self._size = self._hub.shares.size_for(self._ns_per_byte)
+        return self._buffer[: self._size]
 
     def buffer_updated(self, nbytes: int) -> None:
-        connection, hub = self.connection, self._listener.hub
-        if connection is None or self._deadline is not None:
+        connection, hub = self.connection, self._hub
+        if self._deadline is not None:
             return
         start_ns = time.thread_time_ns()
         try:
@@ -145,47 +161,50 @@ class Client(asyncio.BufferedProtocol):
                 self.owes_input = False
                 has_answered = True
         self._write()
-        spent_ns = time.thread_time_ns() - start_ns
-        self._spent_ns += spent_ns
-        hub.reading_ns += spent_ns
+        self._account(nbytes, time.thread_time_ns() - start_ns + HANDING_NS * len(inputs))
         if connection.is_over:
             self._finish()
-        elif connection.is_busy or self._has_spent_enough(nbytes):
+        elif connection.is_busy or self._has_taken_enough(nbytes):
             self._pause()
         if has_answered:
             hub.wake()
 
-    def _has_spent_enough(self, size: int) -> bool:
-        """Whether the rest must wait for the next tick.
+    def _account(self, size: int, spent_ns: int) -> None:
+        whole_ns, self._late_ns = spent_ns + self._late_ns, 0
+        self._ns_per_byte = (self._ns_per_byte + whole_ns / size) / 2
+        self._spent_ns += spent_ns
+        # Whoever has sent more than was read takes all that it gets.
+        self.expected_ns = whole_ns if size < self._size else max(whole_ns, SHARE_NS)
+        self._hub.shares.charge(spent_ns)
 
-        Who is not read is not seen to go either, so that a client that has sent little, and has nothing more to send
-        for the moment, may take longer.
-        """
-        patience = 1 if size == READ_BYTES else 4
-        return self._spent_ns > patience * SLICE_NS or self._listener.hub.reading_ns > patience * SLICES_NS
+    def _has_taken_enough(self, size: int) -> bool:
+        """Whether the rest must wait for a later tick."""
+        self._is_light = size < self._size
+        if self._hub.shares.is_used_up(self._spent_ns, is_light=self._is_light):
+            return True
+        return self._hub.waiting_of(self.origin) >= POSTED_MAX
 
     def eof_received(self) -> bool:
         self._end_of_input()
-        if not self._listener.service.outlives_silence and self._deadline is None:
-            self._deadline = self._listener.hub.output.tick + LINGER_TICKS
+        if not self._service.outlives_silence and self._deadline is None:
+            self._deadline = self._hub.output.tick + LINGER_TICKS
             self._close_unless_expecting()
         return True
 
     def connection_lost(self, exc: Exception | None) -> None:
-        if self.connection is None:
-            return
+        self.expected_ns = 0
         self._end_of_input()
-        if self._listener.clients.pop(self.origin, None) is not None:
-            reason = f": {exc}" if exc else ""
-            self._listener.hub.note("gone", f"{self.origin}: gone{reason}", origin=self.origin, dropped=self.dropped)
-        self._listener.hub.wake()
+        self._forget(self.origin)
+        reason = f": {exc}" if exc else ""
+        self._hub.note("gone", f"{self.origin}: gone{reason}", origin=self.origin, dropped=self.dropped)
+        self._hub.wake()
 
     def pause_writing(self) -> None:
-        self._stalled_since = self._listener.hub.output.tick
+        self._stalled_since = self._hub.output.tick
 
     def resume_writing(self) -> None:
         self._stalled_since = None
-        self._listener.hub.wake()
+        self._hub.wake()
 
     # ---------------------------------------------------------------- what a tick calls
 
@@ -201,9 +220,18 @@ class Client(asyncio.BufferedProtocol):
 
     def publish(self, output: Output) -> None:
         """Give the client a tick."""
+        if self.connection.is_busy:
+            # What it has sent before is worked on now, and is paid for as if it had just been read.
+            start_ns = time.thread_time_ns()
+            self._give(output)
+            spent_ns = time.thread_time_ns() - start_ns
+            self._late_ns += spent_ns
+            self._hub.shares.charge(spent_ns)
+        else:
+            self._give(output)
+
+    def _give(self, output: Output) -> None:
         connection = self.connection
-        if connection is None:
-            return
         try:
             connection.publish(output)
             inputs = connection.due()
@@ -214,7 +242,7 @@ class Client(asyncio.BufferedProtocol):
             self._fail()
             return
         if inputs:
-            self._listener.hub.post(inputs)
+            self._hub.post(inputs)
         self._write()
         if self._deadline is not None:
             if output.tick >= self._deadline:
@@ -231,10 +259,8 @@ class Client(asyncio.BufferedProtocol):
     def relieve(self) -> None:
         """No tick comes: go on with what does not need one."""
         connection = self.connection
-        if connection is None:
-            return
         try:
-            inputs = connection.read_on(self._listener.hub.output)
+            inputs = connection.read_on(self._hub.output)
         except ProtocolError as error:
             self._offend(str(error))
             return
@@ -242,7 +268,7 @@ class Client(asyncio.BufferedProtocol):
             self._fail()
             return
         if inputs:
-            self._listener.hub.post(inputs)
+            self._hub.post(inputs)
         self._write()
         if connection.is_over and self._deadline is None:
             self._finish()
@@ -250,12 +276,23 @@ class Client(asyncio.BufferedProtocol):
             self.read_on()
 
     def read_on(self) -> None:
-        """A new slice of time for what the client sends."""
+        """A tick has gone by: take a place among those who wait to be read."""
+        if self._is_paused and not self._is_waiting and self._may_be_read():
+            self._is_waiting = True
+            self._hub.shares.wait(self, is_light=self._is_light)
         self._spent_ns = 0
-        if self._is_paused and self.connection is not None and not self.connection.is_busy and not self.is_behind:
+
+    def go_on(self) -> None:
+        """It is its turn to be read."""
+        self._is_waiting = False
+        if self._may_be_read() and self._transport is not None and not self._transport.is_closing():
             self._is_paused = False
-            if self._transport is not None and not self._transport.is_closing():
-                self._transport.resume_reading()
+            self._transport.resume_reading()
+
+    def _may_be_read(self) -> bool:
+        if self.connection.is_busy or self.is_behind:
+            return False
+        return self._hub.waiting_of(self.origin) < POSTED_MAX
 
     def close(self) -> None:
         """End the connection once what waits has been sent."""
@@ -271,9 +308,9 @@ class Client(asyncio.BufferedProtocol):
 
     def _write(self) -> None:
         connection, transport = self.connection, self._transport
-        if connection is None or transport is None:
+        if transport is None:
             return
-        is_sample = self._listener.service.is_sample
+        is_sample = self._service.is_sample
         for message in connection.take():
             if transport.is_closing():
                 return
@@ -293,7 +330,7 @@ class Client(asyncio.BufferedProtocol):
     def _miss(self) -> None:
         if not self.dropped:
             text = f"{self.origin}: reads too slowly and misses packages"
-            self._listener.hub.note("slow", text, is_problem=True, origin=self.origin)
+            self._hub.note("slow", text, is_problem=True, origin=self.origin)
         self.dropped += 1
 
     def _pause(self) -> None:
@@ -302,121 +339,37 @@ class Client(asyncio.BufferedProtocol):
             self._transport.pause_reading()
 
     def _end_of_input(self) -> None:
-        if self._is_silent or self.connection is None:
+        if self._is_silent:
             return
         self._is_silent = True
         self.owes_input = False
         inputs = self.connection.closed()
         if inputs:
-            self._listener.hub.post(inputs)
+            self._hub.post(inputs)
         self._write()
 
     def _offend(self, why: str) -> None:
-        self._listener.hub.note("offence", f"{self.origin}: closed: {why}", is_problem=True, origin=self.origin)
+        self._hub.note("offence", f"{self.origin}: closed: {why}", is_problem=True, origin=self.origin)
         self._finish()
 
     def _cut_off(self, why: str) -> None:
         text = f"{self.origin}: cut off: it {why}"
-        self._listener.hub.note("cut_off", text, is_problem=True, origin=self.origin)
+        self._hub.note("cut_off", text, is_problem=True, origin=self.origin)
         self.abort()
 
     def _fail(self) -> None:
         """A mistake of ours: this client pays for it, the others go on."""
         text = f"{self.origin}: internal error, please report it:\n{traceback.format_exc()}"
-        self._listener.hub.note("bug", text, is_problem=True, origin=self.origin)
+        self._hub.note("bug", text, is_problem=True, origin=self.origin)
         self.abort()
 
     def _close_unless_expecting(self) -> None:
-        if self.connection is None or not self.connection.is_expecting:
+        if not self.connection.is_expecting:
             self.close()
 
     def _finish(self) -> None:
         """Send what is left, then close."""
         self._write()
         if self._deadline is None:
-            self._deadline = self._listener.hub.output.tick + LINGER_TICKS
+            self._deadline = self._hub.output.tick + LINGER_TICKS
         self.close()
-
-
-class Listener:
-    """One service of one robot on one port.
-
-    Args:
-        service: its row of the table.
-        hub: the robot.
-        connect: makes connections.
-        bound: a socket that listens; the listener closes it.
-    """
-
-    __slots__ = ("_bound", "_count", "_server", "clients", "connect", "hub", "number", "service")
-
-    def __init__(self, service: Service, hub: Hub, connect: Connect, bound: socket.socket) -> None:
-        self.service = service
-        self.hub = hub
-        self.connect = connect
-        self.clients: dict[str, Client] = {}
-        self.number: int = bound.getsockname()[1]
-        self._bound = bound
-        self._count = 0
-        self._server: asyncio.Server | None = None
-
-    def next_origin(self) -> str:
-        """A name that no client of this service has had."""
-        self._count += 1
-        return f"{self.service.name}#{self._count}"
-
-    async def open(self) -> None:
-        """Accept clients from now on."""
-        loop = asyncio.get_running_loop()
-        self._server = await loop.create_server(lambda: Client(self), sock=self._bound, backlog=CLIENTS_MAX)
-
-    def publish(self, output: Output) -> None:
-        """Give every client a tick."""
-        for client in list(self.clients.values()):
-            client.publish(output)
-
-    @property
-    def count(self) -> int:
-        """Clients that are not about to leave."""
-        return sum(not client.is_leaving for client in self.clients.values())
-
-    def release(self) -> None:
-        """Give the port back without having accepted anybody."""
-        self._bound.close()
-
-    async def close(self) -> None:
-        """Accept nobody, and let everybody go."""
-        if self._server is not None:
-            self._server.close()
-        self._bound.close()
-        for client in list(self.clients.values()):
-            client.close()
-        # One turn for the loop to close sockets that have nothing left to send; the others do not hold us up.
-        await asyncio.sleep(0)
-        for client in list(self.clients.values()):
-            client.abort()
-        await asyncio.sleep(0)
-
-
-def bind(host: str, number: int) -> socket.socket:
-    """A socket that listens at a port; 0 is a free one.
-
-    Raises:
-        OSError: somebody has it, or may not be had; the host is none of ours.
-    """
-    found = socket.getaddrinfo(host, number, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-    family, kind, protocol, _, address = next((row for row in found if row[0] == socket.AF_INET), found[0])
-    bound = socket.socket(family, kind, protocol)
-    try:
-        if hasattr(socket, "SO_EXCLUSIVEADDRUSE"):
-            bound.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
-        else:
-            bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        bound.bind(address)
-        # Of two who bind the same port at the same moment, only one may listen.
-        bound.listen(CLIENTS_MAX)
-        bound.setblocking(False)
-    except OSError:
-        bound.close()
-        raise
-    return bound

@@ -10,6 +10,9 @@ from elitescript.runtime.world import Channels
 
 FOLDERS_MAX: Final = 1000
 """Folders that a program may make."""
+BYTES_MAX: Final = 64 * 1024 * 1024
+"""Of all files together: they take memory of whoever serves the programs."""
+FILES_MAX: Final = 10_000
 
 
 class MemoryWorld:
@@ -56,6 +59,8 @@ class MemoryFiles:
             raise FileNotFoundError(2, "No such file or directory", name)
         if "x" in mode and not is_new:
             raise FileExistsError(17, "File exists", name)
+        if is_new and len(self.contents) >= FILES_MAX:
+            raise OSError(28, f"more than {FILES_MAX} files", name)
         if is_new or "w" in mode:
             self.contents[name] = b""
         file = _MemoryFile(self, name, mode)
@@ -63,6 +68,17 @@ class MemoryFiles:
             return file
         # A text file writes through, so that what is flushed is all that was written.
         return TextIOWrapper(file, encoding=encoding, newline=newline, write_through=True)
+
+    def check_room(self, name: str, size: int) -> None:
+        """Let a file have so many bytes.
+
+        Raises:
+            OSError: the task folder is full.
+        """
+        if size > len(self.contents.get(name, b"")):
+            others = sum(len(content) for other, content in self.contents.items() if other != name)
+            if size + others > BYTES_MAX:
+                raise OSError(28, f"No space left: files in memory have {BYTES_MAX} bytes together", name)
 
     def _check_openable(self, name: str, mode: str) -> None:
         if self.kind(name) == "folder":
@@ -155,6 +171,8 @@ class _MemoryFile(BytesIO):
             raise OSError("not writable")
         if self._appends:
             self.seek(0, 2)
+        with memoryview(data) as view:
+            self._files.check_room(self._file_name, self.tell() + view.nbytes)
         self._is_changed = True
         return super().write(data)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,6 +24,10 @@ REAL: Final = "real"
 
 class RobotPort(Protocol):
     """The robot as its surroundings see it."""
+
+    @property
+    def tick(self) -> int:
+        """The present tick."""
 
     def read(self, name: str, index: int) -> Value:
         """A point of the signal image."""
@@ -61,6 +65,9 @@ class Surroundings:
 
     def begin(self, robot: RobotPort) -> None:
         """Belong to a robot from now on."""
+
+    def fault(self, kind: str, on: int | str, **settings: Any) -> None:
+        """Let something go wrong on channels from now on."""
 
     def lead_outside(self, channels: Channels) -> None:
         """Let what is not declared here be reached through other channels."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-
 import pytest
 
 from elitescript.errors import UsageError
@@ -82,19 +80,18 @@ def test_before_there_is_a_robot_there_is_nothing_to_connect_to():
         watcher.connect()
 
 
-@pytest.mark.skipif(importlib.util.find_spec("elitescript.protocol.modbus_port") is None, reason="a port of the robot")
 def test_a_plc_shakes_hands_with_a_program_over_the_robots_own_registers():
     class Plc(ModbusClient):
         def opened(self):
-            self.every(0.1, self.read_registers, 128, 1, self.look)
+            self.every(0.1, self.read_registers, 256, 1, self.look)
 
         def look(self, values):
             if values[0] == 7:
-                self.write_register(129, 8)
+                self.write_register(257, 8)
 
     body = """
-write_port_register(128, 7)
-while read_port_register(129) != 8:
+write_port_register(256, 7)
+while read_port_register(257) != 8:
   sync()
 end
 textmsg("done")
@@ -103,3 +100,16 @@ textmsg("done")
     found = run(body, plc, until_s=5)
     assert found.log == ["done"]
     assert found.time_s < 0.2
+
+
+def test_what_the_robot_refuses_is_a_warning_of_the_plc():
+    class Plc(ModbusClient):
+        def opened(self):
+            self.write_register(0, 1)
+            self.write_coil(400, True)
+
+    warnings = run("sleep(0.2)", Plc()).warnings
+    assert [text.partition(": ")[2].rpartition(": exception ")[2] for text in warnings] == [
+        "2: illegal data address"
+    ] * len(warnings)
+    assert warnings

@@ -313,3 +313,32 @@ end
     ]
     leaps, steps = (run(body, Echo(), faults=faults, seed=5, steps=steps).events for steps in (False, True))
     assert leaps == steps
+
+
+def test_a_robot_takes_faults_of_its_real_channels_before_its_time_begins():
+    from elitescript import VirtualRobot
+
+    robot = VirtualRobot("CS66")
+    robot.fault("refuse", on=5000)
+    found = run('textmsg(socket_open("127.0.0.1", 5000))', robot=robot)
+    assert found.log == ["False"]
+    assert not found.is_paced  # nobody has asked the real network
+    robot.fault("drop", on=5001)
+    with pytest.raises(UsageError, match="refuse on 'tool'"):
+        robot.fault("refuse", on="tool")
+    late = VirtualRobot("CS66")
+    late.advance(0.1)
+    with pytest.raises(UsageError, match="before its time begins"):
+        late.fault("refuse", on=5000)
+
+
+def test_a_robot_in_a_world_takes_faults_at_any_time():
+    from tests.worlds.virtual.programs import robot_in
+
+    robot = robot_in(World(devices=[Echo()]))
+    robot.advance(1.0)
+    robot.fault("refuse", on=5000, for_s=1.0)
+    assert run('textmsg(socket_open("h", 5000))\nsleep(1)\ntextmsg(socket_open("h", 5000))', robot=robot).log == [
+        "False",
+        "True",
+    ]

@@ -226,3 +226,18 @@ def test_nothing_of_a_program_is_left_when_it_ends_in_the_middle():
     assert found.state == "alarm"
     robot.advance(0.1)
     assert world.network.open_channels == 0
+
+
+def test_what_a_test_asks_of_a_device_between_two_runs_counts_from_then():
+    class Button(Device):
+        def press(self):
+            self.after(0.5, self.cell.set, "standard_digital_in[0]", True)
+
+    button = Button()
+    robot = robot_in(World(devices=[button]))
+    robot.advance(10.0)
+    button.press()
+    robot.advance(0.4)
+    assert robot.signals["standard_digital_in[0]"] is False
+    robot.advance(0.2)
+    assert robot.signals["standard_digital_in[0]"] is True

@@ -27,18 +27,24 @@ class Agenda:
     """Calls by tick.
 
     Attributes:
-        tick: the tick that runs, or ran last.
+        clock: gives the present tick of whoever has the time; it may be beyond the last tick that was run.
         on_failure: called with whoever owned a call that raised, and the exception. As long as it is None, what was
             raised goes on to the caller of `run`.
     """
 
-    __slots__ = ("_due", "_sequence", "on_failure", "tick")
+    __slots__ = ("_due", "_sequence", "_tick", "clock", "on_failure")
 
     def __init__(self) -> None:
-        self.tick = 0
+        self._tick = 0
+        self.clock: Callable[[], int] | None = None
         self.on_failure: Callable[[object, Exception], None] | None = None
         self._sequence = 0
         self._due: list[tuple[int, int, Act, object]] = []
+
+    @property
+    def tick(self) -> int:
+        """The present tick."""
+        return self._tick if self.clock is None else max(self._tick, self.clock())
 
     @property
     def time_s(self) -> float:
@@ -63,7 +69,7 @@ class Agenda:
 
     def run(self, tick: int) -> None:
         """Make every call that is due up to a tick."""
-        self.tick = tick
+        self._tick = max(tick, self._tick)
         while self._due and self._due[0][0] <= tick:
             _, _, act, owner = heappop(self._due)
             self.attempt(act, owner)

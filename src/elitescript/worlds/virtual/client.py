@@ -218,14 +218,14 @@ class ModbusClient(TcpClient):
         unit: number that requests carry.
 
     Example:
-        A PLC that asks twice a second for register 128 and answers in register 129.
+        A PLC that asks twice a second for register 256 and answers in register 257.
 
         >>> from elitescript.testing.world import ModbusClient, World
         >>> class Plc(ModbusClient):
         ...     def opened(self):
-        ...         self.every(0.5, self.read_registers, 128, 1, self.look)
+        ...         self.every(0.5, self.read_registers, 256, 1, self.look)
         ...     def look(self, values):
-        ...         self.write_register(129, values[0] + 1)
+        ...         self.write_register(257, values[0] + 1)
         >>> world = World(devices=[Plc()])
     """
 

@@ -162,6 +162,7 @@ class World(Surroundings):
         if self._robot is not None:
             raise UsageError("this world belongs to another robot already; make a new one for each robot")
         self._robot = robot
+        self.agenda.clock = lambda: robot.tick
         self.signals.begin(robot)
         for device in self.devices:
             self._start(device)

@@ -1,0 +1,324 @@
+"""The MODBUS TCP master of the controller: signals by name, each read or written again and again.
+
+It does not know a clock: `tick` is called in every tick that is run, `next_tick` says which tick must be one, and what
+happens on its channels comes as events. Signals of one address and port share a connection.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+from elitescript.errors import InvalidValueError, ScriptStateError
+from elitescript.messages.timing import TICKS_PER_S
+from elitescript.modbus.link import Channels, Link
+from elitescript.modbus.signals import Kind, Signal
+
+SIGNALS_MAX: Final = 200
+WATCHDOG_TICKS: Final = 5 * TICKS_PER_S
+REQUESTS_MAX: Final = 64
+"""Single requests of programs that may wait at a time (*assumed*)."""
+SINGLES_MAX: Final = 1024
+"""Addresses of which is remembered that they take one request at a time."""
+WARNINGS_MAX: Final = 100
+"""Different warnings that one program can get."""
+
+
+class Master:
+    """Signals and the connections that they need.
+
+    Args:
+        channels: carry the bytes.
+        listeners: who is told what happens on which channel.
+        warn: records a warning.
+        tick: the present one.
+
+    Attributes:
+        signals: by name, in the order in which they were added.
+        links: connections by address and port.
+        now: the present tick.
+    """
+
+    __slots__ = (
+        "_channels",
+        "_is_running",
+        "_listeners",
+        "_repeated",
+        "_singles",
+        "_warn",
+        "_warned",
+        "links",
+        "now",
+        "signals",
+        "where",
+    )
+
+    def __init__(
+        self,
+        channels: Channels,
+        listeners: dict[int, Any],
+        warn: Callable[[str], None],
+        *,
+        tick: int = 0,
+    ) -> None:
+        self.signals: dict[str, Signal] = {}
+        self.links: dict[tuple[str, int], Link] = {}
+        self.where: dict[str, tuple[str, int]] = {}
+        """Address and port of each signal."""
+        self.now = tick
+        self._channels = channels
+        self._listeners = listeners
+        self._warn = warn
+        self._warned: set[str] = set()
+        self._singles: dict[tuple[str, int], None] = {}
+        self._repeated: dict[tuple[str, int, int, int], Signal] = {}
+        self._is_running = True
+
+    # ---------------------------------------------------------------- signals
+
+    def add(
+        self,
+        address: str,
+        port: int,
+        name: str,
+        kind: Kind,
+        unit: int,
+        first: int,
+        count: int,
+        *,
+        is_sequential: bool = False,
+        write_first: int = 0,
+        write_count: int = 0,
+    ) -> None:
+        """Add a signal; one of that name is replaced.
+
+        Args:
+            address: of the device.
+            port: of the device.
+            name: of the signal.
+            kind: what it is.
+            unit: number of the slave.
+            first: first coil or register; of those that are read, if it reads and writes.
+            count: how many.
+            is_sequential: whether it waits for its turn among the sequential signals of its connection.
+            write_first: first register that it writes, if it reads and writes.
+            write_count: how many.
+
+        Raises:
+            ScriptStateError: there are too many.
+        """
+        if name not in self.signals:
+            self._check_room()
+        signal = Signal(
+            name,
+            kind,
+            unit,
+            first,
+            count,
+            tick=self.now,
+            is_sequential=is_sequential,
+            write_address=write_first,
+            write_count=write_count,
+        )
+        signal.watchdog_ticks = WATCHDOG_TICKS
+        link = self._link(address, port)
+        link.add(signal)
+        if name in self.signals:
+            self.delete(name)
+        self.signals[name] = signal
+        self.where[name] = address, port
+
+    def _check_room(self) -> None:
+        if len(self.signals) + len(self._repeated) >= SIGNALS_MAX:
+            raise ScriptStateError(
+                f"there are {SIGNALS_MAX} MODBUS signals already, repeated requests included",
+                code="R104",
+                value=SIGNALS_MAX + 1,
+                limit=f"<= {SIGNALS_MAX}",
+                hint="delete one with modbus_delete_signal",
+            )
+
+    def delete(self, name: str) -> None:
+        """Forget a signal.
+
+        Raises:
+            InvalidValueError: there is none of that name.
+        """
+        signal = self.find(name)
+        place = self.where.pop(name)
+        del self.signals[name]
+        self.links[place].remove(signal)
+
+    def find(self, name: str) -> Signal:
+        """The signal of a name.
+
+        Raises:
+            InvalidValueError: there is none.
+        """
+        signal = self.signals.get(name)
+        if signal is None:
+            known = ", ".join(repr(other) for other in list(self.signals)[:5])
+            raise InvalidValueError(
+                f"there is no MODBUS signal {name!r}",
+                argument="signal_name",
+                value=name,
+                hint=f"there are {known}" if known else "add it with modbus_add_signal",
+            )
+        return signal
+
+    def set(self, name: str, values: Sequence[int]) -> None:
+        """Set an output; from now on it is written. One without a frequency is written once."""
+        signal = self.find(name)
+        signal.set(values)
+        signal.prepare(is_running=self._is_running)
+        if not signal.frequency_hz:
+            self.links[self.where[name]].exchange.ask(signal)
+
+    def choose(self, name: str, choice: int) -> None:
+        """Tie an output to whether a program runs; see `Signal.forced`."""
+        signal = self.find(name)
+        signal.choice = choice
+        signal.prepare(is_running=self._is_running)
+
+    def retime(self, name: str, frequency_hz: int) -> None:
+        """Change how often a signal is asked for."""
+        signal = self.find(name)
+        self.links[self.where[name]].retime(signal, frequency_hz)
+
+    def codes(self, name: str) -> tuple[int, int]:
+        """What is wrong with a signal: code of the device, code of the connection."""
+        signal = self.find(name)
+        return self.links[self.where[name]].codes(signal)
+
+    # ---------------------------------------------------------------- requests and connections
+
+    def request(self, address: str, port: int, unit: int, pdu: bytes, *, is_once: bool) -> None:
+        """Send a request of one's own, once or again and again, at the usual frequency of a signal.
+
+        Again and again means until the program ends, or asks for another one of the same function there (*assumed*).
+
+        Raises:
+            ScriptStateError: too many wait, or there are too many signals.
+        """
+        key = address, port, unit, pdu[0]
+        older = self._repeated.pop(key, None)
+        if older is not None:
+            self.links[address, port].remove(older)
+        link = self._link(address, port)
+        signal = Signal("", Kind.CUSTOM, unit, 0, 0, tick=self.now, custom=pdu, is_once=is_once)
+        if is_once:
+            if link.exchange.single_requests >= REQUESTS_MAX:
+                raise ScriptStateError(
+                    f"{REQUESTS_MAX} requests to {link.name} wait already",
+                    code="R104",
+                    value=REQUESTS_MAX + 1,
+                    limit=f"<= {REQUESTS_MAX}",
+                )
+            link.exchange.ask(signal)
+            return
+        self._check_room()
+        self._repeated[key] = signal
+        link.add(signal)
+
+    def link_at(self, address: str, port: int) -> Link:
+        """The connection to a device.
+
+        Raises:
+            InvalidValueError: no signal uses one.
+        """
+        link = self.links.get((address, port))
+        if link is None:
+            known = ", ".join(sorted(other.name for other in self.links.values()))
+            raise InvalidValueError(
+                f"no MODBUS signal uses a connection to {address}:{port}",
+                argument="connection_id",
+                value=address,
+                hint=f"there are {known}" if known else None,
+            )
+        return link
+
+    def _link(self, address: str, port: int) -> Link:
+        link = self.links.get((address, port))
+        if link is None:
+            link = self.links[address, port] = Link(
+                address,
+                port,
+                self._channels,
+                self._listen,
+                self._warn_once,
+                tick=self.now,
+                is_single=(address, port) in self._singles,
+            )
+        return link
+
+    def _listen(self, channel: int, link: Link | None) -> None:
+        if link is None:
+            self._listeners.pop(channel, None)
+        else:
+            self._listeners[channel] = link
+
+    def _warn_once(self, text: str) -> None:
+        if text not in self._warned and len(self._warned) < WARNINGS_MAX:
+            self._warned.add(text)
+            self._warn(text)
+
+    # ---------------------------------------------------------------- time
+
+    def tick(self, tick: int, *, is_running: bool) -> None:
+        """Do what is due in a tick.
+
+        Args:
+            tick: the present one.
+            is_running: whether a program runs; a paused one does (*assumed*).
+        """
+        self.now = tick
+        if is_running != self._is_running:
+            self._is_running = is_running
+            self._program_changed()
+        for place, link in list(self.links.items()):
+            link.tick(tick)
+            if link.is_unused:
+                self._part(place, link)
+
+    def _program_changed(self) -> None:
+        if self._is_running:
+            self._warned.clear()
+        else:
+            for (address, port, _, _), signal in self._repeated.items():
+                self.links[address, port].remove(signal)
+            self._repeated.clear()
+        for name, signal in self.signals.items():
+            before = signal.request
+            signal.prepare(is_running=self._is_running)
+            if signal.request is not before and not signal.frequency_hz:
+                self.links[self.where[name]].exchange.ask(signal)
+
+    def _part(self, place: tuple[str, int], link: Link) -> None:
+        if link.exchange.is_single and len(self._singles) < SINGLES_MAX:
+            self._singles[place] = None
+        link.close()
+        del self.links[place]
+
+    def next_tick(self, tick: int, *, is_running: bool) -> int | None:
+        """Earliest tick after `tick` at which something is due without anything arriving."""
+        if is_running != self._is_running:
+            return tick + 1
+        due = [at for link in self.links.values() if (at := link.next_tick(tick)) is not None]
+        return min(due, default=None)
+
+    def close(self) -> None:
+        """Forget every signal and close every connection.
+
+        Outputs that are tied to the end of a program are written before; answers are not waited for.
+        """
+        for place, link in self.links.items():
+            tied = []
+            for name, signal in self.signals.items():
+                if self.where[name] == place and signal.forced(False) is not None:
+                    signal.prepare(is_running=False)
+                    tied.append(signal)
+            link.close(tied)
+        self.links.clear()
+        self.signals.clear()
+        self.where.clear()
+        self._repeated.clear()

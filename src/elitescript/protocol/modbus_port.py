@@ -1,0 +1,282 @@
+"""The controller's own Modbus TCP server, port 502: registers and coils that mirror the robot and may be written.
+
+What stands behind an address is the table of `modbus.port_map`. Reads are answered at once, from the picture of the
+last tick. A write is a request to the robot and is answered when the robot has taken it, one at a time for each client;
+what the client has sent behind it waits. So a client reads what it wrote, and so does everybody who asks after its
+answer. A coil is set by itself, not by writing back its neighbours, so that no client undoes what another one does.
+
+As at the RTSI port, remote and local control make no difference, and an output that is tied to the task keeps what was
+written until the task lets it have it.
+
+Evidence: port and table are *documented*, that clients use functions 1, 3, 5, 6 and 16 is *observed*. *Assumed*: the
+other functions, that any unit is answered, and the exceptions: 2 for addresses that are not there or that nobody
+writes, 3 for values that the robot refuses, 4 if the robot was started anew in between.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+from elitescript.errors import ArgumentRangeError, ScriptError
+from elitescript.messages.events import Alarm
+from elitescript.messages.inputs import Do, Input
+from elitescript.messages.machine import MachineRequest, WritePortCoils, WritePortRegisters
+from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.modbus.pdu import (
+    DEVICE_FAILURE,
+    ILLEGAL_ADDRESS,
+    ILLEGAL_VALUE,
+    READ_COILS,
+    READ_DISCRETE_INPUTS,
+    READ_WRITE_REGISTERS,
+    WRITE_COIL,
+    WRITE_COILS,
+    WRITE_REGISTER,
+    WRITE_REGISTERS,
+    DeviceError,
+    Request,
+    bits_read,
+    exception,
+    registers_in,
+    registers_read,
+    request_of,
+    written,
+)
+from elitescript.modbus.port_image import PortImage, check_writable_coils, check_writable_registers
+from elitescript.modbus.port_map import View
+from elitescript.modbus.tcp_frames import LENGTH_MAX, TcpFrame, TcpSplitter, tcp_frame
+from elitescript.protocol.connection import Connection, ProtocolError
+from elitescript.protocol.outcomes import read_outcome
+from elitescript.protocol.query import RESTARTED
+
+NUMBER: Final = 502
+SPARE_NUMBER: Final = 5020
+"""For whoever may not have the other one."""
+REQUESTS_PER_TICK: Final = 20
+"""Of one client; the rest waits for the next tick."""
+REQUESTS_OF_ALL: Final = 200
+"""Of all clients of a robot in a tick, about 2 ms of work; many of them share it."""
+REQUESTS_MIN: Final = 2
+"""Of each client, however many there are."""
+
+_BIT_READS: Final = frozenset({READ_COILS, READ_DISCRETE_INPUTS})
+_WRITES: Final = frozenset({WRITE_COIL, WRITE_COILS, WRITE_REGISTER, WRITE_REGISTERS, READ_WRITE_REGISTERS})
+
+
+class ModbusPort:
+    """What the clients of one robot share: registers, coils and answers of the last tick, worked out once; and time.
+
+    Args:
+        description: the robot.
+
+    Attributes:
+        clients: how many there are.
+    """
+
+    __slots__ = ("_image", "_output", "_replies", "_version", "clients")
+
+    def __init__(self, description: RobotDescription) -> None:
+        self._version = description.firmware
+        self._image: PortImage | None = None
+        self._output: Output | None = None
+        self._replies: dict[str, str] = {}
+        self.clients = 0
+
+    @property
+    def share(self) -> int:
+        """Requests that each client may make in a tick."""
+        return max(REQUESTS_MIN, min(REQUESTS_PER_TICK, REQUESTS_OF_ALL // max(1, self.clients)))
+
+    def image(self, output: Output) -> PortImage:
+        """Registers and coils of a tick."""
+        image = self._image
+        if image is None or image.view.picture is not output.snapshot:
+            image = self._image = PortImage(View(output.snapshot, self._version))
+        return image
+
+    def reply(self, output: Output, origin: str) -> str | None:
+        """What the robot answers in a tick to a request of an origin; None if nothing."""
+        if output is not self._output:
+            self._output = output
+            self._replies = {reply.origin: reply.text for reply in output.replies}
+        return self._replies.get(origin)
+
+
+class _Write(NamedTuple):
+    """A write that the robot has not answered yet."""
+
+    origin: str
+    frame: TcpFrame
+    request: Request
+
+
+class ModbusConnection(Connection):
+    """One client.
+
+    Each write goes to the robot under an origin of its own, `modbus#2/7` for the seventh of `modbus#2`, so that no
+    answer is taken for that of another.
+
+    Args:
+        origin: see `Connection`.
+        description: the robot.
+        port: what it shares with the others.
+    """
+
+    __slots__ = ("_count", "_due", "_frames", "_left", "_port", "_splitter", "_tick", "_write")
+
+    def __init__(self, origin: str, description: RobotDescription, port: ModbusPort) -> None:
+        super().__init__(origin, description)
+        self._port = port
+        self._splitter = TcpSplitter()
+        self._frames: deque[TcpFrame] = deque()
+        self._write: _Write | None = None
+        self._due: list[Input] = []
+        self._count = 0
+        self._tick = -1
+        self._left = 0
+        port.clients += 1
+
+    def receive(self, data: bytes, output: Output) -> list[Input]:
+        """See `Connection.receive`."""
+        self._frames += self._splitter.feed(data)
+        inputs = self._go_on(output)
+        self._check_stream()
+        return inputs
+
+    @property
+    def is_busy(self) -> bool:
+        """See `Connection.is_busy`."""
+        return bool(self._frames) or self._write is not None
+
+    @property
+    def is_expecting(self) -> bool:
+        """See `Connection.is_expecting`."""
+        return self.is_busy
+
+    def publish(self, output: Output) -> None:
+        """See `Connection.publish`."""
+        if self._write is not None:
+            self._settle(self._write, output)
+        if self._frames:
+            self._due += self._go_on(output)
+        self._check_stream()
+
+    def due(self) -> list[Input]:
+        """See `Connection.due`."""
+        due, self._due = self._due, []
+        return due
+
+    def read_on(self, output: Output) -> list[Input]:
+        """See `Connection.read_on`."""
+        self._left = self._port.share
+        return self._go_on(output)
+
+    def closed(self) -> list[Input]:
+        """See `Connection.closed`."""
+        self._port.clients -= 1
+        return []
+
+    def _check_stream(self) -> None:
+        """Close a connection that sends something else, once what came before is answered."""
+        if self._splitter.is_lost and not self.is_busy and not self.is_over:
+            self.is_over = True
+            raise ProtocolError(f"this is no Modbus TCP: the length in a header must be 2 to {LENGTH_MAX}")
+
+    # ---------------------------------------------------------------- requests
+
+    def _go_on(self, output: Output) -> list[Input]:
+        """Take requests in their order, up to the first write or as many as a tick allows."""
+        if output.tick != self._tick:
+            self._tick, self._left = output.tick, self._port.share
+        while self._frames and self._write is None and self._left > 0:
+            self._left -= 1
+            inputs = self._take(self._frames.popleft(), output)
+            if inputs:
+                return inputs
+        return []
+
+    def _take(self, frame: TcpFrame, output: Output) -> list[Input]:
+        try:
+            request = request_of(frame.pdu)
+            if request.function in _WRITES:
+                return self._begin(frame, request, output)
+            self._answer(frame, self._values(request, output))
+        except DeviceError as error:
+            self._refuse(frame, error.code)
+        return []
+
+    def _begin(self, frame: TcpFrame, request: Request, output: Output) -> list[Input]:
+        change = _change(request)
+        if request.function == READ_WRITE_REGISTERS:
+            # What is to be read afterwards must be there before anything is written.
+            self._values(request, output)
+        self._count += 1
+        self._write = _Write(f"{self.origin}/{self._count}", frame, request)
+        return [Do(self._write.origin, change, is_answered=True)]
+
+    def _settle(self, write: _Write, output: Output) -> None:
+        """Look for the robot's answer to a write, and pass it on."""
+        text = self._port.reply(output, write.origin)
+        if text is not None:
+            self._write = None
+            outcome = read_outcome(text)
+            if not outcome.is_done:
+                self._refuse(write.frame, ILLEGAL_VALUE)
+            elif write.request.function == READ_WRITE_REGISTERS:
+                self._answer_shown(write, outcome.detail)
+            else:
+                self._answer(write.frame, written(write.frame.pdu))
+        elif any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
+            self._write = None
+            self._refuse(write.frame, DEVICE_FAILURE)
+
+    def _answer_shown(self, write: _Write, digits: str) -> None:
+        """Answer function 23 with what the robot has read right after it wrote."""
+        count = write.request.quantity
+        try:
+            data = bytes.fromhex(digits)
+        except ValueError:
+            data = b""
+        if len(data) == 2 * count:
+            self._answer(write.frame, registers_read(READ_WRITE_REGISTERS, registers_in(data, 0, count)))
+        else:
+            # A robot that is not to be trusted any more.
+            self._refuse(write.frame, DEVICE_FAILURE)
+
+    def _values(self, request: Request, output: Output) -> bytes:
+        image, function = self._port.image(output), request.function
+        read: Callable[[int, int], list[int] | list[bool]]
+        answer, read = (bits_read, image.coils) if function in _BIT_READS else (registers_read, image.registers)
+        try:
+            return answer(function, read(request.address, request.quantity))
+        except ArgumentRangeError as error:
+            raise DeviceError(ILLEGAL_ADDRESS, function) from error
+
+    def _answer(self, frame: TcpFrame, pdu: bytes) -> None:
+        self.send(tcp_frame(frame.transaction, frame.unit, pdu))
+
+    def _refuse(self, frame: TcpFrame, code: int) -> None:
+        self._answer(frame, exception(frame.pdu[0] & 0x7F, code))
+
+
+def _change(request: Request) -> MachineRequest:
+    """What a write asks of the machine.
+
+    Raises:
+        DeviceError: an address that is not there, or that nobody writes.
+    """
+    try:
+        if request.function in (WRITE_COIL, WRITE_COILS):
+            check_writable_coils(request.address, len(request.values))
+            return WritePortCoils(request.address, tuple(map(bool, request.values)))
+        is_mixed = request.function == READ_WRITE_REGISTERS
+        first = request.write_address if is_mixed else request.address
+        check_writable_registers(first, len(request.values))
+        if is_mixed:
+            return WritePortRegisters(first, request.values, request.address, request.quantity)
+        return WritePortRegisters(first, request.values)
+    except ScriptError as error:
+        raise DeviceError(ILLEGAL_ADDRESS, request.function) from error

@@ -1,0 +1,66 @@
+"""What is there behind the programs, whether one runs or not: the MODBUS TCP signals and the serial ports.
+
+Nothing of it exists before a program asks for it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from elitescript.commands.context import Machine
+from elitescript.runtime.scheduler import Scheduler
+
+if TYPE_CHECKING:
+    from elitescript.runtime.connection import Receiver
+    from elitescript.runtime.line import Line
+    from elitescript.runtime.modbus_signals import ModbusSignals
+    from elitescript.runtime.world import Channels
+
+
+class Background:
+    """Background of a host.
+
+    Args:
+        machine: the controller.
+        scheduler: of the threads that wait for something here.
+        connections: who listens to each open channel.
+
+    Attributes:
+        lines: the serial ports that were configured, by device.
+    """
+
+    __slots__ = ("_connections", "_machine", "_modbus", "_scheduler", "lines")
+
+    def __init__(self, machine: Machine, scheduler: Scheduler, connections: dict[int, Receiver]) -> None:
+        self._machine = machine
+        self._scheduler = scheduler
+        self._connections = connections
+        self._modbus: ModbusSignals | None = None
+        self.lines: dict[str, Line] = {}
+
+    def modbus(self, channels: Channels) -> ModbusSignals:
+        """The MODBUS TCP signals.
+
+        Args:
+            channels: carry the bytes, if these are the first signals.
+        """
+        if self._modbus is None:
+            from elitescript.runtime.modbus_signals import ModbusSignals
+
+            self._modbus = ModbusSignals(self._machine, self._scheduler, channels, self._connections)
+        return self._modbus
+
+    def run_tick(self, tick: int, *, is_running: bool) -> None:
+        """Do what is due in a tick, before the threads run."""
+        if self._modbus is not None:
+            self._modbus.run_tick(tick, is_running=is_running)
+
+    def next_tick(self, tick: int, *, is_running: bool) -> int | None:
+        """Earliest tick after `tick` at which something is due."""
+        return None if self._modbus is None else self._modbus.next_tick(tick, is_running=is_running)
+
+    def close(self) -> None:
+        """The run is over, or the controller starts anew: forget the signals, close their connections."""
+        if self._modbus is not None:
+            self._modbus.close()
+            self._modbus = None

@@ -1,0 +1,220 @@
+"""A port of a robot: it accepts clients at a pace that leaves everybody else their time.
+
+A client that finds no room is refused politely: its connection is accepted and ended at once. How many were refused is
+told once at the begin of a burst and once at its end.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import socket
+import time
+from typing import Final
+
+from elitescript.messages.outputs import Output
+from elitescript.messages.timing import TICKS_PER_S
+from elitescript.services.liveness import watch_peer
+from elitescript.services.table import Connect, Service
+from elitescript.services.tcp import Client, Hub
+
+CLIENTS_MAX: Final = 64
+"""Of one service."""
+LEAVING_MAX: Final = 256
+"""Of one service, with those who are about to leave."""
+BACKLOG: Final = 512
+"""Clients that the operating system holds until they are accepted."""
+ACCEPTS_PER_TICK: Final = 8
+"""Of one service: two thousand a second, as long as there is time for it."""
+BURST_TICKS: Final = TICKS_PER_S
+"""Without a refusal, after which a burst of them is over."""
+REPORT_TICKS: Final = 10 * TICKS_PER_S
+"""A burst that goes on is told again so often."""
+NO_ROOM_S: Final = 0.25
+"""How long to wait when this process can have no more sockets."""
+
+
+class Listener:
+    """One service of one robot on one port.
+
+    Args:
+        service: its row of the table.
+        hub: the robot.
+        connect: makes connections.
+        bound: a socket that listens; the listener closes it.
+
+    Attributes:
+        clients: by origin.
+        number: of the port.
+        refused: clients that found no room.
+        expected_ns: what accepting takes, see `shares.Waiting`.
+    """
+
+    __slots__ = (
+        "_accepted",
+        "_bound",
+        "_count",
+        "_hub",
+        "_refused_tick",
+        "_task",
+        "_told",
+        "_told_tick",
+        "_turn",
+        "clients",
+        "connect",
+        "expected_ns",
+        "number",
+        "refused",
+        "service",
+    )
+
+    def __init__(self, service: Service, hub: Hub, connect: Connect, bound: socket.socket) -> None:
+        self.service = service
+        self.clients: dict[str, Client] = {}
+        self.number: int = bound.getsockname()[1]
+        self.refused = 0
+        self.expected_ns = 0
+        self._hub = hub
+        self.connect = connect
+        self._bound = bound
+        self._count = 0
+        self._accepted = 0
+        self._told = self._told_tick = self._refused_tick = 0
+        self._turn: asyncio.Future[None] | None = None
+        self._task: asyncio.Task[None] | None = None
+
+    async def open(self) -> None:
+        """Accept clients from now on."""
+        self._task = asyncio.get_running_loop().create_task(self._accept())
+
+    def publish(self, output: Output) -> None:
+        """Give every client a tick."""
+        for client in list(self.clients.values()):
+            client.publish(output)
+
+    @property
+    def count(self) -> int:
+        """Clients that are not about to leave."""
+        return sum(not client.is_leaving for client in self.clients.values())
+
+    def begin_tick(self) -> None:
+        """There is time for more clients; and whoever reads the log is told how many were refused."""
+        if self._accepted:
+            self._accepted = 0
+            if self._turn is not None:
+                self._hub.shares.wait(self, is_light=True)
+        if self._told < self.refused:
+            tick = self._hub.output.tick
+            if tick - self._refused_tick >= BURST_TICKS or tick - self._told_tick >= REPORT_TICKS:
+                self._tell_refused(f"refused {self.refused - self._told} more clients")
+
+    def go_on(self) -> None:
+        """It is its turn to accept."""
+        if self._turn is not None and not self._turn.done():
+            self._turn.set_result(None)
+
+    def release(self) -> None:
+        """Give the port back without having accepted anybody."""
+        self._bound.close()
+
+    async def close(self) -> None:
+        """Accept nobody, and let everybody go."""
+        if self._task is not None:
+            self._task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._task
+        self._bound.close()
+        for client in list(self.clients.values()):
+            client.close()
+        # One turn for the loop to close sockets that have nothing left to send; the others do not hold us up.
+        await asyncio.sleep(0)
+        for client in list(self.clients.values()):
+            client.abort()
+        await asyncio.sleep(0)
+
+    # ---------------------------------------------------------------- accepting
+
+    async def _accept(self) -> None:
+        loop = asyncio.get_running_loop()
+        while True:
+            try:
+                raw, address = await loop.sock_accept(self._bound)
+            except OSError as error:
+                if error.errno in (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM):
+                    self._refuse(f"this process can have no more sockets ({error.strerror})")
+                    await asyncio.sleep(NO_ROOM_S)
+                # Any other error is of the client that was to be accepted: it has gone already.
+                continue
+            start_ns = time.thread_time_ns()
+            if self.count >= CLIENTS_MAX or len(self.clients) >= LEAVING_MAX:
+                raw.close()
+                self._refuse(f"refused {_host_of(address)}: {CLIENTS_MAX} clients are connected")
+            else:
+                await self._welcome(raw)
+            self.expected_ns = time.thread_time_ns() - start_ns
+            self._hub.shares.charge(self.expected_ns)
+            self._accepted += 1
+            if self._accepted >= ACCEPTS_PER_TICK or self._hub.shares.is_used_up(0):
+                self._turn = loop.create_future()
+                try:
+                    await self._turn
+                finally:
+                    self._turn = None
+
+    async def _welcome(self, raw: socket.socket) -> None:
+        self._count += 1
+        origin = f"{self.service.name}#{self._count}"
+        client = Client(self._hub, self.service, self.connect(origin), self._forget)
+        self.clients[origin] = client
+        try:
+            raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            watch_peer(raw)
+            await asyncio.get_running_loop().connect_accepted_socket(lambda: client, raw)
+        except OSError:
+            # It has gone already.
+            raw.close()
+            self._forget(origin)
+
+    def _forget(self, origin: str) -> None:
+        self.clients.pop(origin, None)
+
+    def _refuse(self, why: str) -> None:
+        self.refused += 1
+        tick = self._hub.output.tick
+        is_first = self._told == self.refused - 1 and (not self._told or tick - self._refused_tick >= BURST_TICKS)
+        self._refused_tick = tick
+        if is_first:
+            self._tell_refused(why)
+
+    def _tell_refused(self, text: str) -> None:
+        count, self._told, self._told_tick = self.refused - self._told, self.refused, self._hub.output.tick
+        self._hub.note("refused", f"{self.service.name}: {text}", is_problem=True, count=count)
+
+
+def bind(host: str, number: int) -> socket.socket:
+    """A socket that listens at a port; 0 is a free one.
+
+    Raises:
+        OSError: somebody has it, or may not be had; the host is none of ours.
+    """
+    found = socket.getaddrinfo(host, number, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    family, kind, protocol, _, address = next((row for row in found if row[0] == socket.AF_INET), found[0])
+    bound = socket.socket(family, kind, protocol)
+    try:
+        if hasattr(socket, "SO_EXCLUSIVEADDRUSE"):
+            bound.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
+        else:
+            bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        bound.bind(address)
+        # Of two who bind the same port at the same moment, only one may listen.
+        bound.listen(BACKLOG)
+        bound.setblocking(False)
+    except OSError:
+        bound.close()
+        raise
+    return bound
+
+
+def _host_of(address: object) -> str:
+    return f"{address[0]}:{address[1]}" if isinstance(address, tuple) and len(address) >= 2 else "a client"

@@ -1,0 +1,102 @@
+"""Everything outside one robot of `VirtualRobot`: its task folder, its network, what is beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from elitescript.errors import UsageError
+from elitescript.messages.timing import seconds
+from elitescript.runtime.world import Channels, World
+from elitescript.worlds.cell import Cell, load_cell
+from elitescript.worlds.real_channels import RealChannels
+from elitescript.worlds.surroundings import Surroundings
+
+
+class Outside:
+    """See above.
+
+    Args:
+        world: devices, the path of a world file, or a folder and a network by themselves; this computer if None.
+        task_dir: the task folder; that of the program if None.
+        lines: serial ports of this computer by those of the robot.
+
+    Attributes:
+        cell: what a world file says about the robot itself.
+        channels: the network.
+        surroundings: what lives in the robot's time; None if nothing does.
+
+    Raises:
+        UsageError: arguments that do not go together, or a mistake in the file.
+    """
+
+    __slots__ = ("_task_dir", "_world", "cell", "channels", "surroundings")
+
+    def __init__(
+        self,
+        world: World | Surroundings | str | Path | None,
+        task_dir: str | Path | None,
+        lines: Mapping[str, str] | None,
+    ) -> None:
+        self.cell = Cell()
+        if isinstance(world, str | Path):
+            self.cell = load_cell(world)
+            world = self.cell.world
+        elif isinstance(world, Surroundings) and world.cell is not None:
+            self.cell = world.cell
+        self._task_dir = None if task_dir is None else Path(task_dir)
+        self._world: World | None = None
+        self.surroundings: Surroundings | None = None
+        self.channels: Channels
+        if isinstance(world, Surroundings):
+            self.surroundings = world
+            self.channels = world.channels
+            if lines:
+                world.lead_outside(RealChannels(lines))
+        elif world is None:
+            self.channels = RealChannels(lines)
+        elif lines:
+            raise UsageError("lines are ports of this computer; a world has its own: give one of them")
+        else:
+            self._world = world
+            self.channels = world.channels
+
+    def world_for(self, source_name: str) -> World:
+        """The world of a program; a file's own folder is its task folder unless another one was given."""
+        if self._world is not None:
+            return self._world
+        folder = self._task_dir
+        if folder is None and not source_name.startswith("<"):
+            folder = Path(source_name).resolve().parent
+        if folder is None:
+            from elitescript.worlds.memory import MemoryWorld
+
+            return MemoryWorld(channels=self.channels)
+        from elitescript.worlds.real import RealWorld
+
+        return RealWorld(folder, self.channels)
+
+    def fault(self, tick: int, kind: str, on: int | str, settings: Mapping[str, Any]) -> None:
+        """Let something go wrong on channels, from a tick on or later; see `worlds.virtual.faults.Fault`.
+
+        Raises:
+            UsageError: there is no such fault, or it makes no sense there; or no fault can be added any more.
+        """
+        if self.surroundings is not None:
+            self.surroundings.fault(kind, on, **settings)
+            return
+        from elitescript.worlds.virtual.faults import Fault
+        from elitescript.worlds.virtual.faulty_channels import FaultyChannels
+
+        fault = Fault(kind, on, **settings)
+        fault = replace(fault, at_s=max(fault.at_s, seconds(tick)))
+        if not isinstance(self.channels, FaultyChannels):
+            if tick or self._world is not None:
+                raise UsageError(
+                    "the first fault of a robot without a `World` must be given before its time begins; "
+                    "VirtualRobot(world=World(network='real')) takes faults at any time"
+                )
+            self.channels = FaultyChannels(self.channels)
+        self.channels.add(fault)
