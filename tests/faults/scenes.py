@@ -68,6 +68,7 @@ class Scene:
         before: lines that run at 0.8 s, before anything goes wrong.
         again: lines that run when nothing goes wrong any more, before the call is made once more.
         after: lines at the end, also after an alarm: what programs leave behind on purpose.
+        call_s: when the call is made.
     """
 
     on: int | str
@@ -75,6 +76,7 @@ class Scene:
     before: str = ""
     again: str = ""
     after: str = ""
+    call_s: float = 1.0
 
 
 def _rtu(line: str) -> Callable[[Row], Device]:
@@ -93,6 +95,28 @@ def slave_values() -> dict[str, Any]:
         "discrete_inputs": {0: 0, 1: 1, 2: 1},
     }
 
+
+def _modbus(row: Row) -> Device:
+    return ModbusDevice(port=502, latency_s=ANSWER_S, **slave_values())
+
+
+SIGNALS = """
+modbus_add_signal("h", 255, 2, 3, "s")
+modbus_add_signal("h", 255, 2, 1, "c")
+modbus_set_signal_watchdog("s", 0.5)
+modbus_set_signal_watchdog("c", 0.5)
+"""
+NO_SIGNALS = """
+for name in ["s", "c"]:
+  try:
+    modbus_delete_signal(name)
+  except Exception:
+    pass
+  end
+end
+"""
+RECOVERY = "sleep(6)"
+"""The controller tries to connect every 4 s in the end."""
 
 OPEN = 'socket_open("h", 5000, "a")'
 TOOL = "tool_serial_config({}, 115200, 0, 1, 8, {})"
@@ -123,5 +147,7 @@ SCENES = {
     ),
     "tool rtu": Scene("tool", _rtu("tool"), TOOL.format(True, True), "", TOOL.format(False, True)),
     "box rtu": Scene("/dev/ttymxc0", _rtu("/dev/ttymxc0"), BOX.format(True, True), "", BOX.format(False, True)),
+    "modbus": Scene(502, _modbus, SIGNALS, RECOVERY, NO_SIGNALS, call_s=3.0),
+    "modbus, added again": Scene(502, _modbus, SIGNALS, SIGNALS + RECOVERY, NO_SIGNALS, call_s=3.0),
 }
 """By name."""

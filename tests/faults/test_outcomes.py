@@ -17,14 +17,13 @@ FAULTS, ROWS = load()
 FAMILIES = ("socket", "rpc", "serial", "modbus_rtu", "modbus")
 
 FAULT_S = 0.9
-CALL_S = 1.0
 MARGIN_S = 0.05
 """More than a call takes that is over at once: connecting, the bytes on a line, trickling them."""
 
 
 def fault_of(row: Row, name: str) -> Fault:
     """The fault of a column, where a row's command meets it; it is over when the command must have returned."""
-    end_s = CALL_S + row.limit_s + 5.0
+    end_s = SCENES[row.scene].call_s + row.limit_s + 5.0
     settings = {"at_s": FAULT_S, **FAULTS[name]}
     settings.setdefault("for_s", end_s - settings["at_s"])
     return Fault(on=SCENES[row.scene].on, **settings)
@@ -44,14 +43,19 @@ def wait(until):
 end
 wait({FAULT_S - 0.1})
 {scene.before}
-wait({CALL_S})
+wait({scene.call_s})
 textmsg("begin")
 {call}
-wait({CALL_S + row.limit_s + 6.0})
+wait({scene.call_s + row.limit_s + 6.0})
 {scene.again}
 textmsg({row.call})
 {scene.after}
 """
+    return main(body)
+
+
+def main(body: str) -> str:
+    """A program of these lines."""
     return "def main():\n" + "".join(f"  {line}\n" for line in body.strip().split("\n")) + "end\n"
 
 
@@ -73,8 +77,8 @@ class Outcome:
         """Nothing is open that the program has not left open on purpose."""
         after = SCENES[row.scene].after
         if after and self.run.state == "alarm":
-            self.robot.run(f"def main():\n  {after}\nend\n")
-        self.robot.advance(0.5)
+            self.robot.run(main(after))
+        self.robot.advance(7.0)  # what is late is closed late
         assert self.world.network.open_channels == 0
         assert self.robot._host.connections == {}
         assert getattr(self.device, "connections", ()) == ()

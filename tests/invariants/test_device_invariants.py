@@ -80,7 +80,6 @@ class Session:
         self.robot.advance(6.0)
 
 
-
 def check(seed: int) -> Session:
     """A seed holds all that is promised."""
     session = Session(seed, steps=False)

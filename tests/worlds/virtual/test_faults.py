@@ -111,10 +111,20 @@ SERVICE = {"kind": "wrong_reply", "form": "http", "code": 503}
 @pytest.mark.parametrize(
     ("device", "on", "settings", "words"),
     [
-        (TcpServer(port=5000, name="camera"), 5000, EXCEPTION, "form: exception on 5000: camera there speaks no MODBUS"),
+        (
+            TcpServer(port=5000, name="camera"),
+            5000,
+            EXCEPTION,
+            "form: exception on 5000: camera there speaks no MODBUS",
+        ),
         (TcpServer(port=5000, address="h"), 5000, SERVICE, "form: http on 5000: TcpServer there speaks no XML-RPC"),
         (TcpServer(port=5000), "h:5000", SERVICE, "form: http on 'h:5000': TcpServer there speaks no XML-RPC"),
-        (SerialDevice(line="tool"), "tool", EXCEPTION, "form: exception on 'tool': SerialDevice there speaks no MODBUS"),
+        (
+            SerialDevice(line="tool"),
+            "tool",
+            EXCEPTION,
+            "form: exception on 'tool': SerialDevice there speaks no MODBUS",
+        ),
         (ModbusDevice(port=502), 502, SERVICE, "speaks no XML-RPC"),
         (XmlRpcServer(port=8000), 8000, EXCEPTION, "speaks no MODBUS"),
     ],
