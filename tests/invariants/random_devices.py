@@ -14,8 +14,22 @@ NEVER = float("inf")
 PLACES: tuple[int | str, ...] = (5000, 5001, 8000, 502, "tool", "/dev/ttymxc0")
 SETUP = """serial_config(True, 115200, 0, 1, 8, True)
 tool_serial_config(True, 38400, 0, 1)
-server = rpc_factory("xmlrpc", "h:8000")"""
-CLEANUP = "serial_config(False, 115200, 0, 1)\ntool_serial_config(False, 38400, 0, 1)"
+modbus_add_signal("h", 255, 0, 3, "r")
+modbus_add_signal("h", 255, 0, 1, "c", True, 2)
+modbus_set_signal_watchdog("r", 0.2)
+server = rpc_factory("xmlrpc", "h:8000")
+socket_open("h", 5000, "a")
+socket_open("h", 5001, "b")"""
+SIGNALS = ("r", "c", "new")
+CLEANUP = """serial_config(False, 115200, 0, 1)
+tool_serial_config(False, 38400, 0, 1)
+for name in ["r", "c", "new"]:
+  try:
+    modbus_delete_signal(name)
+  except Exception:
+    pass
+  end
+end"""
 
 
 class Chatterbox(TcpServer):
@@ -83,7 +97,7 @@ def random_world(chance: Random, seed: int) -> World:
         Scale(),
         ModbusDevice(line="/dev/ttymxc0", unit=1, latency_s=chance.choice((0.0, 0.03)), **tables),
     ]
-    faults = [random_fault(chance) for _ in range(chance.randrange(7))]
+    faults = [random_fault(chance) for _ in range(chance.randrange(9))]
     return World(devices=devices, faults=faults, seed=seed)
 
 
@@ -126,6 +140,7 @@ def random_call(chance: Random) -> tuple[str, float]:
     limit_s = wait_s or NEVER
     name = f'"{chance.choice("ab")}"'
     bit = chance.randrange(2)
+    signal = f'"{chance.choice(SIGNALS)}"'
     calls: list[tuple[str, float]] = [
         (f'socket_open("h", {chance.choice((5000, 5000, 5001, 5001, 5002))}, {name})', 2.0),
         (f'socket_open("h", {chance.choice((5000, 5001))}, {name})', 2.0),
@@ -157,6 +172,21 @@ def random_call(chance: Random) -> tuple[str, float]:
         (f"serial_modbus_read_bits(1, {bit}, 2, {wait_s})", limit_s),
         (f"serial_modbus_write_registers(1, {bit}, [5, 6], {wait_s})", limit_s),
         (f"serial_modbus_write_single_bit(1, {bit}, 1, {wait_s})", limit_s),
+        (f'modbus_add_signal("h", {chance.choice((0, 1, 255))}, {bit}, {chance.randrange(4)}, "new")', 0.0),
+        (f"modbus_delete_signal({signal})", 0.0),
+        (f"modbus_get_signal_status({signal})", 0.0),
+        (f"modbus_get_signal_status({signal})", 0.0),
+        (f"modbus_get_error({signal})", 0.0),
+        (f"modbus_get_time_since_signal_invalid({signal})", 0.0),
+        (f"modbus_set_output_register({signal}, 7)", 0.0),
+        (f"modbus_set_output_signal({signal}, [True])", 0.0),
+        (f"modbus_set_runstate_dependent_choice({signal}, {chance.randrange(4)})", 0.0),
+        (f"modbus_set_signal_update_frequency({signal}, {chance.choice((0, 1, 50, 250))})", 0.0),
+        (f"modbus_set_signal_watchdog({signal}, {wait_s})", 0.0),
+        ('modbus_send_custom_command("h", 255, 6, [0, 0, 0, 9])', 0.0),
+        (f'modbus_reset_connection("h", {chance.random() < 0.7})', 2.0),
+        ("write_port_register(256, read_port_register(256) + 1)", 0.0),
+        ("write_port_bit(60, not read_port_bit(60))", 0.0),
         ("sleep(0.05)", 0.05),
         ("sync()", 0.01),
     ]
@@ -178,8 +208,8 @@ def random_talk(chance: Random) -> tuple[str, dict[int, float]]:
 
 
 def _calls(chance: Random, limits: dict[int, float], indent: str) -> list[str]:
-    lines = [f"for n in range({chance.randrange(1, 3)}):"]
-    for _ in range(chance.randrange(2, 9)):
+    lines = [f"for n in range({chance.randrange(1, 4)}):"]
+    for _ in range(chance.randrange(5, 21)):
         call, limit_s = random_call(chance)
         number = len(limits)
         limits[number] = limit_s
@@ -191,5 +221,5 @@ def _calls(chance: Random, limits: dict[int, float], indent: str) -> list[str]:
 
 def random_secondary(chance: Random) -> str:
     """A `sec` that talks: it does not wait."""
-    calls = [f'  textmsg("sec ", {random_call(chance)[0]})' for _ in range(chance.randrange(1, 4))]
-    return "\n".join(["sec poll():", *(call.replace("server.", "rpc.") for call in calls), "end"]) + "\n"
+    calls = [random_call(chance)[0] for _ in range(chance.randrange(1, 4))]
+    return "\n".join(["sec poll():", *(f'  textmsg("sec ", {call})' for call in calls), "end"]) + "\n"

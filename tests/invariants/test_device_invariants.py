@@ -45,11 +45,13 @@ class Session:
         pace = (lambda tick: None) if steps else None
         run = self.robot.start(self.program)
         is_paused = False
-        for _ in range(chance.randrange(7)):
-            duration_s = chance.uniform(0.0, 1.5)
+        for _ in range(chance.randrange(9)):
+            duration_s = chance.uniform(0.0, 0.4)
             self.robot.advance(duration_s, pace=pace)
             self.paused_s += duration_s if is_paused else 0.0
-            act = chance.choice(("pause", "resume", "secondary", "secondary", "stop" if chance.random() < 0.3 else ""))
+            act = chance.choice(
+                ("pause", "resume", "resume", "secondary", "secondary", "stop" if chance.random() < 0.3 else "")
+            )
             is_running = self.robot.controller.task_state is TaskState.PLAYING
             if act == "pause" and is_running:
                 self.robot.pause()
@@ -64,8 +66,10 @@ class Session:
         if is_paused:
             self.robot.resume()
         # Long enough for every call to take all of its time; then whatever still waits for ever is stopped.
-        whole_s = 2.0 * sum(limit_s for limit_s in self.limits.values() if limit_s != NEVER) + len(self.limits)
-        self.robot.advance(whole_s, pace=pace)
+        whole_s = 3.0 * sum(limit_s for limit_s in self.limits.values() if limit_s != NEVER) + len(self.limits)
+        end_s = self.robot.time_s + whole_s
+        while run.state == "" and self.robot.time_s < end_s:
+            self.robot.advance(2.0, pace=pace)
         self.was_over = run.state != ""
         if not self.was_over:
             self.robot.stop()
