@@ -5,7 +5,16 @@ from __future__ import annotations
 from random import Random
 from typing import Any
 
-from elitescript.testing.world import Fault, ModbusDevice, RpcFault, SerialDevice, TcpServer, World, XmlRpcServer
+from elitescript.testing.world import (
+    Device,
+    Fault,
+    ModbusDevice,
+    RpcFault,
+    SerialDevice,
+    TcpServer,
+    World,
+    XmlRpcServer,
+)
 
 RPC_S = 1.5
 """How long a call of a procedure waits for its answer."""
@@ -88,8 +97,19 @@ class Scale(SerialDevice):
 
 def random_world(chance: Random, seed: int) -> World:
     """Devices, and what goes wrong with them."""
+    devices = random_devices(chance)
+    return World(devices=devices, faults=random_faults(chance), seed=seed)
+
+
+def random_faults(chance: Random) -> list[Fault]:
+    """What goes wrong."""
+    return [random_fault(chance) for _ in range(chance.randrange(9))]
+
+
+def random_devices(chance: Random) -> list[Device]:
+    """One of each kind."""
     tables: dict[str, Any] = {"holding_registers": [1, 2, 3, 4], "coils": [1, 0, 1, 0]}
-    devices = [
+    return [
         Chatterbox(chunk=chance.choice((0, 0, 1, 7))),
         Echo(),
         Procedures(duration_s=chance.choice((0.0, 0.1)), chunk=chance.choice((0, 0, 11))),
@@ -97,8 +117,6 @@ def random_world(chance: Random, seed: int) -> World:
         Scale(),
         ModbusDevice(line="/dev/ttymxc0", unit=1, latency_s=chance.choice((0.0, 0.03)), **tables),
     ]
-    faults = [random_fault(chance) for _ in range(chance.randrange(9))]
-    return World(devices=devices, faults=faults, seed=seed)
 
 
 def random_fault(chance: Random) -> Fault:

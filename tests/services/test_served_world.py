@@ -103,6 +103,22 @@ def test_a_program_meets_the_same_devices_as_in_virtual_time():
     assert bench.others == []
 
 
+@pytest.mark.parametrize("is_listening", [True, False])
+def test_a_connection_that_a_device_ends_or_refuses_is_forgotten(is_listening):
+    class Rude(TcpServer):
+        port = 5000
+
+        def opened(self, connection):
+            connection.after(0.1, connection.close)
+
+    bench = Bench(World(devices=[Rude(is_listening=is_listening)]))
+    body = '  for n in range(3):\n    socket_open("h", 5000)\n    sleep(0.3)\n  end\n  textmsg("done")'
+    bench.run(300, RunUnit("test", "program", f"def main():\n{body}\nend\n"))
+    assert [text for _, text in bench.log] == ["done"]
+    assert bench.world._channels == {}
+    assert bench.others == []
+
+
 def test_what_no_device_has_is_left_to_others():
     world = World(devices=[Camera()], network="real")
     bench = Bench(world)

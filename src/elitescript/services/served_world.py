@@ -13,7 +13,7 @@ from functools import partial
 from typing import Final, TypeVar
 
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
-from elitescript.messages.inputs import ChannelEvent, Do, Input
+from elitescript.messages.inputs import ChannelClosed, ChannelEvent, ChannelOpened, Do, Input
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.outputs import (
     ChannelRequest,
@@ -113,6 +113,8 @@ class ServedWorld:
             number = self._channels.get(event.channel)
             if number is not None:
                 events.append(replace(event, channel=number))
+                if isinstance(event, ChannelClosed) or (isinstance(event, ChannelOpened) and not event.is_open):
+                    del self._channels[event.channel]
         inputs, self._inputs = self._inputs, []
         return inputs + events
 
