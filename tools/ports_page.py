@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.services import listener, liveness, shares, tcp
+from elitescript.services import binding, listener, liveness, shares, tcp
 from elitescript.services.broker import CHANNELS_MAX
 from elitescript.services.control_verbs import VERBS
 from elitescript.services.cycle import CATCH_UP_TICKS
@@ -48,7 +48,7 @@ def ports_page() -> str:
         "",
         "- A message is one write, without delay (`TCP_NODELAY`).",
         f"- Up to {listener.CLIENTS_MAX} clients for each port; more are accepted and closed at once.",
-        f"  No more than {listener.ACCEPTS_PER_TICK} are accepted in a tick; {listener.BACKLOG} may wait for that.",
+        f"  No more than {listener.ACCEPTS_PER_TICK} are accepted in a tick; {binding.BACKLOG} may wait for that.",
         f"- A client whose computer has vanished is let go after {liveness.UNTAKEN_S} s without a sign of life",
         "  (TCP keepalive), and what it had claimed is free.",
         "- What arrives counts from the next tick of 4 ms; what a tick gives leaves at once.",

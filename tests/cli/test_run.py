@@ -329,6 +329,20 @@ def test_devices_of_a_world_file_are_beside_the_program(run_json, tmp_path):
         ]
 
 
+def test_a_device_that_fails_ends_the_records_too(run_json, tmp_path):
+    (tmp_path / "cell.py").write_text(
+        "from elitescript.testing.world import Device\n\n\nclass Bad(Device):\n    def started(self):\n"
+        "        self.after(0.5, self.fail)\n\n    def fail(self):\n        raise ValueError('lens')\n"
+    )
+    path = tmp_path / "world.toml"
+    path.write_text("[[device]]\nclass = 'cell.py:Bad'\n")
+    code, records = run_json("def main():\n  sleep(1)\nend\n", "--world", str(path))
+    assert code == 1
+    assert (records[-1]["type"], records[-1]["state"], records[-1]["t"]) == ("end", "stopped", 0.5)
+    assert records[-2]["type"] == "device"
+    assert records[-2]["text"] == f"{tmp_path / 'cell.py'}:9: device Bad: ValueError: lens"
+
+
 def test_a_device_that_fails_is_an_error_with_its_place(program, capsys, tmp_path):
     (tmp_path / "cell.py").write_text(
         "from elitescript.testing.world import Device\n\n\nclass Bad(Device):\n    def started(self):\n        1 / 0\n"

@@ -11,8 +11,8 @@ import pytest
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
+from elitescript.services.binding import bind
 from elitescript.services.broker import CHANNELS_MAX, Broker, reason_of
-from elitescript.services.listener import bind
 from tests.services.served import run
 
 

@@ -22,6 +22,7 @@ def test_every_part_of_a_configuration_comes_back():
             planes=(SafetyPlane("table", (0.0, 0.0, 0.1), (0.0, 1.0, 3.0), pair=1),),
             tool_direction=ToolDirection((0.0, 0.0, 1.0), 0.5),
         ),
+        faults=('{"kind": "drop", "on": 5000}',),
         signals=(("flag[3]", True), ("output_float_register[1]", 0.1), ("output_int_register[1]", 7)),
     )
     shape = full_codec().shape(KernelConfig)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import pytest
 
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.services import station
-from elitescript.services.listener import bind
+from elitescript.services import binding
+from elitescript.services.binding import bind
 from elitescript.services.table import NAMES, PORT_MAX, port_numbers, spare_numbers
 from tests.protocol import modbus_client as client
 from tests.services.served import Scene, run, serving
@@ -61,9 +62,11 @@ def test_garbage_floods_and_resets_harm_nobody_else() -> None:
             good = await scene.connect("modbus")
             noise = await scene.connect("modbus")
             noise.send(b"\xff" * 500)
-            assert await noise.reader.read() == b""
+            # What the server leaves unread when it closes makes its end a reset.
+            with suppress(ConnectionResetError):
+                assert await noise.reader.read() == b""
             flood = await scene.connect("modbus")
-            flood.send(client.frame(1, client.read(3, 0, 125)) * 5000)
+            flood.send(client.frame(1, client.read(3, 0, 125)) * 3000)
             gone = await scene.connect("modbus")
             gone.send(client.frame(1, client.write(6, 300, 5)))
             gone.reset()
@@ -91,7 +94,7 @@ def refusing(monkeypatch: pytest.MonkeyPatch, *numbers: int) -> list[int]:
             raise PermissionError(13, "Permission denied")
         return bind(host, 0)
 
-    monkeypatch.setattr(station, "bind", bind_or_refuse)
+    monkeypatch.setattr(binding, "bind", bind_or_refuse)
     return tried
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from elitescript.kernel import Kernel, KernelConfig
@@ -83,8 +85,7 @@ class Bench:
         for _ in range(ticks):
             self.output = self.kernel.tick([*inputs, *self.world.inputs(self.output.tick + 1)])
             inputs = ()
-            self.others += self.world.take(self.output.requests)
-            self.world.heard(self.output)
+            self.others += self.world.take(self.output)
             self.events += self.output.events
             self.replies += self.output.replies
 
@@ -128,7 +129,7 @@ def test_what_no_device_has_is_left_to_others():
     for channel in (camera, other):
         requests.send(channel, b"x")
         requests.close(channel)
-    rest = bench.world.take(requests.take())
+    rest = bench.world.take(replace(bench.output, requests=requests.take()))
     assert [(type(request), request.channel) for request in rest] == [
         (OpenChannel, other),
         (OpenLine, other + 1),

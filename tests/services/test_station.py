@@ -13,7 +13,7 @@ from elitescript.messages.inputs import ClosePopup, Do, RunUnit
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.outputs import Output
 from elitescript.services import station
-from elitescript.services.listener import bind
+from elitescript.services.binding import bind
 from elitescript.services.table import NAMES
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Scene, run, serving

@@ -16,9 +16,10 @@ from elitescript.cli.report import JsonReport, Report, TextReport
 from elitescript.cli.settings import parse_epoch, parse_joints, parse_settings
 from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import Trace, step_ticks
-from elitescript.errors import ProgramError, UsageError
+from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.language.source import SourceFile
+from elitescript.messages.events import DeviceNoted
 from elitescript.robot import VirtualRobot
 from elitescript.wiring import EPOCH_S
 from elitescript.worlds.program_file import source_of
@@ -79,14 +80,21 @@ def run(options: argparse.Namespace) -> int:
         watch = _Watch(report, options.max_wall)
         pace = _pacer() if options.realtime else None
         with _InterruptHandler(robot) as interrupted:
-            result = robot.run(
-                unit,
-                until_s=options.until,
-                presets=presets,
-                trace=trace,
-                pace=pace,
-                watch=watch,
-            )
+            try:
+                result = robot.run(
+                    unit,
+                    until_s=options.until,
+                    presets=presets,
+                    trace=trace,
+                    pace=pace,
+                    watch=watch,
+                )
+            except ElitescriptError as error:
+                # A device beside the robot has failed. Who reads records is to hear of it, and of the end.
+                if options.json and robot.current is not None:
+                    report.event(DeviceNoted(robot.tick, "world", str(error), is_warning=True))
+                    report.end(robot.current, is_interrupted=False, overruns=None)
+                raise
     report.end(result, is_interrupted=interrupted.happened, overruns=None if pace is None else pace.overruns)
     return INTERRUPTED if interrupted.happened else EXIT_CODES[result.state]
 

@@ -23,8 +23,6 @@ CLIENTS_MAX: Final = 64
 """Of one service."""
 LEAVING_MAX: Final = 256
 """Of one service, with those who are about to leave."""
-BACKLOG: Final = 512
-"""Clients that the operating system holds until they are accepted."""
 ACCEPTS_PER_TICK: Final = 8
 """Of one service: two thousand a second, as long as there is time for it."""
 BURST_TICKS: Final = TICKS_PER_S
@@ -190,30 +188,6 @@ class Listener:
     def _tell_refused(self, text: str) -> None:
         count, self._told, self._told_tick = self.refused - self._told, self.refused, self._hub.output.tick
         self._hub.note("refused", f"{self.service.name}: {text}", is_problem=True, count=count)
-
-
-def bind(host: str, number: int) -> socket.socket:
-    """A socket that listens at a port; 0 is a free one.
-
-    Raises:
-        OSError: somebody has it, or may not be had; the host is none of ours.
-    """
-    found = socket.getaddrinfo(host, number, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-    family, kind, protocol, _, address = next((row for row in found if row[0] == socket.AF_INET), found[0])
-    bound = socket.socket(family, kind, protocol)
-    try:
-        if hasattr(socket, "SO_EXCLUSIVEADDRUSE"):
-            bound.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
-        else:
-            bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        bound.bind(address)
-        # Of two who bind the same port at the same moment, only one may listen.
-        bound.listen(BACKLOG)
-        bound.setblocking(False)
-    except OSError:
-        bound.close()
-        raise
-    return bound
 
 
 def _host_of(address: object) -> str:

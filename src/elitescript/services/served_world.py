@@ -7,11 +7,12 @@ channels are not here: the robot itself has them, so that a session can be repla
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Final, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
+from elitescript.errors import UsageError
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
 from elitescript.messages.inputs import ChannelClosed, ChannelEvent, ChannelOpened, Do, Input
 from elitescript.messages.machine import WriteSignal
@@ -29,6 +30,9 @@ from elitescript.protocol.connection import Connection
 from elitescript.worlds.virtual.agenda import DeviceError
 from elitescript.worlds.virtual.world import World
 
+if TYPE_CHECKING:
+    from elitescript.services.station import Station
+
 ORIGIN: Final = "world"
 
 T = TypeVar("T")
@@ -38,6 +42,19 @@ Say = Callable[[str, bool], None]
 
 Connect = Callable[[str, str], Connection]
 """Makes a connection from the name of a port and its origin."""
+
+
+def beside(station: Station, world: World) -> ServedWorld:
+    """A world beside the robot of a station."""
+    from elitescript.services.station import DEVICE
+
+    def connect(service: str, origin: str) -> Connection:
+        listener = station.listeners.get(service)
+        if listener is None:
+            raise UsageError(f"service: the robot has the ports {', '.join(station.listeners)}, not {service!r}")
+        return listener.connect(origin)
+
+    return ServedWorld(world, lambda text, is_problem: station.note(DEVICE, text, is_problem=is_problem), connect)
 
 
 class ServedWorld:
@@ -118,17 +135,15 @@ class ServedWorld:
         inputs, self._inputs = self._inputs, []
         return inputs + events
 
-    def heard(self, output: Output) -> None:
-        """A tick has run."""
+    def take(self, output: Output) -> list[ChannelRequest]:
+        """A tick has run: do what it asks of devices; return what it asks of others."""
+        others = [request for request in output.requests if not self._guarded(partial(self._take, request), True)]
         self._output = output
         for event in output.events:
             if isinstance(event, SignalChanged):
                 self._world.signal_changed(event.name, event.value)
         self._guarded(self._world.settle, None)
-
-    def take(self, requests: Iterable[ChannelRequest]) -> list[ChannelRequest]:
-        """Do what is asked of devices; return what is asked of others."""
-        return [request for request in requests if not self._guarded(partial(self._take, request), True)]
+        return others
 
     def close_all(self) -> None:
         """The robot has gone."""

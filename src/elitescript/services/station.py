@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
@@ -22,16 +21,16 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
-from elitescript.protocol.connection import Connection
+from elitescript.services.binding import bind_one
 from elitescript.services.broker import Broker
 from elitescript.services.cycle import Cycle
 from elitescript.services.inbox import WAITING_MAX, Inbox
-from elitescript.services.listener import Listener, bind
+from elitescript.services.listener import Listener
 from elitescript.services.lockstep import Gate, gate
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.shares import Shares
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.table import PORTS_PER_INSTANCE, services_of
+from elitescript.services.table import services_of
 
 if TYPE_CHECKING:
     from elitescript.services.served_world import ServedWorld
@@ -150,9 +149,9 @@ class Station:
         self._task: asyncio.Task[None] | None = None
         self._world: ServedWorld | None = None
         if world is not None:
-            from elitescript.services.served_world import ServedWorld
+            from elitescript.services.served_world import beside
 
-            self._world = ServedWorld(world, self._say, self._connect)
+            self._world = beside(self, world)
 
     # ---------------------------------------------------------------- what clients call
 
@@ -231,7 +230,10 @@ class Station:
         """
         try:
             for service in services_of(self.link.description.firmware):
-                bound = self._bound(service.name, host, numbers[service.name], (spares or {}).get(service.name))
+                name = service.name
+                bound, spare = bind_one(name, host, numbers[name], (spares or {}).get(name))
+                if spare:
+                    self.note("spare_port", spare, is_problem=True, port=name, number=bound.getsockname()[1])
                 connect = service.open(self.link.description)
                 self.listeners[service.name] = Listener(service, self, connect, bound)
             self._by_urgency = sorted(self.listeners.values(), key=lambda listener: listener.service.name != RTSI)
@@ -240,18 +242,6 @@ class Station:
                 listener.release()
             self.listeners.clear()
             raise
-
-    def _bound(self, name: str, host: str, number: int, spare: int | None) -> socket.socket:
-        try:
-            return bind(host, number)
-        except PermissionError as error:
-            if spare is None:
-                raise UsageError(_why_not(name, host, number, error)) from error
-        except OSError as error:
-            raise UsageError(_why_not(name, host, number, error)) from error
-        text = f"port {number} ({name}) may not be had by this user: {name} is served at {spare}"
-        self.note("spare_port", text, is_problem=True, port=name, number=spare)
-        return self._bound(name, host, spare, None)
 
     async def boot(self) -> None:
         """Bring the robot up, with one tick, so that there is something to show."""
@@ -400,23 +390,9 @@ class Station:
                 waiter.set_result(output)
         self._answered.clear()
 
-    def _say(self, text: str, is_problem: bool) -> None:
-        self.note(DEVICE, text, is_problem=is_problem)
-
-    def _connect(self, service: str, origin: str) -> Connection:
-        """A connection of a virtual device to a port."""
-        listener = self.listeners.get(service)
-        if listener is None:
-            raise UsageError(f"service: the robot has the ports {', '.join(self.listeners)}, not {service!r}")
-        return listener.connect(origin)
-
     def _carry_out(self, output: Output) -> None:
         """Do what programs ask of their connections; virtual devices see the tick."""
-        if self._world is None:
-            self.broker.carry_out(output.requests)
-        else:
-            self.broker.carry_out(self._world.take(output.requests))
-            self._world.heard(output)
+        self.broker.carry_out(output.requests if self._world is None else self._world.take(output))
 
     def _begin_reading(self) -> None:
         """Everybody has got the tick; now there is time for what clients send."""
@@ -440,18 +416,3 @@ def _counted(snapshot: Snapshot, overruns: int) -> Snapshot:
     """A snapshot with that many overruns. `dataclasses.replace` takes some times as long."""
     fields: tuple[Any, ...] = (*_ALL_BUT_OVERRUNS(snapshot), overruns)
     return Snapshot(*fields)
-
-
-def _why_not(name: str, host: str, number: int, error: OSError) -> str:
-    import errno
-
-    if error.errno == errno.EADDRINUSE:
-        return (
-            f"port {number} ({name}) is in use: another controller or `elitescript serve` has it. Stop that one, move "
-            f"all ports by {PORTS_PER_INSTANCE} with --instance 1, or this one with --port {name}=NUMBER (0: any free)"
-        )
-    if error.errno == errno.EACCES:
-        return f"port {number} ({name}) may not be had by this user: choose one above 1023 with --port {name}=NUMBER"
-    if error.errno == errno.EADDRNOTAVAIL:
-        return f"--host {host}: this computer does not have that address"
-    return f"port {number} ({name}) at {host}: {error.strerror or error}"

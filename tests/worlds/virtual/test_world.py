@@ -124,6 +124,33 @@ textmsg(socket_open("h", 5000))
     assert ["ValueError: oops" in str(error) for error in told] == [True]
 
 
+def test_a_device_that_has_failed_does_nothing_any_more():
+    class Broken(Device):
+        def started(self):
+            self.every(0.01, self.beat)
+            self.cell.watch("standard_digital_out[0]", self.seen)
+
+        def beat(self):
+            raise ValueError("beat")
+
+        def seen(self, level):
+            raise ValueError("seen")
+
+    world, told = World(devices=[Broken()]), []
+    world.on_device_failure = told.append
+    run("sleep(0.1)\nset_standard_digital_out(0, True)\nsleep(0.1)", robot=robot_in(world))
+    assert ["ValueError: beat" in str(error) for error in told] == [True]
+
+
+def test_a_call_for_a_signal_fails_in_the_name_of_the_device():
+    class Broken(Device):
+        def started(self):
+            self.cell.watch("standard_digital_out[0]", lambda level: 1 / 0)
+
+    with pytest.raises(DeviceError, match=r"test_world\.py:\d+: device Broken: ZeroDivisionError"):
+        run("set_standard_digital_out(0, True)\nsleep(0.1)", Broken())
+
+
 def test_a_world_belongs_to_one_robot():
     world = World()
     robot_in(world)

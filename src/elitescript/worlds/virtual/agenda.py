@@ -75,7 +75,9 @@ class Agenda:
             self.attempt(act, owner)
 
     def attempt(self, act: Act, owner: object) -> None:
-        """Make one call; what it raises goes to `on_failure`."""
+        """Make one call, unless its owner has failed before; what it raises goes to `on_failure`."""
+        if getattr(owner, "is_gone", False):
+            return
         if self.on_failure is None:
             act()
             return

@@ -99,7 +99,7 @@ class Device:
     def after(self, delay_s: float, call: Callable[..., Any], *arguments: Any) -> None:
         """Have something called when so much time has passed; one tick at least."""
         ticks = max(1, ticks_for(delay_s))
-        self._in_world().agenda.put(ticks, lambda: None if self._is_gone else call(*arguments), self)
+        self._in_world().agenda.put(ticks, lambda: call(*arguments), self)
 
     def every(self, period_s: float, call: Callable[..., Any], *arguments: Any) -> None:
         """Have something called again and again, for the first time after one period.
@@ -113,9 +113,8 @@ class Device:
         start, count = agenda.tick, 0
 
         def act() -> None:
-            if not self._is_gone:
-                plan()
-                call(*arguments)
+            plan()
+            call(*arguments)
 
         def plan() -> None:
             nonlocal count
@@ -149,10 +148,15 @@ class Device:
             raise UsageError(f"{self.title} is part of another world already; make a new one for each robot")
         self.check()
         self._world = world
-        self.cell = world.signals
+        self.cell = RobotSignals(world.signals, self)
 
     def begin(self) -> None:
         """The robot's time begins; for what a kind of devices does by itself, before `started`."""
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether its code has failed: it does nothing any more."""
+        return self._is_gone
 
     def leave(self) -> None:
         """Its code has failed: do nothing any more."""

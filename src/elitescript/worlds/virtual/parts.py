@@ -134,9 +134,9 @@ class Parts(Device):
         self._due_m = -self.first_m
         self._shift_m = self._drawn_m()
         signal = f"encoder_speed[{self.encoder}]"
-        self.cell.watch(signal, self._speed_changed, self)
+        self.cell.watch(signal, self._speed_changed)
         if self.pick:
-            self.cell.watch(self.pick, self._pick_changed, self)
+            self.cell.watch(self.pick, self._pick_changed)
         if self.speed_m_s:
             runs = Expression(self.runs_when) if self.runs_when else None
             counts_s = self.speed_m_s * self.counts_per_m
@@ -145,7 +145,7 @@ class Parts(Device):
                 self.cell.set(signal, counts_s if runs is None or runs.value(self.cell.read) else 0.0)
 
             for name in () if runs is None else runs.signals:
-                self.cell.watch(name, drive, self)
+                self.cell.watch(name, drive)
             drive()
         self._speed_changed(self.cell.read(signal))
         if self.every_s:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from elitescript.controller.signal_view import signal_write
@@ -19,6 +20,10 @@ class RobotSignals:
     A signal that a program has changed is known here when the tick has run. What is set here takes effect in the tick
     that is about to run, as inputs from outside do.
 
+    Args:
+        hub: what all devices share.
+        owner: the device that sees them so.
+
     Example:
         >>> from elitescript.testing.world import Device, World
         >>> class Lamp(Device):
@@ -28,19 +33,16 @@ class RobotSignals:
         >>> world = World(devices=[Lamp()])
     """
 
-    __slots__ = ("_agenda", "_changes", "_listeners", "_robot", "_watchers")
+    __slots__ = ("_hub", "_owner")
 
-    def __init__(self, agenda: Agenda) -> None:
-        self._agenda = agenda
-        self._robot: RobotPort | None = None
-        self._watchers: dict[str, list[tuple[Callable[[Value], Any], object]]] = {}
-        self._listeners: list[tuple[Callable[[str, Value], Any], object]] = []
-        self._changes: list[tuple[str, Value]] = []
+    def __init__(self, hub: SignalHub, owner: object = None) -> None:
+        self._hub = hub
+        self._owner = owner
 
     @property
     def time_s(self) -> float:
         """The robot's time, in seconds since its start."""
-        return self._agenda.time_s
+        return self._hub.agenda.time_s
 
     def read(self, name: str) -> Value:
         """The level of a signal, such as `standard_digital_out[0]`.
@@ -49,7 +51,8 @@ class RobotSignals:
             UsageError: no such signal.
         """
         row, index = parse_signal_name(name)
-        return row.default if self._robot is None else self._robot.read(row.name, index)
+        robot = self._hub.robot
+        return row.default if robot is None else robot.read(row.name, index)
 
     def set(self, name: str, value: Value, after_s: float = 0.0) -> None:
         """Set a signal, an input above all.
@@ -64,41 +67,54 @@ class RobotSignals:
         """
         if after_s < 0.0:
             raise UsageError(f"after_s must be >= 0 s, got {after_s:g}")
-        request = signal_write(name, value)
-        self._agenda.put(ticks_for(after_s), lambda: None if self._robot is None else self._robot.write(request))
+        request, hub = signal_write(name, value), self._hub
+        hub.agenda.put(ticks_for(after_s), lambda: None if hub.robot is None else hub.robot.write(request), self._owner)
 
     def pulse(self, name: str, duration_s: float, after_s: float = 0.0) -> None:
         """Set a digital signal, and clear it again when it has been high for so long."""
         self.set(name, True, after_s)
         self.set(name, False, after_s + duration_s)
 
-    def watch(self, name: str, call: Callable[[Value], Any], owner: object = None) -> None:
+    def watch(self, name: str, call: Callable[[Value], Any]) -> None:
         """Have something called with the new value whenever a signal has changed.
-
-        Args:
-            name: of the signal.
-            call: takes the value.
-            owner: whose code it is.
 
         Raises:
             UsageError: no such signal.
         """
         row, index = parse_signal_name(name)
-        self._watchers.setdefault(signal_name(SIGNALS[row.name], index), []).append((call, owner))
+        watchers = self._hub.watchers.setdefault(signal_name(SIGNALS[row.name], index), [])
+        watchers.append((call, self._owner))
 
-    def listen(self, call: Callable[[str, Value], Any], owner: object = None) -> None:
+    def listen(self, call: Callable[[str, Value], Any]) -> None:
         """Have something called with name and value of every signal that changes."""
-        self._listeners.append((call, owner))
+        self._hub.listeners.append((call, self._owner))
 
-    # ---------------------------------------------------------------- the world's side
 
-    def begin(self, robot: RobotPort) -> None:
-        """Belong to a robot."""
-        self._robot = robot
+class SignalHub:
+    """What the signals of all devices of a world share.
+
+    Args:
+        agenda: of the world.
+
+    Attributes:
+        agenda: see above.
+        robot: whose signals they are; None before there is one.
+        watchers: by name of the signal, calls and whose code they are.
+        listeners: calls for every signal.
+    """
+
+    __slots__ = ("_changes", "agenda", "listeners", "robot", "watchers")
+
+    def __init__(self, agenda: Agenda) -> None:
+        self.agenda = agenda
+        self.robot: RobotPort | None = None
+        self.watchers: dict[str, list[tuple[Callable[[Value], Any], object]]] = {}
+        self.listeners: list[tuple[Callable[[str, Value], Any], object]] = []
+        self._changes: list[tuple[str, Value]] = []
 
     def changed(self, name: str, value: Value) -> None:
         """A signal has changed in the tick that runs."""
-        if name in self._watchers or self._listeners:
+        if name in self.watchers or self.listeners:
             self._changes.append((name, value))
 
     def settle(self) -> None:
@@ -107,7 +123,7 @@ class RobotSignals:
             return
         changes, self._changes = self._changes, []
         for name, value in changes:
-            for call, owner in self._watchers.get(name, ()):
-                self._agenda.attempt(lambda call=call, value=value: call(value), owner)  # type: ignore[misc]
-            for listener, owner in self._listeners:
-                self._agenda.attempt(lambda call=listener, name=name, value=value: call(name, value), owner)  # type: ignore[misc]
+            for call, owner in self.watchers.get(name, ()):
+                self.agenda.attempt(partial(call, value), owner)
+            for listener, owner in self.listeners:
+                self.agenda.attempt(partial(listener, name, value), owner)

@@ -96,7 +96,7 @@ class Wire(Device):
 
     def started(self) -> None:
         for name in self._expression.signals:
-            self.cell.watch(name, self._look, self)
+            self.cell.watch(name, self._look)
         self._last = self._level()
         if self.edge == "both" and not self.pulse_s and self.cell.read(self.then) != self._given(self._last):
             # The cell was at rest before the robot's time began.

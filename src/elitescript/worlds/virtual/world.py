@@ -19,7 +19,7 @@ from elitescript.worlds.virtual.device import Device
 from elitescript.worlds.virtual.faults import Fault, check_protocol, check_together, place_of
 from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 from elitescript.worlds.virtual.network import VirtualNetwork
-from elitescript.worlds.virtual.signals import RobotSignals
+from elitescript.worlds.virtual.signals import SignalHub
 
 if TYPE_CHECKING:
     from elitescript.worlds.virtual.client import PortLink, TcpClient
@@ -43,7 +43,7 @@ class World(Surroundings):
             serial ports of this computer, which holds the run back to the wall clock while a connection is open.
 
     Attributes:
-        signals: of the robot.
+        signals: of the robot, as all devices share them.
         network: what programs reach.
         agenda: what happens when.
         seed: see above.
@@ -88,7 +88,7 @@ class World(Surroundings):
         self.seed = seed
         self.agenda = Agenda()
         self.agenda.on_failure = self._failed
-        self.signals = RobotSignals(self.agenda)
+        self.signals = SignalHub(self.agenda)
         self.network = VirtualNetwork(agenda=self.agenda, outside=RealChannels() if network == REAL else None)
         self._faults = list(faults)
         check_together(self._faults)
@@ -112,7 +112,7 @@ class World(Surroundings):
         device.join(self)
         self.devices.append(device)
         if type(device).signal_changed is not Device.signal_changed:
-            self.signals.listen(device.signal_changed, device)
+            device.cell.listen(device.signal_changed)
         if self._robot is not None:
             self._start(device)
 
@@ -163,7 +163,7 @@ class World(Surroundings):
             raise UsageError("this world belongs to another robot already; make a new one for each robot")
         self._robot = robot
         self.agenda.clock = lambda: robot.tick
-        self.signals.begin(robot)
+        self.signals.robot = robot
         for device in self.devices:
             self._start(device)
 

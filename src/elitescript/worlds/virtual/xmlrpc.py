@@ -111,7 +111,11 @@ class XmlRpcServer(TcpServer):
             raise RpcFault(WRONG_CALL, f"method {name!r} is not supported")
         given = tuple(arguments)
         try:
-            inspect.signature(procedure).bind(*given)
+            signature = inspect.signature(procedure)
+        except ValueError:
+            return procedure(*given)  # a function of the interpreter, which does not tell
+        try:
+            signature.bind(*given)
         except TypeError as error:
             self.warn(f"{name} was called with {len(given)} arguments: {error}")
             raise RpcFault(WRONG_CALL, f"{name}: {error}") from None
