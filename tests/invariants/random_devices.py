@@ -119,13 +119,13 @@ def random_devices(chance: Random) -> list[Device]:
     ]
 
 
-def random_fault(chance: Random) -> Fault:
+def random_fault(chance: Random, after_s: float = 0.0) -> Fault:
     """Something that goes wrong somewhere for a while."""
     on = chance.choice(PLACES)
     is_line = isinstance(on, str)
     kinds = ["silence", "drop", "delay", "duplicate", "corrupt", "trickle", "wrong_reply", "disconnect"]
     kind = chance.choice(kinds if is_line else [*kinds, "refuse"])
-    settings: dict[str, Any] = {"at_s": round(chance.uniform(0.0, 4.0), 3)}
+    settings: dict[str, Any] = {"at_s": after_s + round(chance.uniform(0.0, 4.0), 3)}
     if chance.random() < 0.8:
         settings["for_s"] = round(chance.uniform(0.01, 2.0), 3)
     if kind not in ("refuse", "disconnect"):

@@ -18,7 +18,15 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, TextMessage
 from elitescript.messages.timing import TICKS_PER_S
 from tests.findings import Finding
-from tests.invariants.random_devices import CLEANUP, NEVER, RPC_S, random_secondary, random_talk, random_world
+from tests.invariants.random_devices import (
+    CLEANUP,
+    NEVER,
+    RPC_S,
+    random_fault,
+    random_secondary,
+    random_talk,
+    random_world,
+)
 
 COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300"))
 FEW = 12
@@ -59,7 +67,9 @@ class Session:
             elif act == "resume" and is_paused:
                 self.robot.resume()
                 is_paused = False
-            elif act == "stop" and is_running:
+            elif act == "fault":
+                self.world.add_fault(random_fault(chance, self.world.agenda.time_s))
+            elif act == "stop or so" and is_running and chance.random() < 0.3:
                 self.robot.stop()
             elif act == "secondary":
                 self.robot.submit_secondary(random_secondary(chance))
@@ -99,6 +109,7 @@ def check(seed: int) -> Session:
     session.clean_up()
     assert session.world.network.open_channels == 0, seed
     assert session.robot._host.connections == {}, seed
+    assert (session.world._faulty._channels, session.world._faulty._by_inner) == ({}, {}), seed
     for device in session.world.devices:
         assert getattr(device, "connections", ()) == (), seed
     return session
