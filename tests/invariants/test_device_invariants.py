@@ -137,6 +137,7 @@ def test_whatever_goes_wrong_the_program_goes_on(seed: int) -> None:
 
 
 @pytest.mark.invariants
+@pytest.mark.slow
 @pytest.mark.timeout(600 + 5 * COUNT)
 def test_whatever_goes_wrong_many_programs_go_on(finding: Finding) -> None:
     calls = stopped = raised = 0

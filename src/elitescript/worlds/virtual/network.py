@@ -144,6 +144,8 @@ class Link:
         self._outgoing.clear()
         if self._has_stood:
             self._to_device.finish(self.peer.closed)
+        else:
+            self.peer.given_up()
 
     def stand(self) -> None:
         """The connection stands from now on."""
@@ -188,6 +190,9 @@ class Peer:
 
     def closed(self) -> None:
         """The program has closed."""
+
+    def given_up(self) -> None:
+        """The program has closed before the connection stood; nothing else is called."""
 
 
 Server = Callable[[Link], Peer | None]
