@@ -103,7 +103,7 @@ class World(Surroundings):
         for device in (*devices, *wires):
             self.add(device)
         for fault in self._faults:
-            self._check_protocol(fault)
+            self.check_fault(fault)
 
     def add(self, device: Device) -> None:
         """Put one more device there."""
@@ -138,11 +138,16 @@ class World(Surroundings):
         Raises:
             UsageError: it is a wrong reply of a protocol that nobody there speaks.
         """
-        self._check_protocol(fault)
+        self.check_fault(fault)
         self._faults.append(fault)
         self._faulty.add(fault)
 
-    def _check_protocol(self, fault: Fault) -> None:
+    def check_fault(self, fault: Fault) -> None:
+        """Refuse a fault that makes no sense with the devices that are there.
+
+        Raises:
+            UsageError: it is a wrong reply of a protocol that nobody at its place speaks.
+        """
         there = [owner for owner in self.network.owners(*place_of(fault.on)) if isinstance(owner, Device)]
         check_protocol(fault, {device.title: device.protocol for device in there})
 
