@@ -2,7 +2,7 @@
 
 Nothing takes longer than its time-out, nothing ends the program but what the program does, nothing stays open, and the
 same seed gives the same record to the last event, in leaps or in steps.
-`ELITESCRIPT_INVARIANTS` sets how many are tried (300 if unset).
+A fifth of `ELITESCRIPT_INVARIANTS` says how many are tried (of 300 if unset).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from tests.invariants.random_devices import (
     random_world,
 )
 
-COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300"))
+COUNT = max(20, int(os.environ.get("ELITESCRIPT_INVARIANTS", "300")) // 5)
 FEW = 12
 
 MARGIN_S = 0.1
@@ -91,7 +91,7 @@ class Session:
     def clean_up(self) -> None:
         """End what outlives a program by design."""
         self.robot.run("def clean():\n  " + CLEANUP.replace("\n", "\n  ") + "\nend\n")
-        self.robot.advance(6.0)
+        self.robot.advance(60.0)  # what is late or trickles is closed behind it
 
 
 def check(seed: int) -> Session:
@@ -148,7 +148,7 @@ def test_whatever_goes_wrong_many_programs_go_on(finding: Finding) -> None:
         raised += sum(text.startswith("raised ") for text in texts)
         stopped += session.state == "stopped"
     assert calls > COUNT
-    assert raised
+    assert raised and stopped
     finding(
         "programs that talk to faulty devices",
         f"{COUNT} programs, {calls} calls, {raised} raised, {stopped} programs stopped; each twice and in steps",
