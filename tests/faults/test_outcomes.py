@@ -82,6 +82,7 @@ class Outcome:
         assert self.world.network.open_channels == 0
         assert self.robot._host.connections == {}
         assert getattr(self.device, "connections", ()) == ()
+        assert getattr(self.device, "_link", None) is None, "the device has not seen the close"
 
 
 ids = [row.title for row in ROWS]
