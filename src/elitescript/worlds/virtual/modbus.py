@@ -17,6 +17,7 @@ from elitescript.modbus.pdu import (
 )
 from elitescript.modbus.slave import RtuSlave, Slave, TcpSlave
 from elitescript.worlds.virtual.device import Device, check_number, check_text
+from elitescript.worlds.virtual.faults import MODBUS
 from elitescript.worlds.virtual.network import Endpoint, Link
 from elitescript.worlds.virtual.serial import BAUD_MAX, LineDevice, line_device
 from elitescript.worlds.virtual.tcp import LATENCY_MAX_S, TcpConnection, TcpServer
@@ -253,6 +254,7 @@ class _Memory:
 class _Bus:
     """Carries requests to the devices at one place."""
 
+    protocol = MODBUS
     slaves: dict[int, Slave]
     asked: Device | None = None
     """The device that was asked last, whose code may have failed."""
