@@ -2,12 +2,11 @@
 
 Nothing takes longer than its time-out, nothing ends the program but what the program does, nothing stays open, and the
 same seed gives the same record to the last event, in leaps or in steps.
-A fifth of `ELITESCRIPT_INVARIANTS` says how many are tried (of 300 if unset).
+A fifth of `ELITESCRIPT_INVARIANTS` says how many are tried (of 150 if unset).
 """
 
 from __future__ import annotations
 
-import os
 import re
 from random import Random
 
@@ -18,6 +17,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, TextMessage
 from elitescript.messages.timing import TICKS_PER_S
 from tests.findings import Finding
+from tests.invariants.cases import CASES
 from tests.invariants.random_devices import (
     CLEANUP,
     NEVER,
@@ -28,7 +28,7 @@ from tests.invariants.random_devices import (
     random_world,
 )
 
-COUNT = max(20, int(os.environ.get("ELITESCRIPT_INVARIANTS", "300")) // 5)
+COUNT = max(20, CASES // 5)
 FEW = 12
 
 MARGIN_S = 0.1
