@@ -98,6 +98,14 @@ def test_analog_domains_are_told():
     assert cell.look().domains["standard_analog_out"] == (AnalogDomain.VOLTAGE, AnalogDomain.CURRENT)
 
 
+def test_a_resting_arm_feels_the_sensor_of_a_client_as_soon_as_a_program_asks_for_it():
+    cell = Cell("sleep(0.1)\nft_rtsi_input_enable(True, 0.0, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0])\nsleep(1)")
+    for index in range(6):
+        cell.robot.controller.request(WriteSignal("external_force_torque", index, 7.0))
+    assert cell.look().tcp_force == ZERO_SIX
+    assert cell.wait(0.5).tcp_force != ZERO_SIX
+
+
 def test_speed_scaling_follows_the_slider_in_a_ramp_and_is_zero_in_a_pause():
     cell = Cell(MOVE)
     cell.robot.advance(0.5)

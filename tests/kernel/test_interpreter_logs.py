@@ -6,7 +6,14 @@ from io import BytesIO
 
 import pytest
 
-from elitescript.kernel.interpreter_logs import DELAY_TICKS, EXECUTION_NAME, OLD_SUFFIX, RECEIVED_NAME, SIZE_MAX
+from elitescript.kernel.interpreter_logs import (
+    DELAY_TICKS,
+    EXECUTION_NAME,
+    OLD_SUFFIX,
+    RECEIVED_NAME,
+    SIZE_MAX,
+    InterpreterLogs,
+)
 from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Interpret, InterpreterWord
 from elitescript.messages.machine import StopTask
@@ -111,3 +118,17 @@ def test_one_that_cannot_be_written_is_told_once(monkeypatch: pytest.MonkeyPatch
         "a log of interpreter mode cannot be written: No space left on device"
     ]
     assert talk.replies[-1] == "ack: 3: g = 2"
+
+
+def test_two_that_fail_for_different_reasons_are_told_once_each() -> None:
+    class Failing(MemoryFiles):
+        def kind(self, name: str) -> str:
+            raise OSError(28 if "received" in name else 13, f"cannot write {name}")
+
+    logs, told = InterpreterLogs(Failing({})), []
+    for tick in range(20 * DELAY_TICKS):
+        logs.begin_tick(tick)
+        logs.received.add("a")
+        logs.execution.add("b")
+        told.append(logs.end_tick())
+    assert len([text for text in told if text]) == 2

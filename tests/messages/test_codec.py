@@ -20,7 +20,7 @@ from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import MachineRequest, SetTcp, WriteSignal
 from elitescript.messages.outputs import ChannelRequest, Output
 from elitescript.messages.plant import PlantConfig
-from elitescript.messages.signals import SIGNALS
+from elitescript.messages.signals import SIGNALS, Signal
 from elitescript.messages.snapshot import Snapshot
 from tests.protocol.snapshots import output
 
@@ -64,6 +64,10 @@ class Maker:
             return random.choice(list(kind))
         return self.message(kind)
 
+    def level(self, row: Signal, kind: type) -> Any:
+        value = self.make(kind)
+        return min(value, row.high) if kind is int and row.high is not None else value
+
     def message(self, kind: type) -> Any:
         if kind.__name__ == "PlantConfig":
             return kind(lag_s=0.01, seed=3)
@@ -74,7 +78,7 @@ class Maker:
         if kind is Snapshot:
             kinds = {"bool": bool, "int": int, "float": float}
             values["signals"] = {
-                name: tuple(self.make(kinds[row.kind]) for _ in range(row.size)) for name, row in SIGNALS.items()
+                name: tuple(self.level(row, kinds[row.kind]) for _ in range(row.size)) for name, row in SIGNALS.items()
             }
         if kind is RunUnit:
             values["kind"] = self.random.choice(inputs.UNIT_KINDS)

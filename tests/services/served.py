@@ -39,6 +39,11 @@ class Scene:
         for _ in range(count):
             await self.station.next_output()
 
+    async def stands(self) -> None:
+        """Wait until time stands still in lockstep."""
+        while not self.station._is_standing:
+            await asyncio.sleep(0)
+
     async def until(self, condition: Any) -> None:
         """Wait, tick by tick, until a condition holds."""
         while not condition():

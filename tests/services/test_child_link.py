@@ -27,6 +27,7 @@ from elitescript.services.child_link import BOOTS_MAX, ChildLink
 from elitescript.services.child_process import child_environment, processor_time_s
 from elitescript.services.config_codec import full_codec
 from elitescript.services.cycle import Cycle
+from elitescript.services.inbox import Inbox
 from elitescript.services.jail import is_complete
 from elitescript.services.journal import Journal, JournalReader
 from elitescript.services.last_words import HINT
@@ -273,6 +274,57 @@ class TestLink:
                 children[0].answer()
             await waiting
             assert [letter for letter, _ in children[0].told].count(frames.TICK) == 6
+
+        with_link(body)
+
+    def test_a_child_that_answers_too_slowly_holds_time_back(self, children, monkeypatch):
+        """Who keeps time counts it then; otherwise what is asked for would be done later and later."""
+        monkeypatch.setattr(child_link, "LAG_MAX", 4)
+
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            for _ in range(4):
+                await link.tick(())
+            for _ in range(10):
+                waiting = asyncio.get_running_loop().create_task(link.tick(()))
+                await asyncio.sleep(0)
+                assert not waiting.done()
+                children[0].answer()
+                await waiting
+                assert len(link._unanswered) == 4
+
+        with_link(body)
+
+    def test_a_child_that_does_not_answer_at_all_holds_nothing_back(self, children, clock, monkeypatch):
+        monkeypatch.setattr(child_link, "LAG_MAX", 4)
+
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick(())
+            clock[0] += 2 * child_link.LAG_S
+            for _ in range(10):
+                await link.tick(())
+            assert len(link._unanswered) == 11
+
+        with_link(body)
+
+    def test_programs_reach_a_child_that_never_catches_up(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            box = Inbox()
+            box.post([RunUnit("primary#1", "program", "def p():\n  pass\nend\n") for _ in range(3)])
+            for _ in range(2 * held_inputs.BUSY_TICKS):
+                await link.tick(())
+            taken = []
+            for _ in range(30):
+                found = box.take(link.room)
+                taken.append(len(found))
+                await link.tick(found)
+            assert sum(taken) == 3
+            assert max(taken) == 1
 
         with_link(body)
 

@@ -165,7 +165,7 @@ class TestJournal:
 
 
 class TestJournalReader:
-    @pytest.mark.parametrize("text", ["", "x\n", "[]\n", "{}\n", '{"journal":1}\n', '{"journal":1,"config":[1]}\n'])
+    @pytest.mark.parametrize("text", ["", "x\n", "[]\n", "{}\n", '{"journal":2}\n', '{"journal":2,"config":[1]}\n'])
     def test_refuses_what_is_no_journal(self, tmp_path, text):
         path = tmp_path / "a.journal"
         path.write_text(text)
@@ -174,8 +174,10 @@ class TestJournalReader:
 
     def test_refuses_another_format(self, tmp_path):
         path = tmp_path / "a.journal"
-        path.write_text('{"journal":99,"config":[]}\n')
-        with pytest.raises(UsageError, match="99"):
+        path.write_text('{"journal":1,"version":"0.1.2","config":[]}\n')
+        with pytest.raises(
+            UsageError, match=r"line 1: a journal of format 1, written by elitescript 0\.1\.2; 2 is known"
+        ):
             JournalReader(path)
 
     def test_names_a_line_in_the_middle_that_is_none(self, recorded):

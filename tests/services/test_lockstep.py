@@ -111,13 +111,29 @@ def test_time_goes_on_by_itself_before_and_after() -> None:
             await scene.ticks(3)
             partner = await Partner.join(scene)
             await partner.take()
+            await scene.stands()
             partner.peer.send(rtsi_client.message("P"))
             await partner.peer.rtsi("P")
             # The pause is an answer as good as any: nobody takes part any more.
             await scene.ticks(3)
             partner.peer.send(rtsi_client.message("S"))
             await partner.take()
+            await scene.stands()
             partner.peer.reset()
+            await scene.ticks(3)
+
+    run(test())
+
+
+@pytest.mark.parametrize("farewell", [b"", rtsi_client.message("U", b"\x01")[:1], b"\x00\x00\x00"])
+def test_time_does_not_wait_for_who_has_ended_its_half_or_is_closed(farewell: bytes) -> None:
+    async def test() -> None:
+        async with serving(is_lockstep=True) as scene:
+            partner = await Partner.join(scene)
+            await partner.take()
+            await scene.stands()
+            partner.peer.send(farewell)
+            partner.peer.half_close()
             await scene.ticks(3)
 
     run(test())

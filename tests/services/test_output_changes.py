@@ -82,6 +82,8 @@ def changes(rest=None, *, bits=0, numbers=b"", tick=2):
         changes([[], [], [], [], [2, "7"]]),
         changes([[["Kernel"]], [], [], [], []]),
         changes({}),
+        changes(tick=-1),
+        changes(tick=2**62),
         changes() + b"[",
         changes() + b"\xff",
         changes(bits=1),

@@ -236,6 +236,16 @@ def test_who_floods_waits_while_ticks_begin_late(hub):
     assert 0 < spent[1] < 0.2 * spent[0]
 
 
+def test_robots_of_one_process_share_its_time(hub):
+    hub.shares.robots = 3
+    floods = [hub.connect(300) for _ in range(10)]
+    for _ in range(300):
+        for one in floods:
+            one.wire.waiting = 1_000_000
+        hub.tick()
+    assert 0.9 * TICK_NS / 3 <= sum(hub.spent[100:]) / 200 <= 1.1 * TICK_NS / 3
+
+
 def test_debts_are_not_for_ever():
     shares = Shares()
     shares.charge(10**12)

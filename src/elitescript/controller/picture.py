@@ -52,6 +52,7 @@ class _Key(NamedTuple):
     payload: Payload
     gravity: Three
     zero: Six
+    client_sensor: tuple[float, float, float] | None
     image: Mapping[str, object]
 
 
@@ -132,6 +133,7 @@ class Pictures:
             setup.payload,
             setup.gravity,
             sensor.zero,
+            sensor.client_offset,
             controller.signals.image,
         )
         if key != self._key:

@@ -89,12 +89,12 @@ class InterpreterLogs:
         execution: every statement when it begins and when it is over, with its number.
     """
 
-    __slots__ = ("_failure", "execution", "received")
+    __slots__ = ("_failures", "execution", "received")
 
     def __init__(self, files: Files) -> None:
         self.received = Log(files, RECEIVED_NAME)
         self.execution = Log(files, EXECUTION_NAME)
-        self._failure = ""
+        self._failures: dict[Log, str] = {}
 
     def begin_tick(self, tick: int) -> None:
         """A tick begins."""
@@ -108,7 +108,8 @@ class InterpreterLogs:
                 log.end_tick()
             except (OSError, ScriptError) as error:
                 why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-                if why != self._failure:
-                    self._failure = why
+                is_news = why not in self._failures.values()
+                self._failures[log] = why
+                if is_news:
                     return f"a log of interpreter mode cannot be written: {why}"
         return ""

@@ -173,6 +173,7 @@ class Kernel:
 
     def _take(self, inputs: Sequence[Input]) -> None:
         self._conversations.go_on()
+        self._programs.go_on()
         for event in self._faulty.arrivals(self._controller.tick):
             self._hand(event)
         for item in inputs:

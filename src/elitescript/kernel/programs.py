@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from elitescript.controller.controller import Controller
 from elitescript.errors import ProgramError, ScriptError
+from elitescript.kernel.nonsense import Nonsense
 from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import LINE, SECONDARY, Options
@@ -34,13 +35,18 @@ class Programs:
         presets: values that program globals have before a program begins.
     """
 
-    __slots__ = ("_controller", "_host", "_is_strict", "presets")
+    __slots__ = ("_controller", "_host", "_is_strict", "_nonsense", "presets")
 
     def __init__(self, controller: Controller, host: ScriptHost, *, is_strict: bool) -> None:
         self._controller = controller
         self._host = host
         self._is_strict = is_strict
+        self._nonsense = Nonsense(self._warn)
         self.presets: dict[str, object] = {}
+
+    def go_on(self) -> None:
+        """A tick begins."""
+        self._nonsense.go_on(self._controller.tick)
 
     def run(self, unit: RunUnit) -> None:
         """Run a unit: a program or a line replaces what runs, a secondary program runs beside it.
@@ -51,7 +57,8 @@ class Programs:
         try:
             compiled = self.compiled(f"<{unit.origin}>", unit.text, unit.kind)
         except ProgramError as error:
-            self.report(error, unit.kind, unit.origin)
+            if unit.kind != LINE or self._nonsense.is_told(unit.origin, self._controller.tick):
+                self.report(error, unit.kind, unit.origin)
             return
         if unit.kind == SECONDARY:
             try:
@@ -60,8 +67,9 @@ class Programs:
                 self._warn(f"{SECONDARY_WARNING}{error}")
             return
         if unit.kind == LINE and (name := self._missing_name(unit.text)):
-            text = f"name {name!r} is not defined"
-            self._alarm("R100", "NameError", text, 1, 1, unit.origin, unit.text.split("\n", 1)[0])
+            if self._nonsense.is_told(unit.origin, self._controller.tick):
+                text = f"name {name!r} is not defined"
+                self._alarm("R100", "NameError", text, 1, 1, unit.origin, unit.text.split("\n", 1)[0])
             return
         self.start(compiled, compiled.name)
 

@@ -47,6 +47,7 @@ from elitescript.messages.shapes import (
     write_text,
 )
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
+from elitescript.messages.timing import TICK_MAX
 
 T = TypeVar("T")
 
@@ -92,7 +93,13 @@ _BOUNDS: Final[dict[tuple[str, str], tuple[int, int]]] = {
     ("RobotDescription", "firmware"): (0, INT32_HIGH),
     ("RobotDescription", "safety_checksum"): (0, 2**32 - 1),
 }
-"""Whole numbers that end in a field of a packet: their range. Other whole numbers have 64 bits."""
+"""Whole numbers that end in a field of a packet: their range."""
+
+_BOUNDS_BY_NAME: Final = {"tick": (0, TICK_MAX), "line": (0, INT32_HIGH), "column": (0, INT32_HIGH)}
+"""The same for fields of this name in any class."""
+
+_WIDEST: Final = (-INT_LIMIT, INT_LIMIT - 1)
+"""Range of all other whole numbers."""
 
 
 class Codec:
@@ -125,7 +132,7 @@ class Codec:
         Raises:
             TypeError: there is none for that type.
         """
-        return self._shape(kind, (-INT_LIMIT, INT_LIMIT - 1))
+        return self._shape(kind, _WIDEST)
 
     def field_shapes(self, kind: type) -> dict[str, Shape[Any]]:
         """The shape of every field of a registered class, in the order in which they are written.
@@ -138,7 +145,7 @@ class Codec:
         return {
             field.name: SIGNAL_IMAGE
             if (name, field.name) == ("Snapshot", "signals")
-            else self._shape(hints[field.name], _BOUNDS.get((name, field.name), (-INT_LIMIT, INT_LIMIT - 1)))
+            else self._shape(hints[field.name], _bounds_of(name, field.name))
             for field in fields(kind)
             if field.init
         }
@@ -265,6 +272,10 @@ class Codec:
             return {read_text(key): one.decode(item) for key, item in data.items()}
 
         return Shape(encode, decode)
+
+
+def _bounds_of(kind: str, field: str) -> tuple[int, int]:
+    return _BOUNDS.get((kind, field)) or _BOUNDS_BY_NAME.get(field, _WIDEST)
 
 
 def to_text(data: Any) -> str:

@@ -250,6 +250,8 @@ def _family_writer(row: Signal) -> Encode:
 
 def _family_reader(row: Signal) -> Decode:
     size, only_int = row.size, {int}
+    low = INT32_LOW if row.low is None else row.low
+    high = INT32_HIGH if row.high is None else row.high
 
     def read_levels(data: Any) -> tuple[bool, ...]:
         if type(data) is not str or len(data) != size or data.strip("01"):
@@ -258,8 +260,8 @@ def _family_reader(row: Signal) -> Decode:
 
     def read_ints(data: Any) -> tuple[int, ...]:
         check_list(data, size)
-        if set(map(type, data)) != only_int or min(data) < INT32_LOW or max(data) > INT32_HIGH:
-            raise CodecError(f"{row.name}: whole numbers of 32 bits are expected")
+        if set(map(type, data)) != only_int or min(data) < low or max(data) > high:
+            raise CodecError(f"{row.name}: whole numbers in [{low:.0f}, {high:.0f}] are expected")
         return tuple(data)
 
     if row.kind == "bool":

@@ -12,6 +12,9 @@ PERIOD_S: Final = 0.004
 
 TICKS_PER_S: Final = 250
 
+TICK_MAX: Final = 2**50
+"""No tick of a message lies behind it: its time in microseconds has a place in every packet."""
+
 _ROUNDING_TICKS: Final = 1e-9
 """A duration this little above a whole number of ticks is that number: it is rounding, not time."""
 

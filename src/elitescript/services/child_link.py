@@ -2,8 +2,8 @@
 
 A tick is sent to the child, and its output taken, within the period. A child that is a little late is waited for, so
 that nothing is missing; if it takes longer, clients see the last picture meanwhile, the ticks queue up, and the child
-makes up for them. One that is silent for too long (`patience`), ends or talks nonsense is killed and reported; a fresh
-child goes on from the last picture, soon or later.
+makes up for them; while it cannot, ticks leave late. One that is silent for too long (`patience`), ends or talks
+nonsense is killed and reported; a fresh child goes on from the last picture, soon or later.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ from elitescript.runtime.world import Files, FilesRefused
 from elitescript.services import frames
 from elitescript.services.child_process import ChildProcess
 from elitescript.services.config_codec import full_codec
-from elitescript.services.held_inputs import HELD_MAX, HeldInputs
+from elitescript.services.cycle import CATCH_UP_TICKS
+from elitescript.services.held_inputs import BEHIND_TICKS, HELD_MAX, HeldInputs, room_for
 from elitescript.services.jail import MEMORY_MAX, Layer
 from elitescript.services.journal import Journal
 from elitescript.services.last_words import last_words
@@ -42,10 +43,10 @@ GRACE_S: Final = 0.1
 """How long outputs that are late are waited for, if the others were in time: ticks leave late then, but all of them."""
 GRACE_PER_TICK_S: Final = 0.0025
 """How much of it every tick gives back; timers of an event loop may add 1 ms."""
-BEHIND_TICKS: Final = 3
-"""Ticks behind which no output is waited for."""
-BUSY_TICKS: Final = 10
-"""Ticks behind which a child gets nothing that is much work until it has caught up."""
+LAG_MAX: Final = CATCH_UP_TICKS
+"""Ticks behind which time waits for a child that goes on answering: what is asked for is done half a second later."""
+LAG_S: Final = 0.1
+"""How long it waits in each tick, and how long the child may have been silent before."""
 TRACE_S: Final = 0.05
 """How long a child that is given up may take to say where it is."""
 READING_MAX_S: Final = 0.25
@@ -177,8 +178,7 @@ class ChildLink:
         """Share of a tick's work for clients that the child can do: less, the more it is behind; None without one."""
         if self._child is None or not self._is_describing or self._end_reason or len(self._held):
             return None
-        late = self._next - self._unanswered[0].tick if self._unanswered else 0
-        return 1.0 if late <= BEHIND_TICKS else max(0.0, 1.0 - late / BUSY_TICKS)
+        return room_for(self._next - self._unanswered[0].tick if self._unanswered else 0)
 
     @property
     def pid(self) -> int:
@@ -216,6 +216,9 @@ class ChildLink:
         self._held.add(inputs)
         if self._child is None and tick >= self._restart_at:
             self._start_again(tick)
+        if len(self._unanswered) >= LAG_MAX and self._patience.silent_s() < LAG_S:
+            # Its ticks last longer than a period; whoever keeps time finds itself late, and counts it.
+            await self._wait_until(lambda: len(self._unanswered) < LAG_MAX or bool(self._end_reason), LAG_S)
         if len(self._unanswered) >= UNANSWERED_MAX:
             # Only who does not pace its calls gets here.
             room = UNANSWERED_MAX // 2
@@ -286,9 +289,9 @@ class ChildLink:
         self._grace_left_s = min(max(self._grace_left_s, 0.0) + GRACE_PER_TICK_S, self._grace_s)
         if self._grace_s >= self._patience.patience_s:
             return self._patience.patience_s
-        is_behind = bool(self._unanswered) and tick - self._unanswered[0].tick >= BEHIND_TICKS
         # A fresh child has its robot to make.
-        return 0.0 if is_behind or self._boots else self._grace_left_s
+        is_behind = self._boots or (self._unanswered and tick - self._unanswered[0].tick >= BEHIND_TICKS)
+        return 0.0 if is_behind else self._grace_left_s
 
     def _send_tick(self, tick: int) -> None:
         assert self._child is not None
@@ -367,15 +370,13 @@ class ChildLink:
             return
         if not self._unanswered or self._child is None:
             return
-        if not self._patience.is_over(
-            tick - self._unanswered[0].tick, self._child.worked_s, is_fresh=bool(self._boots)
-        ):
+        asked_ticks = tick - self._unanswered[0].tick
+        if not self._patience.is_over(asked_ticks, self._child.worked_s, is_fresh=bool(self._boots)):
             return
-        now_s = time.monotonic()
         if not self._given_up_s:
-            self._given_up_s = now_s
+            self._given_up_s = time.monotonic()
             self._child.ask_where()
-        elif self._child.where() is not None or now_s - self._given_up_s > TRACE_S:
+        elif self._child.where() is not None or time.monotonic() - self._given_up_s > TRACE_S:
             self._replace(tick, f"a call of the program did not come back for {self._patience.silent_s():.2f} s")
 
     def _replace(self, tick: int, reason: str) -> None:

@@ -208,8 +208,8 @@ class Answers:
         if len(self._texts) == len(self._origins):
             self.finished.set_result(None)
         elif not self._ticks_left:
-            seconds = f"{REPLY_TICKS * PERIOD_S:g} s"
-            self.finished.set_exception(UsageError(f"the robot has not answered for {seconds} of its time"))
+            text = f"the robot has not answered for {REPLY_TICKS * PERIOD_S:g} s of its time; it may do it later"
+            self.finished.set_exception(UsageError(text))
         return not self.finished.done()
 
 

@@ -6,8 +6,8 @@ time does not show it.
 
 The timers of an event loop have a resolution of 1 ms; on Linux a `timerfd` wakes us within 0.1 ms instead. A tick that
 begins late is counted; ticks that have been missed are made up for, one after the other, so that robot time and wall
-clock agree again. If the computer was away for longer than `CATCH_UP_TICKS`, the ticks beyond that are *left out*:
-robot time stands still for so long, and whoever listens is told.
+clock agree again. If more than `CATCH_UP_TICKS` have been missed, because the computer was away or ticks last longer
+than their period, all of them are *left out*: robot time stands still for so long, and whoever listens is told.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Cycle:
 
     Attributes:
         overruns: ticks that began late by a period or more.
-        left_out: ticks that never were, because the computer was away.
+        left_out: ticks that never were, because the computer was away or too slow.
         worst_ns: the latest beginning of a tick since `worst_ns` was last set to 0.
     """
 

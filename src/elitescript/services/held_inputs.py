@@ -13,6 +13,17 @@ HELD_MAX: Final = 50_000
 """Inputs of clients that wait while there is no child; more are refused. Who looks at `room` never gets there."""
 PORTION_NS: Final = 10 * WORK_NS
 """Price of what a child gets in a tick; more than an inbox gives, so that only what has piled up is spread."""
+BEHIND_TICKS: Final = 3
+"""Ticks behind which no output is waited for."""
+BUSY_TICKS: Final = 10
+"""Ticks behind which a child gets hardly anything that is much work until it has caught up."""
+ROOM_MIN: Final = 0.05
+"""Share of a tick's work for clients that is left then: one that never catches up can be given another program."""
+
+
+def room_for(late_ticks: int) -> float:
+    """Share of a tick's work for clients that a child can do, 0 to 1: less, the more ticks it is behind."""
+    return 1.0 if late_ticks <= BEHIND_TICKS else max(ROOM_MIN, 1.0 - late_ticks / BUSY_TICKS)
 
 
 class HeldInputs:

@@ -2,7 +2,7 @@
 
 One JSON text a line:
 
-    {"journal": 1, "version": ..., "python": ..., "hash_seed": ..., "config": [...]}
+    {"journal": 2, "version": ..., "python": ..., "hash_seed": ..., "config": [...]}
     {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
@@ -38,7 +38,8 @@ from elitescript.services.config_codec import full_codec, output_text
 from elitescript.services.journal_file import JournalFile
 from elitescript.services.journal_records import DIGEST_TICKS, RecordError, RecordReader
 
-FORMAT: Final = 1
+FORMAT: Final = 2
+"""To be raised with every change of a record, of a message that is in one, or of a configuration."""
 LINE_MAX: Final = 64 * 1024 * 1024
 _NOTHING: Final = to_text([])
 
@@ -194,8 +195,12 @@ class JournalReader:
             raise UsageError(f"{path}: {error.strerror or error}") from error
         try:
             self.header: dict[str, Any] = json.loads(first)
-            if self.header["journal"] != FORMAT:
-                raise UsageError(f"{path}: a journal of format {self.header['journal']!r}; {FORMAT} is known")
+            if (found := self.header["journal"]) != FORMAT:
+                version = str(self.header.get("version", "unknown"))[:20]
+                raise UsageError(
+                    f"{path}: line 1: a journal of format {str(found)[:20]}, written by elitescript {version}; "
+                    f"{FORMAT} is known here: replay it with the version that wrote it"
+                )
             self.config = self._codec.shape(KernelConfig).decode(self.header["config"])
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             at = getattr(error, "pos", getattr(error, "start", 0))

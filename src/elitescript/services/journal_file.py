@@ -52,8 +52,8 @@ class JournalFile:
         "_looked_s",
         "_news",
         "_synced_s",
+        "_taken",
         "_thread",
-        "_waiting",
         "_written",
         "failure",
     )
@@ -62,7 +62,8 @@ class JournalFile:
         self._descriptor = _opened(path)
         self._is_file = stat.S_ISREG(os.fstat(self._descriptor).st_mode)
         self._lines: deque[bytes] = deque()
-        self._waiting = 0
+        self._taken = 0
+        """Bytes that were put; only the caller changes it, and only the thread what is written."""
         self._written = 0
         self._news = threading.Event()
         self._is_closing = False
@@ -75,10 +76,10 @@ class JournalFile:
         """Have a line written; never waits."""
         if self.failure:
             return
-        if self._waiting + len(line) > WAITING_MAX:
+        if self._taken - self._written + len(line) > WAITING_MAX:
             self.failure = f"the disk is too slow: {WAITING_MAX >> 20} MiB wait for it"
             return
-        self._waiting += len(line)
+        self._taken += len(line)
         self._lines.append(line)
         self._news.set()
 
@@ -114,7 +115,6 @@ class JournalFile:
             data = b"".join(self._lines.popleft() for _ in range(len(self._lines)))
             write(self._descriptor, data)
             self._written += len(data)
-            self._waiting -= len(data)
         if now_s - self._synced_s >= SYNC_S:
             self._synced_s = now_s
             self._sync()

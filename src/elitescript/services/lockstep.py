@@ -40,7 +40,7 @@ def gate(clients: Mapping[str, Client]) -> Gate:
     behind = ""
     for client in clients.values():
         connection = client.connection
-        if not isinstance(connection, RtsiConnection) or not connection.is_streaming:
+        if not isinstance(connection, RtsiConnection) or not connection.is_streaming or client.is_leaving:
             continue
         if connection.has_inputs:
             has_participants = True

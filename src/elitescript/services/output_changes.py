@@ -136,6 +136,7 @@ class OutputReader:
         "_said",
         "_shape",
         "_snapshot",
+        "_tick",
         "_values",
     )
 
@@ -144,6 +145,7 @@ class OutputReader:
         said = codec.field_shapes(Output)
         self._said = [said[name].decode for name in _SAID]
         self._columns = _columns()
+        self._tick = codec.field_shapes(RobotState)[_TICK].decode
         self._robot_index = list(codec.field_shapes(Snapshot)).index(_ROBOT)
         self._snapshot: list[Decode | None] = [shape.decode for shape in codec.field_shapes(Snapshot).values()]
         self._robot: list[Decode | None] = [shape.decode for shape in codec.field_shapes(RobotState).values()]
@@ -177,7 +179,8 @@ class OutputReader:
         replies: Any = ()
         whole[1:4] = [], [], []
         try:
-            tick, robot_values[0], bits = _HEAD.unpack_from(content)
+            tick, robot_tick, bits = _HEAD.unpack_from(content)
+            robot_values[0] = self._tick(robot_tick)
             at = self._take_numbers(bits, content)
             if at < len(content):
                 more = from_text(content[at:])

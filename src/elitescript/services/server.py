@@ -41,6 +41,8 @@ class Server:
         spares: Sequence[Mapping[str, int]] = (),
     ) -> None:
         self.stations = tuple(stations)
+        for station in self.stations:
+            station.shares.robots = len(self.stations)
         self._host = host
         self._numbers = tuple(numbers)
         self._spares = tuple(spares) or ({},) * len(self._numbers)

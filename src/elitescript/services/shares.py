@@ -16,7 +16,7 @@ from collections import deque
 from typing import Final, Protocol
 
 TICK_NS: Final = 1_500_000
-"""Of every tick, for what all clients of a robot send."""
+"""Of every tick, for what all clients send."""
 LATE_NS: Final = TICK_NS // 10
 """The same while ticks begin late."""
 SHARE_NS: Final = 300_000
@@ -44,12 +44,14 @@ class Shares:
     """The time for reading of one robot.
 
     Attributes:
+        robots: that one process serves; they share its time.
         spent_ns: of this tick, with what the ticks before have left to pay.
     """
 
-    __slots__ = ("_heavy", "_light", "_tick_ns", "spent_ns")
+    __slots__ = ("_heavy", "_light", "_tick_ns", "robots", "spent_ns")
 
     def __init__(self) -> None:
+        self.robots = 1
         self.spent_ns = 0
         self._tick_ns = TICK_NS
         self._light: deque[Waiting] = deque()
@@ -100,7 +102,7 @@ class Shares:
             is_late: the tick began late.
         """
         self.spent_ns = min(max(self.spent_ns - self._tick_ns, 0), DEBT_MAX_TICKS * TICK_NS)
-        self._tick_ns = LATE_NS if is_late else TICK_NS
+        self._tick_ns = (LATE_NS if is_late else TICK_NS) // self.robots
         left_ns = self._tick_ns - self.spent_ns
         # Whoever goes on may take a place again at once; that is a turn of a later tick.
         turns = self.waiting

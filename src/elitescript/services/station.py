@@ -168,7 +168,8 @@ class Station:
         if not self._is_standing or self._failure is not None:
             return
         tick_now = getattr(self.link, "tick_now", None)
-        if tick_now is None or not self._gate().is_open:
+        found = self._gate()
+        if tick_now is None or not found.is_open or not found.has_participants:
             self._news.set()
             return
         # The shortest way from a client's answer to its next package: no turn of the event loop in between.
@@ -413,7 +414,9 @@ class Station:
 
     def _left_out(self, ticks: int) -> None:
         is_playing = self.output.snapshot.robot.task_state is TaskState.PLAYING
-        text = f"the computer was away for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
+        text = (
+            f"the computer was away or too slow for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
+        )
         self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
 
 

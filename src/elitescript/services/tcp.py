@@ -55,7 +55,7 @@ class Hub(Protocol):
         """Inputs of a client that could not go in at the last tick."""
 
     def wake(self) -> None:
-        """A client has sent an input package, has read, or has gone: time may go on, if it waited."""
+        """A client that owes an input has sent something, has read, or goes: time may go on, if it waited."""
 
     def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
         """Something worth a line in the log."""
@@ -142,9 +142,16 @@ class Client(asyncio.BufferedProtocol):
         return self._buffer[: self._size]
 
     def buffer_updated(self, nbytes: int) -> None:
-        connection, hub = self.connection, self._hub
         if self._deadline is not None:
             return
+        # An answer, a pause, nonsense: whatever it is, time may have waited for it.
+        is_asked = self.owes_input
+        self._read(nbytes)
+        if is_asked:
+            self._hub.wake()
+
+    def _read(self, nbytes: int) -> None:
+        connection, hub = self.connection, self._hub
         start_ns = time.thread_time_ns()
         try:
             inputs = connection.receive(bytes(self._buffer[:nbytes]), hub.output)
@@ -154,20 +161,16 @@ class Client(asyncio.BufferedProtocol):
         except Exception:
             self._fail()
             return
-        has_answered = False
         if inputs:
             hub.post(inputs)
             if self.owes_input and any(isinstance(item, VariablesArrived) for item in inputs):
                 self.owes_input = False
-                has_answered = True
         self._write()
         self._account(nbytes, time.thread_time_ns() - start_ns + HANDING_NS * len(inputs))
         if connection.is_over:
             self._finish()
         elif connection.is_busy or self._has_taken_enough(nbytes):
             self._pause()
-        if has_answered:
-            hub.wake()
 
     def _account(self, size: int, spent_ns: int) -> None:
         whole_ns, self._late_ns = spent_ns + self._late_ns, 0
@@ -189,6 +192,7 @@ class Client(asyncio.BufferedProtocol):
         if not self._service.outlives_silence and self._deadline is None:
             self._deadline = self._hub.output.tick + LINGER_TICKS
             self._close_unless_expecting()
+        self._hub.wake()
         return True
 
     def connection_lost(self, exc: Exception | None) -> None:
