@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from elitescript.errors import UsageError
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
-from elitescript.messages.inputs import ChannelEvent, Do, Input
+from elitescript.messages.inputs import ChannelClosed, ChannelEvent, ChannelOpened, Do, Input
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.outputs import (
     ChannelRequest,
@@ -28,6 +28,7 @@ from elitescript.messages.outputs import (
 from elitescript.messages.signals import Value
 from elitescript.protocol.connection import Connection
 from elitescript.worlds.virtual.agenda import DeviceError
+from elitescript.worlds.virtual.faults import Fault
 from elitescript.worlds.virtual.world import World
 
 if TYPE_CHECKING:
@@ -117,6 +118,10 @@ class ServedWorld:
 
     # ---------------------------------------------------------------- what the station asks
 
+    def check_fault(self, fault: Fault) -> None:
+        """See `World.check_fault`."""
+        self._world.check_fault(fault)
+
     def begin(self, output: Output) -> None:
         """The robot is up."""
         self._output = output
@@ -130,6 +135,8 @@ class ServedWorld:
             number = self._channels.get(event.channel)
             if number is not None:
                 events.append(replace(event, channel=number))
+                if isinstance(event, ChannelClosed) or (isinstance(event, ChannelOpened) and not event.is_open):
+                    del self._channels[event.channel]
         inputs, self._inputs = self._inputs, []
         return inputs + events
 
