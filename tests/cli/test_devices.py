@@ -73,3 +73,23 @@ def test_a_file_without_devices_is_refused(tmp_path, capsys):
     path.write_text("[[wire]]\nwhen = 'flag[0]'\nthen = 'flag[1]'\n")
     assert main(["devices", str(path)]) == 2
     assert "declares nothing to connect to" in capsys.readouterr().err
+
+
+def test_a_serial_port_that_is_not_there_is_no_place_to_be_ready_at(tmp_path, capsys):
+    path = tmp_path / "cell.toml"
+    path.write_text("[[serial]]\nline = 'tool'\n")
+    missing = tmp_path / "ttyUSB9"
+    assert main(["devices", str(path), "--serial", f"tool={missing}"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert f"--serial tool={missing}: " in err
+
+
+def test_a_port_in_use_is_told_of_in_few_words(world, capsys):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert main(["devices", str(world), "--port", f"5000={port}"]) == 2
+    assert (
+        f"port {port} at 127.0.0.1: Address already in use; another one: --port 5000=NUMBER" in capsys.readouterr().err
+    )

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -12,6 +13,8 @@ import pytest
 
 from elitescript.cli.main import main
 from elitescript.controller.trace import TRACE_COLUMNS
+
+SOURCE = Path(__file__).resolve().parent.parent.parent / "src"
 
 
 @pytest.fixture
@@ -351,3 +354,43 @@ def test_a_device_that_fails_is_an_error_with_its_place(program, capsys, tmp_pat
     path.write_text("[[device]]\nclass = 'cell.py:Bad'\n")
     assert main(["run", program("def main():\n  sleep(1)\nend\n"), "--world", str(path)]) == 1
     assert f"{tmp_path / 'cell.py'}:6: device Bad: ZeroDivisionError" in capsys.readouterr().err
+
+
+ENDLESS = """
+from elitescript.testing.world import TcpServer
+
+
+class Endless(TcpServer):
+    port = 5000
+
+    def opened(self, connection):
+        print("here", flush=True)
+        while True:
+            pass
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_a_device_that_does_not_come_back_is_told_of_after_ctrl_c_and_a_second_one_ends_it(tmp_path):
+    (tmp_path / "cell.py").write_text(ENDLESS)
+    (tmp_path / "cell.toml").write_text('[[tcp]]\nclass = "cell.py:Endless"\n')
+    program = tmp_path / "cell.script"
+    program.write_text('def cell():\n  socket_open("127.0.0.1", 5000)\nend\n')
+    process = subprocess.Popen(
+        [sys.executable, "-m", "elitescript", "run", str(program), "--world", str(tmp_path / "cell.toml")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(SOURCE)},
+    )
+    assert process.stdout is not None and process.stderr is not None
+    try:
+        assert process.stdout.readline() == "here\n"
+        process.send_signal(signal.SIGINT)
+        assert "still busy" in process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == -signal.SIGINT

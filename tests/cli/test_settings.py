@@ -18,6 +18,11 @@ def test_a_senseless_setting_is_refused(text):
         parse_settings([text])
 
 
+def test_a_setting_is_called_what_the_command_calls_it():
+    with pytest.raises(UsageError, match=r"^set flag=maybe: 'maybe' is no literal"):
+        parse_settings(["flag=maybe"], "set")
+
+
 def test_joints_take_six_numbers_with_or_without_brackets():
     assert parse_joints("0,-1.57, 1,2,3,4") == parse_joints("[0,-1.57,1,2,3,4]") == (0.0, -1.57, 1.0, 2.0, 3.0, 4.0)
 

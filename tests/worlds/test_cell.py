@@ -104,7 +104,11 @@ def test_a_mistake_has_file_line_and_words(cell, text, line, words):
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [(b"[safety\n", "is not TOML: .*line 1"), (b"a = '\xff'\n", "is not UTF-8: .* at byte 5")],
+    [
+        (b"[safety\n", "is not TOML: .*line 1.[^;]*$"),
+        (b"[signals]\nstandard_digital_in[3] = true\n", 'line 2.*; names with an index stand in quotes: "standard'),
+        (b"a = '\xff'\n", "is not UTF-8: .* at byte 5"),
+    ],
 )
 def test_a_file_that_is_no_toml_says_where(cell, text, words):
     with pytest.raises(UsageError, match=words):

@@ -29,7 +29,7 @@ def ctl(options: argparse.Namespace) -> int:
     arguments: list[str] = list(options.arguments)
     values: dict[str, Any] = {}
     if verb.name == "set":
-        values, presets = parse_settings(arguments)
+        values, presets = parse_settings(arguments, "set")
         if presets:
             raise UsageError(f"{min(presets)!r} is no signal; `elitescript ctl get` shows names")
         arguments = []

@@ -164,7 +164,7 @@ def _parser() -> argparse.ArgumentParser:
         parents=[firmware],
         help="run a program to its end in virtual time",
         description="Run a program to its end in virtual time. Exit code: 0 finished or stopped, 1 alarm, "
-        "2 usage, 3 the program does not compile, 4 time limit, 5 stuck.",
+        "2 usage, 3 the program does not compile, 4 time limit, 5 stuck, 130 Ctrl-C.",
     )
     run.add_argument("file", metavar="FILE", help="program text, UTF-8")
     run.add_argument(

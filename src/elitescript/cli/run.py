@@ -32,6 +32,9 @@ INTERRUPTED: Final = 130
 HINT_AFTER_S: Final = 5.0
 """Wall time after which a run says where it is; then again after each such time."""
 
+PATIENCE_S: Final = 1.0
+"""What a program or a device has to come to an end after Ctrl-C, before people are told how to end the process."""
+
 
 def run(options: argparse.Namespace) -> int:
     """Run the program of the command line; return the exit code."""
@@ -155,6 +158,7 @@ class _InterruptHandler:
         self._robot = robot
         self.happened = False
         self._previous: Any = None
+        self._timer: Any = None
 
     def __enter__(self) -> _InterruptHandler:
         self._previous = signal.signal(signal.SIGINT, self._handle)
@@ -164,6 +168,23 @@ class _InterruptHandler:
         self.happened = True
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         self._robot.interrupt()
+        # Hardly any run is interrupted, and threads take their time to load.
+        from threading import Timer
+
+        self._timer = Timer(PATIENCE_S, self._say)
+        self._timer.daemon = True
+        self._timer.start()
+
+    @staticmethod
+    def _say() -> None:
+        print(
+            "elitescript run: still busy: a call of the program or of a device does not come back; "
+            "Ctrl-C again ends it at once",
+            file=sys.stderr,
+            flush=True,
+        )
 
     def __exit__(self, *_: object) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
         signal.signal(signal.SIGINT, self._previous)

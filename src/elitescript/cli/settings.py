@@ -13,11 +13,11 @@ from elitescript.messages.signals import SIGNALS, Value
 _WORDS: Final = {"true": True, "on": True, "high": True, "false": False, "off": False, "low": False}
 
 
-def parse_settings(texts: list[str]) -> tuple[dict[str, Value], dict[str, Any]]:
+def parse_settings(texts: list[str], option: str = "--set") -> tuple[dict[str, Value], dict[str, Any]]:
     """Split `NAME=VALUE` settings into signals and program globals.
 
     A name of the signal table (with an index in brackets, where the family has several) is a signal; any other
-    identifier is a global of the program.
+    identifier is a global of the program. `option` is what people wrote in front of them.
 
     Raises:
         UsageError: not of this form, or a value that is no literal.
@@ -28,14 +28,14 @@ def parse_settings(texts: list[str]) -> tuple[dict[str, Value], dict[str, Any]]:
         name, equals, value_text = text.partition("=")
         name = name.strip()
         if not equals:
-            raise UsageError(f"--set {text}: write NAME=VALUE")
-        value = _literal(value_text.strip(), text)
+            raise UsageError(f"{option} {text}: write NAME=VALUE")
+        value = _literal(value_text.strip(), f"{option} {text}")
         if name.partition("[")[0] in SIGNALS or "[" in name:
             signals[name] = value
         elif name.isidentifier():
             presets[name] = value
         else:
-            raise UsageError(f"--set {text}: {name!r} is neither a signal nor a name")
+            raise UsageError(f"{option} {text}: {name!r} is neither a signal nor a name")
     return signals, presets
 
 
@@ -81,4 +81,4 @@ def _literal(text: str, setting: str) -> Any:
     try:
         return ast.literal_eval(text)
     except (ValueError, SyntaxError):
-        raise UsageError(f"--set {setting}: {text!r} is no literal; write true, 3, 0.5, 'text' or [1, 2]") from None
+        raise UsageError(f"{setting}: {text!r} is no literal; write true, 3, 0.5, 'text' or [1, 2]") from None

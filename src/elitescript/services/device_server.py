@@ -61,6 +61,9 @@ class DeviceServer:
         self._ends: dict[int, _End] = {}
         self._ports = SerialPorts(self._heard)
         self._terminals: list[_Terminal] = []
+        self._refusal = ""
+        """Why a serial port could not be had, while ports are being taken."""
+        self._is_ready = False
         self.places: list[str] = []
         world.on_device_failure = lambda error: say(f"{error}; the device is disconnected", True)
 
@@ -119,6 +122,7 @@ class DeviceServer:
         if self._world.cell is not None:
             for name, value in self._world.cell.signals.items():
                 self.write(signal_write(name, value))
+        self._is_ready = True
         self._world.begin(self)
 
     async def run(self) -> None:
@@ -164,8 +168,10 @@ class DeviceServer:
         try:
             server = await loop.create_server(lambda: _Client(self, address, port), self._host, number)
         except OSError as error:
+            # What asyncio makes of the reason repeats address and port.
+            reason = os.strerror(error.errno) if error.errno and error.errno > 0 else error
             raise UsageError(
-                f"port {number} at {self._host}: {error.strerror or error}; another one: --port {port}=NUMBER (0: any)"
+                f"port {number} at {self._host}: {reason}; another one: --port {port}=NUMBER (0: any)"
             ) from error
         self._servers.append(server)
         owner: Any = getattr(self._world.network.servers[endpoint], "__self__", None)
@@ -206,6 +212,8 @@ class DeviceServer:
         else:
             end = _Port(self._ports, channel)
             self._ports.open(channel, target, settings)
+            if channel not in self._ports:
+                raise UsageError(f"--serial {line}={target}: {self._refusal}")
         self._ends[channel] = end
         self.places.append(f"{getattr(device, 'title', line)} {target}")
 
@@ -216,7 +224,10 @@ class DeviceServer:
                 self.send(item.channel, item.data)
                 self._ports.credit(item.channel, len(item.data))
             elif isinstance(item, ChannelOpened | ChannelClosed) and item.reason:
-                self._say(item.reason, True)
+                if self._is_ready:
+                    self._say(item.reason, True)
+                else:
+                    self._refusal = item.reason
 
 
 class _End:

@@ -82,7 +82,8 @@ def load_cell(path: str | Path, *, network: str = "") -> Cell:
     except UnicodeDecodeError as error:
         raise UsageError(f"world file {file} is not UTF-8: {error.reason} at byte {error.start}") from error
     except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"world file {file} is not TOML: {error}") from error
+        hint = '; names with an index stand in quotes: "standard_digital_in[3]" = true' if _has_bare_index(text) else ""
+        raise UsageError(f"world file {file} is not TOML: {error}{hint}") from error
     cell = Cell()
     beside: dict[str, Any] = {}
     for section, table in tables.items():
@@ -181,3 +182,12 @@ def _place_in(message: str) -> tuple[str, int, str]:
     if message.startswith("[[") and words and words[0].rstrip(":").isdecimal():
         number = int(words.pop(0).rstrip(":"))
     return place, number, words[0].rstrip(":") if words else ""
+
+
+def _has_bare_index(text: str) -> bool:
+    """Whether a line begins like `standard_digital_in[3] =`."""
+    for line in text.split("\n"):
+        name, bracket, rest = line.partition("=")[0].strip().partition("[")
+        if bracket and name.isidentifier() and rest[:-1].isdecimal() and rest.endswith("]"):
+            return True
+    return False

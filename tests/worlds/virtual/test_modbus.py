@@ -135,7 +135,7 @@ def test_a_failing_device_of_a_bus_is_named():
         ({"line": "", "port": 502, "unit": 300}, r"unit: must be in \[0, 255\], got 300"),
         ({"line": "", "port": 502, "baud": 9600}, "baud: goes with line"),
         ({"address": "10.0.0.1"}, "address: goes with port"),
-        ({"coils": [2]}, r"coils: 0 must be in \[0, 1\], got 2"),
+        ({"coils": [2]}, r"coils: the value at address 0 must be in \[0, 1\], got 2"),
         ({"holding_registers": {70000: 1}}, "holding_registers: an address must be in"),
         ({"input_registers": "many"}, "input_registers: write a list of values"),
     ],

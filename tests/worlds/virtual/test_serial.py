@@ -94,3 +94,17 @@ def test_a_setting_that_makes_no_sense_is_named(settings, words):
 def test_two_devices_cannot_have_one_line_under_two_names():
     with pytest.raises(UsageError, match="line: /dev/ttymxc0 is taken by Scale already"):
         World(devices=[Scale(line="box"), Scale(line="/dev/ttymxc0")])
+
+
+def test_a_device_says_once_that_it_waits_for_its_line_end():
+    class Windows(Scale):
+        line_end = "\r\n"
+
+    body = TOOL + 'tool_serial_write("W\\n")\nsleep(2)\ntool_serial_write("W\\n")\nsleep(2)'
+    (warning,) = run(body, Windows(name="scale")).warnings
+    assert warning.startswith("scale: waits for the end of the line b'W\\n': its line_end is '\\r\\n'")
+
+
+def test_a_line_that_comes_in_pieces_is_nothing_to_warn_of():
+    body = TOOL + 'tool_serial_write("W")\nsleep(0.5)\ntool_serial_write("W\\n")\nsleep(2)'
+    assert run(body, Scale()).warnings == []

@@ -60,3 +60,17 @@ def check_lines(line_end: object, encoding: object) -> None:
         "".encode(str(encoding))
     except LookupError:
         raise UsageError(f"encoding: there is no encoding called {encoding!r}") from None
+
+
+def check_encodable(key: str, text: str, encoding: str) -> None:
+    """Refuse a text that cannot be sent.
+
+    Raises:
+        UsageError: the encoding has not all of its characters; the text begins with the name of the setting.
+    """
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError as error:
+        raise UsageError(
+            f"{key}: {text!r} has {text[error.start]!r}, which the encoding {encoding!r} has not"
+        ) from None

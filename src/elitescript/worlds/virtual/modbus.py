@@ -59,8 +59,13 @@ class Table:
 
     def _checked(self, address: object, value: object) -> int:
         if not isinstance(value, int) or not 0 <= value <= self._largest:
-            raise UsageError(f"{self._name}: {address} must be in [0, {self._largest}], got {value!r}")
+            raise UsageError(
+                f"{self._name}: the value at address {address} must be in [0, {self._largest}], got {value!r}"
+            )
         return int(value)
+
+    def __contains__(self, address: int) -> bool:
+        return self._is_open or address in self._values
 
     def __getitem__(self, address: int) -> int:
         if not self._is_open and address not in self._values:

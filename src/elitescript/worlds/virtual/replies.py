@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
@@ -11,7 +12,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.signals import SIGNALS
 from elitescript.worlds.virtual.device import Device, check_number, check_text
 from elitescript.worlds.virtual.expressions import Expression
-from elitescript.worlds.virtual.lines import Answer
+from elitescript.worlds.virtual.lines import Answer, check_encodable
 from elitescript.worlds.virtual.modbus import TABLES, ModbusDevice
 from elitescript.worlds.virtual.serial import SerialDevice
 from elitescript.worlds.virtual.tcp import LATENCY_MAX_S, TcpConnection, TcpServer
@@ -46,7 +47,9 @@ class Reply:
         else:
             check_text("match", table["match"])
             try:
-                self._pattern = re.compile(table["match"])
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")  # of patterns that a later Python may read otherwise
+                    self._pattern = re.compile(table["match"])
             except re.error as error:
                 raise UsageError(f"match: {table['match']!r} is no regular expression: {error}") from None
         if "send" in table and "expression" in table:
@@ -55,6 +58,9 @@ class Reply:
         self.sends: list[str] = [sends] if isinstance(sends, str) else sends
         if not isinstance(self.sends, list) or not all(isinstance(text, str) for text in self.sends):
             raise UsageError(f"send: write a text, or a list of texts for one question after the other, not {sends!r}")
+        if self._pattern is not None:
+            for text in self.sends:
+                _check_template(self._pattern, text)
         self._sent = 0
         self._expression = None
         if "expression" in table:
@@ -92,6 +98,7 @@ class _Speaker:
     replies: Any = ()
     greeting: str = ""
     otherwise: str = ""
+    encoding: str
 
     _rows: Sequence[Reply] = ()
 
@@ -104,6 +111,11 @@ class _Speaker:
         check_text("greeting", self.greeting)
         check_text("otherwise", self.otherwise)
         self._rows = _rows("replies", self.replies, Reply)
+        check_encodable("greeting", self.greeting, self.encoding)
+        check_encodable("otherwise", self.otherwise, self.encoding)
+        for number, row in enumerate(self._rows, 1):
+            for text in row.sends:
+                check_encodable(f"replies: row {number}: send", text, self.encoding)
 
     def reply(self, device: Device, line: str, send: Callable[[str], Any], close: Callable[[], Any]) -> None:
         """Answer a line."""
@@ -167,6 +179,8 @@ class DeclaredSerial(_Speaker, SerialDevice):
             self.unasked = [self.unasked]
         if not all(isinstance(text, str) for text in self.unasked):
             raise UsageError(f"unasked: write a text, or a list of texts, not {self.unasked!r}")
+        for text in self.unasked:
+            check_encodable("unasked", text, self.encoding)
         if bool(self.every_s) is not bool(self.unasked):
             raise UsageError("unasked: goes with every_s")
 
@@ -310,6 +324,17 @@ class DeclaredModbus(ModbusDevice):
         self._follows = [
             (*_entry("follows", place), _expression("follows", text, ())) for place, text in self.follows.items()
         ]
+        for number, reaction in enumerate(self._reactions, 1):
+            self._check_place(f"reactions: row {number}: write", reaction.place)
+            if isinstance(reaction.target, tuple):
+                self._check_place(f"reactions: row {number}: set", reaction.target)
+        for name, address, _ in self._follows:
+            self._check_place("follows", (name, address))
+
+    def _check_place(self, key: str, place: tuple[str, int]) -> None:
+        name, address = place
+        if address not in getattr(self, name):
+            raise UsageError(f"{key}: {name}[{address}] does not exist: {name} of this device ends before or skips it")
 
     def reading(self, table: str, address: int, count: int) -> None:
         for name, place, expression in self._follows:
@@ -365,6 +390,15 @@ def _checked_signals(table: object) -> dict[str, Any]:
         except UsageError as error:
             raise UsageError(f"set: {error}") from None
     return dict(table)
+
+
+def _check_template(pattern: re.Pattern[str], text: str) -> None:
+    try:
+        pattern.sub(text, "")
+    except (re.error, IndexError) as error:
+        raise UsageError(
+            f"send: {text!r} does not go with match {pattern.pattern!r}, which has {pattern.groups} groups: {error}"
+        ) from None
 
 
 def _check_keys(table: Mapping[str, Any], known: Sequence[str]) -> None:

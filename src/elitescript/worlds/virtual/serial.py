@@ -10,7 +10,7 @@ from elitescript.worlds.line_bindings import PORTS
 from elitescript.worlds.virtual.device import Device, check_number, check_text
 from elitescript.worlds.virtual.lines import Answer, LineBuffer, check_lines, encoded
 from elitescript.worlds.virtual.network import Link, Peer
-from elitescript.worlds.virtual.tcp import LATENCY_MAX_S
+from elitescript.worlds.virtual.tcp import INCOMPLETE_S, LATENCY_MAX_S
 
 if TYPE_CHECKING:
     from elitescript.worlds.virtual.world import World
@@ -131,6 +131,7 @@ class SerialDevice(LineDevice):
     encoding: str = "ascii"
 
     _lines: LineBuffer | None = None
+    _has_complained = False
 
     def opened(self) -> Answer:
         """A program has opened the line."""
@@ -140,9 +141,20 @@ class SerialDevice(LineDevice):
         """Bytes have come; without an override they are cut into lines for `line_received`."""
         if self._lines is None:
             self._lines = LineBuffer(self.line_end, self.encoding)
-        for line in self._lines.receive(data):
+        lines = self._lines
+        for line in lines.receive(data):
             self.send(self.line_received(line))
+        if (rest := lines.rest) and not self._has_complained:
+            self.after(INCOMPLETE_S, lambda: self._complain(lines, rest))
         return None
+
+    def _complain(self, lines: LineBuffer, rest: bytes) -> None:
+        if lines is self._lines and lines.rest == rest and not self._has_complained:
+            self._has_complained = True
+            self.warn(
+                f"waits for the end of the line {rest[:60]!r}: its line_end is {self.line_end!r}; "
+                'a device with line_end = "" takes whatever arrives together'
+            )
 
     def line_received(self, line: str) -> Answer:
         """A line has come, without its end."""

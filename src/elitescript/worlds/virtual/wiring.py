@@ -66,6 +66,7 @@ class Wire(Device):
         return self.name or f"wire to {self.then}"
 
     def check(self) -> None:
+        _check_given("then", self.then)
         try:
             self._expression = Expression(self.when)
         except UsageError as error:
@@ -163,6 +164,7 @@ class Schedule(Device):
         return self.name or f"schedule of {self.signal}"
 
     def check(self) -> None:
+        _check_given("signal", self.signal)
         check_text("signal", self.signal)
         try:
             parse_signal_name(self.signal)
@@ -203,3 +205,8 @@ class Schedule(Device):
             self._again(time_s, value, count + 1)
 
         agenda.put(max(0, due - agenda.tick), act, self)
+
+
+def _check_given(key: str, name: object) -> None:
+    if name == "":
+        raise UsageError(f"{key}: is missing; name a signal, such as standard_digital_in[1]")
