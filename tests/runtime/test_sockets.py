@@ -74,6 +74,16 @@ class TestOpening:
         bench = run('for n in range(50):\n  socket_open("10.0.0.1", 5001)\n  sleep(0.1)\nend')
         assert len(bench.warnings) == 1
 
+    def test_a_server_that_accepts_when_it_was_given_up_changes_nothing(self):
+        bench, channels = remote('textmsg(socket_open("h", 1))\nsleep(0.1)\ntextmsg(socket_is_connected())')
+        while not bench.log:
+            tick(bench)
+        assert CloseChannel(1) in channels.take()
+        tick(bench, ChannelOpened(1, True))
+        for _ in range(40):
+            tick(bench, ChannelData(1, b"late"))
+        assert bench.log == ["False", "False"]
+
     def test_without_a_network_it_fails_at_once(self):
         bench = Bench().start('def main():\n  textmsg(socket_open("10.0.0.1", 5000))\nend\n').run()
         assert bench.log == ["False"]

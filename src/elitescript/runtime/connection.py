@@ -93,7 +93,12 @@ class Connection:
     # ---------------------------------------------------------------- what arrives
 
     def take(self, event: ChannelEvent) -> None:
-        """Take note of what has happened on the channel, and let the threads that wait for it look."""
+        """Take note of what has happened on the channel, and let the threads that wait for it look.
+
+        What was under way when it was closed here changes nothing any more.
+        """
+        if self._state is _CLOSED:
+            return
         if isinstance(event, ChannelData):
             if len(self.received) + len(event.data) + self._taken > CHANNEL_WINDOW:
                 self._channels.close(self.channel)
