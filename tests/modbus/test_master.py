@@ -384,3 +384,30 @@ def test_time_leaps_to_the_next_turn() -> None:
     bench.run(20 * S)
     assert len(bench.device.requests) == 21
     assert bench.visited < 100
+
+
+@pytest.mark.parametrize("is_silent", [True, False])
+def test_a_device_that_is_not_there_is_not_looked_for_once_its_last_signal_is_deleted(is_silent: bool) -> None:
+    bench = Bench()
+    del bench.network.devices[502]
+    if is_silent:
+        bench.network.dead.add(502)
+    bench.add("x")
+    bench.run(S)
+    bench.master.delete("x")
+    bench.run(2)
+    assert bench.master.links == {}
+    attempts = len(bench.network.opened)
+    bench.run(60 * S)
+    assert len(bench.network.opened) == attempts > 0
+    assert bench.master.next_tick(bench.tick, is_running=True) is None
+
+
+def test_a_repeated_request_to_a_device_that_is_not_there_ends_with_its_program() -> None:
+    bench = Bench()
+    del bench.network.devices[502]
+    bench.master.request(HOST, 502, 255, pdu.write_register(0, 1), is_once=False)
+    bench.run(S)
+    bench.is_running = False
+    bench.run(2)
+    assert bench.master.links == {}
