@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 from urllib.parse import SplitResult, urlsplit
-from xml.parsers.expat import ExpatError
+from xml.parsers.expat import ExpatError, ParserCreate
 from xmlrpc import client
 
 from elitescript.errors import (
@@ -32,6 +32,8 @@ from elitescript.runtime.world import Channels
 
 CALLS_MAX: Final = 32
 """Calls of one program that may be under way at a time (*assumed*)."""
+IDLE_MAX: Final = 8
+"""Connections that are kept for another call; those that were used longest ago are closed for others (*assumed*)."""
 
 _HTTP_PORT: Final = 80
 _OK: Final = 200
@@ -116,7 +118,7 @@ class RemoteProcedures:
     def _exchange(self, server: Server, request: bytes, reason: str) -> HttpAnswer:
         """Send a request and read its answer; again on a new connection if the kept one turns out to be gone."""
         kept = self._idle.pop(server, None)
-        if kept is not None and kept.is_open:
+        if kept is not None and kept.is_open and not kept.received:
             reader = HttpReader()
             try:
                 return self._ask(server, kept, reader, request, reason)
@@ -147,6 +149,8 @@ class RemoteProcedures:
                 self._busy.remove(connection)
             if is_kept and not self._is_over and server not in self._idle:
                 self._idle[server] = connection
+                if len(self._idle) > IDLE_MAX:
+                    self._close(self._idle.pop(next(iter(self._idle))))
             else:
                 self._close(connection)
 
@@ -263,8 +267,7 @@ def _result(answer: HttpAnswer) -> Any:
     if answer.status != _OK:
         raise PeerError(f"the server answered {answer.status} {answer.reason}".rstrip())
     try:
-        values, _ = client.loads(answer.body, use_builtin_types=True)
-        found = _plain(values)
+        found = _plain(_loaded(answer.body))
     except ExpatError as error:
         raise PeerError(f"the answer is no XML: {error}") from None
     except client.Fault:
@@ -272,6 +275,26 @@ def _result(answer: HttpAnswer) -> Any:
     except (client.ResponseError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
         raise PeerError(f"the answer is no XML-RPC: {str(error) or type(error).__name__}") from None
     return found[0] if len(found) == 1 else tuple(found)
+
+
+def _loaded(body: bytes) -> tuple[Any, ...]:
+    """The values of an answer.
+
+    Declarations of entities have no place in XML-RPC; with them a short text can stand for hundreds of megabytes.
+    """
+    reader = client.Unmarshaller(use_builtin_types=True)
+    reader.xml("", None)  # texts are decoded already
+    parser = ParserCreate()
+    parser.StartDoctypeDeclHandler = _refuse_declarations
+    parser.StartElementHandler = reader.start
+    parser.EndElementHandler = reader.end
+    parser.CharacterDataHandler = reader.data
+    parser.Parse(body, True)
+    return reader.close()
+
+
+def _refuse_declarations(*_: object) -> None:
+    raise ValueError("it declares a type of document")
 
 
 def _plain(value: Any) -> Any:
