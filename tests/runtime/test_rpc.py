@@ -121,7 +121,13 @@ def test_connections_to_many_servers_are_not_kept_for_ever():
     scene = Scene(lambda method, args: result(method))
     for port in range(6000, 6100):
         scene.world.channels.servers[port] = scene.accept
-    lines = ["for n in range(100):", '  c = rpc_factory("xmlrpc", "h:" + to_str(6000 + n))', "  c.f()", "end", "sleep(1)"]
+    lines = [
+        "for n in range(100):",
+        '  c = rpc_factory("xmlrpc", "h:" + to_str(6000 + n))',
+        "  c.f()",
+        "end",
+        "sleep(1)",
+    ]
     scene.robot.start("def job():\n" + "".join(f"  {line}\n" for line in lines) + "end\n")
     while len(scene.peers) < 100:
         scene.robot.advance(0.1)

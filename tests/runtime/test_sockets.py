@@ -56,6 +56,23 @@ def tick(bench, *events):
     bench.machine.tick += 1
 
 
+def test_a_pause_puts_the_time_out_of_a_read_off_whatever_trickles():
+    bench, _ = remote('socket_open("h", 1)\ntextmsg(socket_read_byte_list(2, "socket_0", 1.0))')
+    tick(bench)
+    tick(bench, ChannelOpened(1, True))
+    bench.host.pause()
+    for _ in range(500):
+        tick(bench)
+    bench.host.resume()
+    tick(bench)
+    tick(bench, ChannelData(1, b"a"))
+    for _ in range(200):
+        tick(bench)
+    assert bench.log == []
+    tick(bench, ChannelData(1, b"b"))
+    assert bench.log == ["[2, 97, 98]"]
+
+
 class TestOpening:
     def test_a_server_that_listens_accepts(self):
         class Server(Recorder):

@@ -333,7 +333,7 @@ def test_names_that_nobody_answers_for_hold_up_nobody_else(monkeypatch):
 def test_a_connection_that_has_gone_leaves_nothing_behind_for_later():
     async def test():
         async with outside() as scene:
-            reader, writer = await scene.open(1)
+            reader, _ = await scene.open(1)
             kind = type(scene.broker._channels[1])
             scene.broker.carry_out([CloseChannel(1)])
             assert await reader.read() == b""

@@ -168,7 +168,7 @@ def test_a_client_that_does_not_read_holds_its_device_up():
 
     async def test():
         flood = Flood()
-        async with serving(World(devices=[flood])) as ((port,), _), client(port) as (reader, writer):
+        async with serving(World(devices=[flood])) as ((port,), _), client(port) as (reader, _):
             reader._transport.pause_reading()
             while flood.sent < 128 * 65_536:
                 await asyncio.sleep(0.004)

@@ -209,6 +209,11 @@ class Scheduler:
             else:
                 self._is_pausing = True
 
+    @property
+    def held_ticks(self) -> int:
+        """Ticks by which pauses that are over have made the waits of their strands longer, all in all."""
+        return self._timers.held_ticks
+
     def resume(self) -> None:
         """Let all strands run again, from the next tick that runs."""
         if self.is_paused:
