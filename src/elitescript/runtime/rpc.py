@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 from urllib.parse import SplitResult, urlsplit
-from xml.parsers.expat import ExpatError, ParserCreate
+from xml.parsers.expat import ExpatError
 from xmlrpc import client
 
 from elitescript.errors import (
@@ -24,6 +24,7 @@ from elitescript.errors import (
 from elitescript.messages.timing import seconds
 from elitescript.runtime.connection import Connection, Receiver
 from elitescript.runtime.http_answers import HttpAnswer, HttpReader
+from elitescript.runtime.rpc_texts import values_and_method
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.sealed import Sealed, no_copy
 from elitescript.runtime.sockets import CONNECT_TICKS, NO_NETWORK
@@ -267,7 +268,8 @@ def _result(answer: HttpAnswer) -> Any:
     if answer.status != _OK:
         raise PeerError(f"the server answered {answer.status} {answer.reason}".rstrip())
     try:
-        found = _plain(_loaded(answer.body))
+        values, _ = values_and_method(answer.body)
+        found = _plain(values)
     except ExpatError as error:
         raise PeerError(f"the answer is no XML: {error}") from None
     except client.Fault:
@@ -275,26 +277,6 @@ def _result(answer: HttpAnswer) -> Any:
     except (client.ResponseError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
         raise PeerError(f"the answer is no XML-RPC: {str(error) or type(error).__name__}") from None
     return found[0] if len(found) == 1 else tuple(found)
-
-
-def _loaded(body: bytes) -> tuple[Any, ...]:
-    """The values of an answer.
-
-    Declarations of entities have no place in XML-RPC; with them a short text can stand for hundreds of megabytes.
-    """
-    reader = client.Unmarshaller(use_builtin_types=True)
-    reader.xml("", None)  # texts are decoded already
-    parser = ParserCreate()
-    parser.StartDoctypeDeclHandler = _refuse_declarations
-    parser.StartElementHandler = reader.start
-    parser.EndElementHandler = reader.end
-    parser.CharacterDataHandler = reader.data
-    parser.Parse(body, True)
-    return reader.close()
-
-
-def _refuse_declarations(*_: object) -> None:
-    raise ValueError("it declares a type of document")
 
 
 def _plain(value: Any) -> Any:
