@@ -18,12 +18,13 @@ CODE = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 FILES = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
 
 
-def test_the_code_of_the_page_runs() -> None:
+def test_the_code_of_the_page_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(PAGE.parent.parent)
     names: dict[str, object] = {"__name__": "page"}
     for block in CODE:
         exec(compile(block, str(PAGE), "exec"), names)
     tests = [value for name, value in names.items() if name.startswith("test_")]
-    assert len(tests) == 2
+    assert len(tests) == 4
     for test in tests:
         assert callable(test)
         test()

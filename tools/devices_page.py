@@ -43,6 +43,11 @@ def devices_page() -> str:
     lines += [_row(row.name, row.tcp, row.line, row.takes) for row in TABLE.values()]
     lines += ["", f"| `form` of `wrong_reply` | {head}", "|---|---|---|---|"]
     lines += [_row(form.name, form.tcp, form.line, form.takes) for form in FORMS.values()]
+    lines += [
+        "",
+        "A reply that is wrong in the way of a protocol is refused where the device speaks another one.",
+        "What each command returns with each fault: [faults.md](faults.md).",
+    ]
     return "\n".join(lines) + "\n"
 
 

@@ -19,6 +19,11 @@ def by_name(path):
     return path.stem
 
 
+def has_faults(program):
+    world = program.with_suffix(".toml")
+    return world.exists() and "[[fault]]" in world.read_text(encoding="utf-8")
+
+
 def test_there_are_enough_to_choose_from():
     assert len(PROGRAMS) >= 8
 
@@ -39,7 +44,9 @@ class TestExample:
     def test_ends_well(self, program):
         run = run_example(program)
         assert run.state == "finished"
-        assert [event for event in run.events if isinstance(event, (Alarm, Warned))] == []
+        # What goes wrong on a channel is a warning; nothing else in an example may be worth one.
+        unwanted = Alarm if has_faults(program) else (Alarm, Warned)
+        assert [event for event in run.events if isinstance(event, unwanted)] == []
         assert run.log
 
     @pytest.mark.parametrize("firmware", PROFILES)

@@ -1,6 +1,5 @@
 """Random programs on random conveyors: nothing jumps, limits are kept, and leaping cannot be told from stepping."""
 
-import os
 from itertools import pairwise
 from random import Random
 
@@ -12,8 +11,9 @@ from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, S
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.runtime.world import NoWorld
+from tests.invariants.cases import CASES
 
-COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300")) // 10
+COUNT = CASES // 10
 MODEL = load_model("CS66")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from itertools import pairwise
 from math import sin
 from random import Random
@@ -16,8 +15,9 @@ from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.worlds.memory import MemoryWorld
+from tests.invariants.cases import CASES
 
-COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300")) // 6
+COUNT = CASES // 6
 MODEL = load_model("CS66")
 START = (0.3, -1.5, -1.6, -1.5, 1.5, 0.2)
 

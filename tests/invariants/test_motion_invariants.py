@@ -1,12 +1,11 @@
 """Random moves of three models: limits, continuity, exact ends, exact paths, stops from anywhere.
 
-`ELITESCRIPT_INVARIANTS` sets how many cases are tried (300 if unset). Start points are spread over
+`ELITESCRIPT_INVARIANTS` sets how many cases are tried (150 if unset). Start points are spread over
 the whole joint range, so that many lines are refused and many pass near singularities.
 """
 
 from __future__ import annotations
 
-import os
 import random
 from collections import Counter
 from collections.abc import Iterator
@@ -35,11 +34,12 @@ from elitescript.motion.planner import NoteKind, Plan, plan_movec, plan_movej, p
 from elitescript.motion.segment import Segment
 from elitescript.motion.timescale import TimeScale, stop_ramp
 from tests.findings import Finding
+from tests.invariants.cases import CASES
 from tests.motion.moves import limits_of, six
 
 pytestmark = pytest.mark.invariants
 
-COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300"))
+COUNT = CASES
 SEED = 7
 MODELS = ("CS63", "CS66", "CS620")
 SAMPLES = 60

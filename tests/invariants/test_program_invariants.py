@@ -2,12 +2,11 @@
 
 The programs move, drive at a speed, stream, stop and poll, while the slider moves, the task is paused and, in some,
 stopped. Whatever they do, the target keeps the limits of the arm, never jumps, and comes to rest where it should.
-`ELITESCRIPT_INVARIANTS` sets how many are tried (300 if unset).
+`ELITESCRIPT_INVARIANTS` sets how many are tried (150 if unset).
 """
 
 from __future__ import annotations
 
-import os
 from itertools import pairwise
 from math import cos, sin, sqrt
 from random import Random
@@ -24,11 +23,12 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import RobotModel
 from elitescript.runtime.world import NoWorld
 from tests.findings import Finding
+from tests.invariants.cases import CASES
 from tests.invariants.random_programs import random_program
 
 pytestmark = pytest.mark.invariants
 
-COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300"))
+COUNT = CASES
 
 SPEED_TOLERANCE = 2e-3
 """Relative; Cartesian moves keep the limits at grid points and almost keep them between."""

@@ -1,10 +1,9 @@
 """Stops, safeguards, reduced mode and limits at random ticks of random programs: no jump, no limit of the arm exceeded,
 nothing left undone, and leaping cannot be told from stepping.
 
-`ELITESCRIPT_INVARIANTS` sets how many cases are tried (300 if unset: a third of that here).
+`ELITESCRIPT_INVARIANTS` sets how many cases are tried (150 if unset: a third of that here).
 """
 
-import os
 from itertools import pairwise
 from random import Random
 
@@ -18,9 +17,10 @@ from elitescript.messages.machine import AskSafety
 from elitescript.messages.plant import PlantConfig
 from elitescript.models.model import load_model
 from elitescript.runtime.world import NoWorld
+from tests.invariants.cases import CASES
 from tests.invariants.random_programs import random_program
 
-COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300")) // 3
+COUNT = CASES // 3
 MODEL = load_model("CS66")
 PERIOD_S = 0.004
 

@@ -1,6 +1,5 @@
 """Leaping cannot be told from stepping, and the same run is the same twice."""
 
-import os
 from random import Random
 
 import pytest
@@ -9,9 +8,10 @@ from elitescript import PlantConfig, VirtualRobot
 from elitescript.messages.events import Alarm
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale
 from elitescript.runtime.world import NoWorld
+from tests.invariants.cases import CASES
 from tests.invariants.random_programs import random_program
 
-COUNT = int(os.environ.get("ELITESCRIPT_INVARIANTS", "300"))
+COUNT = CASES
 
 PLANTS = (
     None,

@@ -350,6 +350,27 @@ class TestReset:
         assert cell.result.state == "finished"
         assert cell.result.time_s == pytest.approx(2.104)
 
+    def test_another_thread_that_resets_again_and_again_does_not_make_it_longer(self):
+        cell = Cell()
+        cell.network.dead.add(503)
+        printed = cell.run(
+            'modbus_add_signal("10.0.0.9", 255, 0, 3, "x", False, 1, 503)',
+            "def again():",
+            "  while True:",
+            '    modbus_reset_connection("10.0.0.9", False, 503)',
+            "    sleep(0.5)",
+            "  end",
+            "end",
+            "handle = start_thread(again, ())",
+            "sleep(0.1)",
+            "import time",
+            "begin = time.time()",
+            'modbus_reset_connection("10.0.0.9", True, 503)',
+            "print(round(time.time() - begin, 3))",
+            "stop_thread(handle)",
+        )
+        assert printed == ["2.004"]
+
     def test_a_waiting_thread_can_be_stopped(self):
         cell = Cell()
         cell.network.dead.add(503)

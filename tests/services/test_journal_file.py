@@ -82,10 +82,12 @@ def test_a_file_that_is_removed_ends_the_journal(path, monkeypatch):
 def test_a_file_that_is_cut_ends_the_journal_and_is_left_as_it_is(path, monkeypatch):
     monkeypatch.setattr(journal_file, "LOOK_S", 0.0)
     monkeypatch.setattr(journal_file, "LAG_S", 0.0)
+    has_written = threading.Event()
+    monkeypatch.setattr(journal_file.time, "sleep", lambda _: has_written.set())
     file = JournalFile(path)
     file.put(b"abc\n")
-    while path.read_bytes() != b"abc\n":
-        """The thread is about to."""
+    assert has_written.wait(LIMIT_S)
+    assert path.read_bytes() == b"abc\n"
     path.write_bytes(b"")
     file.put(b"def\n")
     assert ended(file) == "somebody else has changed the file"

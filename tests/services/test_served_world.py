@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import pytest
 
+from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.events import DeviceNoted, TextMessage
 from elitescript.messages.inputs import AddFault, ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, RunUnit
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, SendChannel
 from elitescript.protocol.outcomes import read_outcome
+from elitescript.services.control_verbs import VERBS, Request
 from elitescript.services.served_world import CHANNELS_MAX, UNSENT_MAX, ServedWorld
 from elitescript.services.table import SERVICES
 from elitescript.testing.world import Device, Fault, ModbusDevice, SerialDevice, TcpClient, TcpServer, Wire, World
@@ -104,6 +106,22 @@ def test_a_program_meets_the_same_devices_as_in_virtual_time():
     assert bench.others == []
 
 
+@pytest.mark.parametrize("is_listening", [True, False])
+def test_a_connection_that_a_device_ends_or_refuses_is_forgotten(is_listening):
+    class Rude(TcpServer):
+        port = 5000
+
+        def opened(self, connection):
+            connection.after(0.1, connection.close)
+
+    bench = Bench(World(devices=[Rude(is_listening=is_listening)]))
+    body = '  for n in range(3):\n    socket_open("h", 5000)\n    sleep(0.3)\n  end\n  textmsg("done")'
+    bench.run(300, RunUnit("test", "program", f"def main():\n{body}\nend\n"))
+    assert [text for _, text in bench.log] == ["done"]
+    assert bench.world._leads == {}
+    assert bench.others == []
+
+
 def test_what_no_device_has_is_left_to_others():
     world = World(devices=[Camera()], network="real")
     bench = Bench(world)
@@ -171,6 +189,19 @@ def test_faults_of_a_configuration_act_in_the_kernel():
     bench.run(200, RunUnit("test", "program", ASK))
     assert [text for _, text in bench.log] == ["<x>", "", "<x>"]
     assert [event.text for event in bench.events if isinstance(event, DeviceNoted)] == ["drop on port 5000 acts"]
+
+
+def test_a_disturbance_of_a_protocol_that_a_device_does_not_speak_is_refused():
+    bench = Bench(World(devices=[Camera(), ModbusDevice(port=502)]))
+    disturb = VERBS["disturb"].order
+
+    def disturbed(on):
+        words = ("wrong_reply", f"on={on}", "form=exception", "code=2")
+        return disturb(Request("ctl#1/1", words, {}, bench.output.snapshot, bench.kernel.description, bench.world))
+
+    with pytest.raises(UsageError, match="form: exception on 5000: Camera there speaks no MODBUS"):
+        disturbed(5000)
+    assert len(disturbed(502).inputs) == 1
 
 
 def test_faults_come_and_go_by_inputs():

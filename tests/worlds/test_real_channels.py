@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 import sys
+import threading
 import time
 from contextlib import suppress
 
@@ -12,7 +13,8 @@ import pytest
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.robot import VirtualRobot
-from elitescript.worlds.real_channels import RealChannels
+from elitescript.worlds import real_channels
+from elitescript.worlds.real_channels import HOPE_TICKS, RealChannels
 
 PATIENCE_TICKS = 2500
 """Far more than a computer under load needs."""
@@ -35,6 +37,7 @@ class Bench:
     def __init__(self):
         self.channels = RealChannels()
         self.tick = 0
+        self.port = 0
 
     def until(self, is_enough):
         """Everything that happens until it is enough."""
@@ -47,7 +50,8 @@ class Bench:
         raise AssertionError(f"only {events}")
 
     def opened(self, listening, address="127.0.0.1"):
-        channel = self.channels.open(address, port_of(listening), 2.0)
+        self.port = port_of(listening)
+        channel = self.channels.open(address, self.port, 2.0)
         assert self.until(bool) == [ChannelOpened(channel, True)]
         peer, _ = listening.accept()
         peer.settimeout(10)
@@ -83,7 +87,6 @@ def test_the_end_of_the_peer_comes_after_its_last_bytes(bench, server):
     peer.close()
     events = bench.until(lambda events: any(isinstance(event, ChannelClosed) for event in events))
     assert events == [ChannelData(channel, b"last"), ChannelClosed(channel)]
-    assert bench.channels.next_tick(5) is None
 
 
 @pytest.mark.parametrize(
@@ -176,3 +179,79 @@ end
 def test_a_run_that_connects_to_nobody_is_not_paced():
     run = VirtualRobot().run('def main():\n  socket_read_string("none")\n  sleep(60)\nend\n')
     assert not run.is_paced
+
+
+@pytest.fixture
+def no_waiting(monkeypatch):
+    monkeypatch.setattr(real_channels, "sleep", lambda seconds: None)
+
+
+def test_time_is_held_back_for_a_while_after_a_connection_was_lost(bench, server, no_waiting):
+    _, peer = bench.opened(server)
+    peer.close()
+    bench.until(lambda events: any(isinstance(event, ChannelClosed) for event in events))
+    lost = bench.tick - 1
+    assert bench.channels.next_tick(lost) == lost + 1
+    bench.channels.arrivals(lost + HOPE_TICKS - 1)
+    assert bench.channels.is_real
+    assert bench.channels.arrivals(lost + HOPE_TICKS) == ()
+    assert not bench.channels.is_real
+    assert bench.channels.next_tick(lost + HOPE_TICKS) is None
+
+
+def test_a_try_to_connect_again_holds_it_back_longer(bench, server, no_waiting):
+    _, peer = bench.opened(server)
+    peer.close()
+    server.close()
+    bench.until(lambda events: any(isinstance(event, ChannelClosed) for event in events))
+    bench.tick += HOPE_TICKS // 2
+    bench.channels.open("127.0.0.1", bench.port, 2.0)
+    bench.until(lambda events: any(isinstance(event, ChannelOpened) for event in events))
+    bench.channels.arrivals(bench.tick + HOPE_TICKS - 2)
+    assert bench.channels.is_real
+
+
+def test_a_program_that_was_never_answered_is_not_held_back(bench, server, no_waiting):
+    port = port_of(server)
+    server.close()
+    bench.channels.open("127.0.0.1", port, 2.0)
+    bench.until(bool)
+    assert not bench.channels.is_real
+
+
+def test_a_program_finds_a_server_that_comes_back(server):
+    port = port_of(server)
+
+    def serve():
+        first, _ = server.accept()
+        first.recv(1)
+        server.close()
+        first.close()
+        time.sleep(0.3)
+        with socket.create_server(("127.0.0.1", port)) as again:
+            again.settimeout(10)
+            second, _ = again.accept()
+            with second:
+                second.recv(1)
+                second.sendall(b"back\n")
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    program = f"""
+def main():
+  for n in range(50):
+    if socket_open("127.0.0.1", {port}):
+      socket_send_byte(65)
+      text = socket_read_string("socket_0", "", "\\n")
+      if text != "":
+        textmsg(text)
+        break
+      end
+    end
+    sleep(0.1)
+  end
+end
+"""
+    run = VirtualRobot().run(program)
+    thread.join()
+    assert run.log == ["back"]

@@ -9,7 +9,7 @@ from elitescript.commands.context import Machine
 from elitescript.errors import InvalidValueError, ScriptStateError
 from elitescript.messages.events import Warned
 from elitescript.messages.timing import seconds, ticks_for
-from elitescript.modbus.link import Link
+from elitescript.modbus.link import CONNECT_TICKS, Link
 from elitescript.modbus.master import Master
 from elitescript.modbus.pdu import custom
 from elitescript.modbus.signals import Kind, Signal
@@ -170,7 +170,7 @@ class ModbusSignals:
         self.master.request(address, port, slave, custom(function, data), is_once=is_once)
 
     def reset(self, address: str, port: int, *, waits: bool) -> None:
-        """Connect anew; a thread may wait for the outcome.
+        """Connect anew; a thread may wait for the outcome, as long as one attempt may take.
 
         Raises:
             InvalidValueError: no signal uses that connection.
@@ -186,8 +186,9 @@ class ModbusSignals:
         waiting = link, strand
         self._waiting.append(waiting)
         try:
-            while not link.is_settled:
-                self._scheduler.wait(f"the MODBUS device at {link.name}")
+            until = self._scheduler.now + CONNECT_TICKS + 1
+            while not link.is_settled and self._scheduler.now < until:
+                self._scheduler.wait(f"the MODBUS device at {link.name}", until)
         finally:
             self._waiting.remove(waiting)
 

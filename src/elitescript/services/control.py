@@ -143,9 +143,8 @@ class ControlChannel:
             if not isinstance(arguments, list) or not isinstance(values, dict):
                 raise UsageError("arguments are a list, values an object")
             station = self._station
-            request = Request(
-                origin, tuple(map(str, arguments)), values, station.output.snapshot, station.link.description
-            )
+            picture, description = station.output.snapshot, station.link.description
+            request = Request(origin, tuple(map(str, arguments)), values, picture, description, station.world)
             return await self._carry_out(verb, request)
         except (UsageError, json.JSONDecodeError, UnicodeDecodeError) as error:
             return {"ok": False, "error": str(error)}

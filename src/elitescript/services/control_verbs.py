@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, replace
-from typing import Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from elitescript.controller.signal_view import signal_write
 from elitescript.errors import UsageError
@@ -31,6 +31,9 @@ from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.protocol.dashboard import find_row
 from elitescript.protocol.dashboard_answers import Answer, Asked
 from elitescript.protocol.outcomes import read_outcome
+
+if TYPE_CHECKING:
+    from elitescript.services.served_world import ServedWorld
 
 
 class Order(NamedTuple):
@@ -63,6 +66,8 @@ class Request(NamedTuple):
     """Of `set`: values by name."""
     snapshot: Snapshot
     description: RobotDescription
+    world: ServedWorld | None = None
+    """The virtual devices beside the robot."""
 
 
 class Verb(NamedTuple):
@@ -202,6 +207,8 @@ def _disturb(request: Request) -> Order:
         except (ValueError, SyntaxError):
             settings[name] = text
     fault = fault_from(settings)
+    if request.world is not None:
+        request.world.check_fault(fault)
     return Order((AddFault(request.origin, fault_text(fault)),), str(fault), failure="disturb")
 
 

@@ -154,7 +154,8 @@ def write(descriptor: int, data: bytes) -> None:
 
 def _opened(path: Path) -> int:
     """A new file, or a device that is there."""
-    flags = os.O_WRONLY | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+    # Appending, so that what is written behind somebody else's cut shows in the size.
+    flags = os.O_WRONLY | os.O_APPEND | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
     try:
         if path.exists() and not path.is_char_device():
             what = "is a folder" if path.is_dir() else "exists"

@@ -29,6 +29,7 @@ from elitescript.messages.outputs import (
 from elitescript.messages.signals import Value
 from elitescript.protocol.connection import Connection
 from elitescript.worlds.virtual.agenda import DeviceError
+from elitescript.worlds.virtual.faults import Fault
 from elitescript.worlds.virtual.world import World
 
 if TYPE_CHECKING:
@@ -140,6 +141,10 @@ class ServedWorld:
         self._say(f"{error}; the device is disconnected", True)
 
     # ---------------------------------------------------------------- what the station asks
+
+    def check_fault(self, fault: Fault) -> None:
+        """See `World.check_fault`."""
+        self._world.check_fault(fault)
 
     def begin(self, output: Output) -> None:
         """The robot is up."""

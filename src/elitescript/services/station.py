@@ -199,6 +199,11 @@ class Station:
         self._comers.append(take)
 
     @property
+    def world(self) -> ServedWorld | None:
+        """The virtual devices beside the robot."""
+        return self._world
+
+    @property
     def overruns(self) -> int:
         """Ticks that began late."""
         return 0 if self._cycle is None else self._cycle.overruns

@@ -1,21 +1,27 @@
 """TCP connections and serial ports of this computer, looked at between two ticks.
 
 While one is open, ticks are held back to the wall clock, so that time-outs and polling mean what they say to the peer.
+So they are for a while after a connection was lost, and after each try to make it anew: a peer that comes back after a
+second has to find a program that is still waiting for it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from time import perf_counter, sleep
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
-from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.inputs import ChannelOpened
+from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
     from elitescript.messages.line import LineSettings
     from elitescript.worlds.serial_channel import SerialChannel
     from elitescript.worlds.tcp_channel import TcpChannel
+
+HOPE_TICKS: Final = 6 * TICKS_PER_S
+"""How long a lost connection holds time back; longer than MODBUS signals ever wait before they try again."""
 
 
 class RealChannels:
@@ -28,7 +34,7 @@ class RealChannels:
         UsageError: a binding that makes no sense.
     """
 
-    __slots__ = ("_first_tick", "_last", "_lines", "_open", "_start_s")
+    __slots__ = ("_first_tick", "_hope_tick", "_last", "_lines", "_met", "_open", "_places", "_start_s", "_tick")
 
     def __init__(self, lines: Mapping[str, str] | None = None) -> None:
         self._last = 0
@@ -38,13 +44,20 @@ class RealChannels:
 
             self._lines = check_bindings(lines)
         self._open: dict[int, TcpChannel | SerialChannel] = {}
+        self._places: dict[int, tuple[str, int]] = {}
+        """Where each TCP connection leads."""
+        self._met: set[tuple[str, int]] = set()
+        """Places where somebody has answered."""
+        self._tick = 0
+        self._hope_tick = 0
+        """Until then a lost connection may come back."""
         self._first_tick = -1
         self._start_s = 0.0
 
     @property
     def is_real(self) -> bool:
-        """Whether a connection is open, or being opened."""
-        return bool(self._open)
+        """Whether a connection is open, being opened, or lost not long ago."""
+        return bool(self._open) or self._tick < self._hope_tick
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
         """Begin to connect."""
@@ -53,6 +66,7 @@ class RealChannels:
 
         self._last += 1
         self._open[self._last] = TcpChannel(self._last, address, port)
+        self._places[self._last] = address, port
         return self._last
 
     def open_line(self, device: str, settings: LineSettings) -> int:
@@ -84,25 +98,34 @@ class RealChannels:
     def close(self, channel: int) -> None:
         """See `runtime.world.Channels.close`."""
         open_channel = self._open.pop(channel, None)
+        self._places.pop(channel, None)
         if open_channel is not None:
             open_channel.close()
 
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
         """Wait for the time of a tick and look at every connection."""
-        if not self._open:
+        self._tick = tick
+        if not self.is_real:
             self._first_tick = -1
             return ()
         self._hold(tick)
         events: list[ChannelEvent] = []
         for number, channel in list(self._open.items()):
-            events += channel.poll()
+            found = channel.poll()
+            events += found
+            place = self._places.get(number)
+            if place is not None and any(isinstance(event, ChannelOpened) and event.is_open for event in found):
+                self._met.add(place)
             if channel.is_over:
                 del self._open[number]
+                self._places.pop(number, None)
+                if place in self._met:
+                    self._hope_tick = tick + HOPE_TICKS
         return events
 
     def next_tick(self, tick: int) -> int | None:
-        """Every tick while one is open."""
-        return tick + 1 if self._open else None
+        """Every tick while time is held back."""
+        return tick + 1 if self.is_real else None
 
     def _hold(self, tick: int) -> None:
         now_s = perf_counter()

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.testing.world import Fault, World
+from elitescript.testing.world import Fault, ModbusDevice, SerialDevice, TcpServer, World, XmlRpcServer
 from elitescript.worlds.virtual.faults import FORMS, LINE, TABLE, TCP, fault_of, fault_text, place_of
 
 NEEDS = {"delay": {"delay_s": 0.1}, "wrong_reply": {"reply": "x"}}
@@ -100,3 +102,48 @@ def test_a_fault_goes_through_a_line_of_text():
     for text, words in [("{", "is no fault"), ("[]", "must be an object"), ('{"kind": "drop"}', "on: is missing")]:
         with pytest.raises(UsageError, match=words):
             fault_of(text)
+
+
+EXCEPTION = {"kind": "wrong_reply", "form": "exception", "code": 2}
+SERVICE = {"kind": "wrong_reply", "form": "http", "code": 503}
+
+
+@pytest.mark.parametrize(
+    ("device", "on", "settings", "words"),
+    [
+        (
+            TcpServer(port=5000, name="camera"),
+            5000,
+            EXCEPTION,
+            "form: exception on 5000: camera there speaks no MODBUS",
+        ),
+        (TcpServer(port=5000, address="h"), 5000, SERVICE, "form: http on 5000: TcpServer there speaks no XML-RPC"),
+        (TcpServer(port=5000), "h:5000", SERVICE, "form: http on 'h:5000': TcpServer there speaks no XML-RPC"),
+        (
+            SerialDevice(line="tool"),
+            "tool",
+            EXCEPTION,
+            "form: exception on 'tool': SerialDevice there speaks no MODBUS",
+        ),
+        (ModbusDevice(port=502), 502, SERVICE, "speaks no XML-RPC"),
+        (XmlRpcServer(port=8000), 8000, EXCEPTION, "speaks no MODBUS"),
+    ],
+)
+def test_a_wrong_reply_of_another_protocol_is_refused(device, on, settings, words):
+    fault = Fault(on=on, **settings)
+    with pytest.raises(UsageError, match=re.escape(words)):
+        World(devices=[device], faults=[fault])
+
+
+def test_a_wrong_reply_of_another_protocol_is_refused_later_too():
+    world = World(devices=[TcpServer(port=5000)])
+    with pytest.raises(UsageError, match="speaks no MODBUS"):
+        world.fault(on=5000, **EXCEPTION)
+    assert world.faults == ()
+
+
+@pytest.mark.parametrize("on", [502, "tool", "h:502", "other:5000"])
+def test_where_such_a_device_is_or_nobody_knows_who_is_there_it_is_not(on):
+    devices = [ModbusDevice(port=502), ModbusDevice(line="tool", unit=1), TcpServer(port=5000, address="h")]
+    fault = Fault(on=on, **EXCEPTION)
+    assert World(devices=devices, faults=[fault]).faults == (fault,)

@@ -286,6 +286,26 @@ def test_faults_come_and_go_while_a_world_lives():
     assert [event for tick in range(6, 9) for event in world.channels.arrivals(tick)][1] == ChannelData(channel, b"x")
 
 
+def test_a_fault_that_comes_in_the_middle_of_a_message_does_not_go_by_one_that_has_ended():
+    class Talker(SerialDevice):
+        line = "tool"
+
+        def opened(self):
+            self.send(bytes(200))
+
+    world = World(devices=[Talker()], faults=[Fault("drop", "tool", nth=9)])
+    world.channels.arrivals(0)
+    world.channels.open_line("tool", LineSettings(9600, 0, 1, 8))
+
+    def heard(ticks):
+        return sum(isinstance(event, ChannelData) for tick in ticks for event in world.channels.arrivals(tick))
+
+    assert heard(range(1, 20)) > 10
+    world.end_faults()
+    world.fault("silence", "tool")
+    assert heard(range(20, 80)) == 0
+
+
 def test_without_a_network_there_is_nothing_to_break():
     from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 

@@ -297,6 +297,11 @@ MISTAKES = [
     ("[[fault]]\nkind = 'drop'\non = 3\nwhen = 3", 4, "[[fault]] 1: when: is not known"),
     ("[[fault]]\nkind = 'refuse'\non = 'tool'", 2, "[[fault]] 1: kind: refuse on 'tool': a serial line cannot refuse"),
     ("[[fault]]\nkind = 'drop'\non = 3\n[[fault]]\nkind = 'reconnect'\non = 3", 5, "[[fault]] 2: kind: reconnect on 3"),
+    (
+        "[[tcp]]\nport = 3\n[[fault]]\nkind = 'wrong_reply'\non = 3\nform = 'unit'",
+        6,
+        "[[fault]] 1: form: unit on 3: tcp 1 there speaks no MODBUS",
+    ),
     ("[tcp]\nport = 3", 1, "[[tcp]] must be a list of tables"),
     ("[world]\nseed = 'x'", 2, "[world] seed: must be a whole number"),
     ("[world]\nnetwork = 'moon'", 2, "[world] network: must be virtual or real"),

@@ -227,3 +227,28 @@ def test_what_a_device_returns_must_be_sendable():
 
     with pytest.raises(DeviceError, match="returns a str, bytes or None to have it sent, not 7"):
         run(OPEN + 'socket_send_line("x")\nsleep(1)', Wrong())
+
+
+def test_a_connection_that_is_given_up_before_it_stands_takes_no_place():
+    heard = []
+
+    class Picky(TcpServer):
+        port = 5000
+        connections_max = 1
+
+        def opened(self, connection):
+            heard.append("opened")
+
+        def closed(self, connection):
+            heard.append("closed")
+
+    device = Picky()
+    channels = World(devices=[device]).channels
+    channels.arrivals(0)
+    for _ in range(3):
+        channels.close(channels.open("h", 5000, 2.0))
+    channels.arrivals(1)
+    assert (device.connections, heard) == ((), [])
+    channels.open("h", 5000, 2.0)
+    channels.arrivals(2)
+    assert heard == ["opened"]

@@ -25,6 +25,7 @@ class Device:
     Attributes:
         name: for messages; the name of the class if empty. A setting, like those of the subclasses.
         cell: the robot's signals.
+        protocol: which one it speaks, `MODBUS` or `XML-RPC`, or neither; faults that are of a protocol go by it.
 
     Raises:
         UsageError: a keyword that is no setting, or a value that makes no sense.
@@ -44,7 +45,8 @@ class Device:
 
     name: str = ""
     cell: RobotSignals
-    _kept: tuple[str, ...] = ("cell",)
+    protocol: str = ""
+    _kept: tuple[str, ...] = ("cell", "protocol")
     """Public attributes that are no settings."""
     _world: World | None = None
     _random: Random | None = None

@@ -17,6 +17,9 @@ from elitescript.worlds.line_bindings import PORTS
 TCP: Final = "tcp"
 LINE: Final = "line"
 
+MODBUS: Final = "MODBUS"
+XML_RPC: Final = "XML-RPC"
+
 
 class Effect(NamedTuple):
     """What a fault does to a channel of one kind, or why there is no such thing."""
@@ -99,6 +102,8 @@ class Form(NamedTuple):
     tcp: Effect
     line: Effect
     takes: tuple[str, ...] = ()
+    protocol: str = ""
+    """What the device must speak for it to mean anything."""
 
 
 _FORM_ROWS: Final = (
@@ -108,29 +113,39 @@ _FORM_ROWS: Final = (
         Effect("a MODBUS exception with the number code"),
         Effect("a MODBUS exception with the number code"),
         ("code",),
+        protocol=MODBUS,
     ),
     Form(
         "transaction",
         Effect("a MODBUS answer to another transaction"),
         Effect("frames of MODBUS RTU have no transaction", False),
+        protocol=MODBUS,
     ),
-    Form("unit", Effect("a MODBUS answer of another unit"), Effect("a MODBUS answer of another unit")),
+    Form(
+        "unit",
+        Effect("a MODBUS answer of another unit"),
+        Effect("a MODBUS answer of another unit"),
+        protocol=MODBUS,
+    ),
     Form(
         "checksum",
         Effect("frames of MODBUS TCP have no checksum", False),
         Effect("a MODBUS answer with a wrong checksum"),
+        protocol=MODBUS,
     ),
     Form(
         "fault",
         Effect("an XML-RPC fault with the number code and the text reply"),
         Effect("XML-RPC does not go over a serial line", False),
         ("code", "reply"),
+        protocol=XML_RPC,
     ),
     Form(
         "http",
         Effect("an HTTP answer with the status code"),
         Effect("HTTP does not go over a serial line", False),
         ("code",),
+        protocol=XML_RPC,
     ),
 )
 
@@ -320,6 +335,23 @@ def check_together(faults: list[Fault]) -> None:
             for other in faults
         ):
             raise UsageError(f"{number}: kind: reconnect on {fault.on!r} has no disconnect before it, at that place")
+
+
+def check_protocol(fault: Fault, devices: Mapping[str, str]) -> None:
+    """Refuse a wrong reply of a protocol that no device at its place speaks.
+
+    Args:
+        fault: anything that goes wrong.
+        devices: for each device at its place, by its title, the protocol that it speaks; nothing refuses if there is
+            none, as nobody knows then who is there.
+
+    Raises:
+        UsageError: it makes no sense there.
+    """
+    wanted = FORMS[fault.form or "text"].protocol if fault.kind == "wrong_reply" else ""
+    if wanted and devices and wanted not in devices.values():
+        titles = ", ".join(devices)
+        raise UsageError(f"form: {fault.form} on {fault.on!r}: {titles} there speaks no {wanted}")
 
 
 def place_of(on: object) -> tuple[str, str, int]:

@@ -88,7 +88,18 @@ class FaultyChannels:
         say: told when a fault acts for the first time.
     """
 
-    __slots__ = ("_active", "_agenda", "_by_inner", "_channels", "_events", "_inner", "_last", "_say", "_seed")
+    __slots__ = (
+        "_active",
+        "_agenda",
+        "_by_inner",
+        "_channels",
+        "_events",
+        "_faults",
+        "_inner",
+        "_last",
+        "_say",
+        "_seed",
+    )
 
     def __init__(
         self, inner: Channels, faults: Iterable[Fault] = (), *, seed: int = 0, say: Callable[[str], Any] | None = None
@@ -98,6 +109,8 @@ class FaultyChannels:
         self._say = say
         self._agenda = Agenda()
         self._active: list[_Active] = []
+        self._faults = 0
+        """So many have been added."""
         self._channels: dict[int, _Channel] = {}
         self._by_inner: dict[int, _Channel] = {}
         self._events: list[ChannelEvent] = []
@@ -127,7 +140,8 @@ class FaultyChannels:
         self._active.clear()
 
     def _add(self, fault: Fault) -> None:
-        active = _Active(fault, len(self._active), self._agenda.tick)
+        active = _Active(fault, self._faults, self._agenda.tick)
+        self._faults += 1
         self._active.append(active)
         if fault.kind in ("disconnect", "reconnect"):
             self._agenda.put(active.begin - self._agenda.tick, lambda: self._switch(active))

@@ -17,6 +17,7 @@ from elitescript.modbus.pdu import (
 )
 from elitescript.modbus.slave import RtuSlave, Slave, TcpSlave
 from elitescript.worlds.virtual.device import Device, check_number, check_text
+from elitescript.worlds.virtual.faults import MODBUS
 from elitescript.worlds.virtual.network import Endpoint, Link
 from elitescript.worlds.virtual.serial import BAUD_MAX, LineDevice, line_device
 from elitescript.worlds.virtual.tcp import LATENCY_MAX_S, TcpConnection, TcpServer
@@ -134,10 +135,13 @@ class ModbusDevice(Device):
     # ---------------------------------------------------------------- what a subclass may override
 
     def register_written(self, address: int, value: int) -> None:
-        """A holding register has been written; called once for each, after all of a request are written."""
+        """A holding register has been written; called once for each, after all of a request are written.
+
+        Masters repeat what they write: the value may be the one that it had.
+        """
 
     def coil_written(self, address: int, level: bool) -> None:
-        """A coil has been written."""
+        """A coil has been written, perhaps to the level that it had."""
 
     def reading(self, table: str, address: int, count: int) -> None:
         """Somebody is about to read `coils`, `discrete_inputs`, `holding_registers` or `input_registers`."""
@@ -250,6 +254,7 @@ class _Memory:
 class _Bus:
     """Carries requests to the devices at one place."""
 
+    protocol = MODBUS
     slaves: dict[int, Slave]
     asked: Device | None = None
     """The device that was asked last, whose code may have failed."""

@@ -17,6 +17,7 @@ from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.messages.timing import ticks_for
 from elitescript.runtime.world import Channels
 from elitescript.worlds.virtual.agenda import Agenda, DeviceError
+from elitescript.worlds.virtual.faults import LINE
 from elitescript.worlds.virtual.wire import Wire
 
 REFUSED: Final = "connection refused"
@@ -143,6 +144,8 @@ class Link:
         self._outgoing.clear()
         if self._has_stood:
             self._to_device.finish(self.peer.closed)
+        else:
+            self.peer.given_up()
 
     def stand(self) -> None:
         """The connection stands from now on."""
@@ -187,6 +190,9 @@ class Peer:
 
     def closed(self) -> None:
         """The program has closed."""
+
+    def given_up(self) -> None:
+        """The program has closed before the connection stood; nothing else is called."""
 
 
 Server = Callable[[Link], Peer | None]
@@ -250,6 +256,16 @@ class VirtualNetwork:
     def server(self, address: str, port: int) -> Server | None:
         """Who listens there."""
         return self.servers.get((address, port)) or self.servers.get(port)
+
+    def owners(self, kind: str, address: str, port: int) -> list[object]:
+        """Who is at the place of a fault, see `faults.place_of`."""
+        if kind == LINE:
+            found = [self.lines.get(address)]
+        elif address:
+            found = [self.server(address, port)]
+        else:
+            found = [server for endpoint, server in self.servers.items() if endpoint == port or _is_on(endpoint, port)]
+        return [owner for server in found if server is not None and (owner := _owner(server)) is not None]
 
     def connect(self, channel: int, address: str, port: int) -> None:
         """Connect a channel to the server of a port, or refuse."""
@@ -367,6 +383,10 @@ class VirtualNetwork:
         due = self.agenda.next_tick(tick)
         other = None if self.outside is None else self.outside.next_tick(tick)
         return due if other is None else other if due is None else min(due, other)
+
+
+def _is_on(endpoint: Endpoint, port: int) -> bool:
+    return isinstance(endpoint, tuple) and endpoint[1] == port
 
 
 def _owner(server: Server) -> object:

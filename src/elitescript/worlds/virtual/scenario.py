@@ -88,8 +88,11 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "") -
         check_together(faults)
     except UsageError as error:
         raise UsageError(f"[[fault]] {error}") from None
-    for fault in faults:
-        world.add_fault(fault)
+    for number, fault in enumerate(faults, 1):
+        try:
+            world.add_fault(fault)
+        except UsageError as error:
+            raise UsageError(f"[[fault]] {number}: {error}") from None
     return world
 
 

@@ -77,6 +77,9 @@ class TcpConnection(Peer):
         self.server.forget(self)
         self.server.closed(self)
 
+    def given_up(self) -> None:
+        self.server.forget(self)
+
     def lines(self, data: bytes) -> list[str]:
         """Lines that are complete by these bytes."""
         found = self._lines.receive(data)

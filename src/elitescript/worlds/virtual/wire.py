@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from math import ceil
 from typing import Final
@@ -63,7 +64,8 @@ class Wire:
         self._free = 0.0
         """When the last byte that has arrived was through, in ticks; from then on the next one is under way."""
         self._last = 0
-        self._queue = bytearray()
+        self._queue: deque[tuple[float, bytearray]] = deque()
+        """For each call, when its first byte is under way at the earliest, in ticks, and what has not arrived of it."""
         self._is_due = False
         self._then: Callable[[], None] | None = None
         self.owner = owner
@@ -71,7 +73,7 @@ class Wire:
     @property
     def waiting(self) -> int:
         """Bytes that have not begun to arrive."""
-        return len(self._queue)
+        return sum(len(rest) for _, rest in self._queue)
 
     def send(self, data: bytes) -> None:
         """Put bytes on the way."""
@@ -81,10 +83,10 @@ class Wire:
             self._last = max(now + ticks, self._last)  # nothing overtakes
             self._agenda.put(self._last - now, lambda: self._deliver(data), self.owner)
             return
-        self._queue += data
-        if not self._is_due and self._queue:
-            self._free = max(self._free, now + (ticks - 1 if self._byte_ticks else ticks))
-            self._plan()
+        if data:
+            self._queue.append((now + (ticks - 1 if self._byte_ticks else ticks), bytearray(data)))
+            if not self._is_due:
+                self._plan()
 
     def finish(self, then: Callable[[], None]) -> None:
         """Have something called when all that was sent has arrived, not sooner than bytes that are sent now would."""
@@ -101,19 +103,13 @@ class Wire:
         """See to it that the next bytes are delivered."""
         now = self._agenda.tick
         self._is_due = True
+        self._free = max(self._free, self._queue[0][0])
         at = max(ceil(self._free + self._byte_ticks - _ROUNDING), now + 1)
         self._agenda.put(at - now, self._arrive, self.owner)
 
     def _arrive(self) -> None:
         self._is_due = False
-        size = len(self._queue)
-        if self._byte_ticks:
-            size = min(size, int((self._agenda.tick - self._free) / self._byte_ticks + _ROUNDING))
-        if self._chunk:
-            size = min(size, self._chunk)
-        self._free += size * self._byte_ticks
-        data = bytes(self._queue[:size])
-        del self._queue[:size]
+        data = self._arrived()
         if self._queue:
             self._plan()
         if data:
@@ -121,3 +117,29 @@ class Wire:
         if not self._queue and self._then is not None:
             then, self._then = self._then, None
             then()
+
+    def _arrived(self) -> bytes:
+        """Take out of the queue what has arrived by now."""
+        data = bytearray()
+        while self._queue:
+            begin, rest = self._queue[0]
+            self._free = max(self._free, begin)
+            size = self._through(len(rest), len(data))
+            self._free += size * self._byte_ticks
+            data += rest[:size]
+            del rest[:size]
+            if rest:
+                break
+            self._queue.popleft()
+        return bytes(data)
+
+    def _through(self, size: int, before: int) -> int:
+        """How many of so many bytes are through by now, of which so many others have arrived in this tick before."""
+        passed = self._agenda.tick - self._free
+        if self._byte_ticks:
+            size = min(size, int(passed / self._byte_ticks + _ROUNDING))
+        elif passed < 0:
+            size = 0
+        if self._chunk:
+            size = min(size, self._chunk - before)
+        return max(0, size)

@@ -16,7 +16,7 @@ from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.surroundings import REAL, VIRTUAL, RobotPort, Surroundings
 from elitescript.worlds.virtual.agenda import Agenda, DeviceError
 from elitescript.worlds.virtual.device import Device
-from elitescript.worlds.virtual.faults import Fault, check_together
+from elitescript.worlds.virtual.faults import Fault, check_protocol, check_together, place_of
 from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 from elitescript.worlds.virtual.network import VirtualNetwork
 from elitescript.worlds.virtual.signals import SignalHub
@@ -102,6 +102,8 @@ class World(Surroundings):
         """Told when the code of a device has failed; as long as it is None the run ends with the error."""
         for device in (*devices, *wires):
             self.add(device)
+        for fault in self._faults:
+            self.check_fault(fault)
 
     def add(self, device: Device) -> None:
         """Put one more device there."""
@@ -131,9 +133,23 @@ class World(Surroundings):
         return tuple(self._faults)
 
     def add_fault(self, fault: Fault) -> None:
-        """Let something go wrong at its time."""
+        """Let something go wrong at its time.
+
+        Raises:
+            UsageError: it is a wrong reply of a protocol that nobody there speaks.
+        """
+        self.check_fault(fault)
         self._faults.append(fault)
         self._faulty.add(fault)
+
+    def check_fault(self, fault: Fault) -> None:
+        """Refuse a fault that makes no sense with the devices that are there.
+
+        Raises:
+            UsageError: it is a wrong reply of a protocol that nobody at its place speaks.
+        """
+        there = [owner for owner in self.network.owners(*place_of(fault.on)) if isinstance(owner, Device)]
+        check_protocol(fault, {device.title: device.protocol for device in there})
 
     def end_faults(self) -> None:
         """Nothing goes wrong any more."""

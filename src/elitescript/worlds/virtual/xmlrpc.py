@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from elitescript.worlds.virtual.device import check_number
+from elitescript.worlds.virtual.faults import XML_RPC
 from elitescript.worlds.virtual.network import Link
 from elitescript.worlds.virtual.tcp import LATENCY_MAX_S, TcpConnection, TcpServer
 
@@ -72,6 +73,7 @@ class XmlRpcServer(TcpServer):
         ['[0.5, -0.2, 0.1]']
     """
 
+    protocol = XML_RPC
     duration_s: float = 0.0
     functions: Mapping[str, Callable[..., Any]] = {}
 
