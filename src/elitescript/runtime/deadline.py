@@ -19,12 +19,12 @@ class Deadline:
     def __init__(self, scheduler: Scheduler, timeout_s: float) -> None:
         self._scheduler = scheduler
         self._tick = scheduler.now + max(1, ticks_for(timeout_s)) if timeout_s > 0.0 else None
-        self._held = scheduler.held_ticks
+        self._held = scheduler.timers.held_ticks
 
     @property
     def tick(self) -> int | None:
         """The tick, as far as it is known by now; None for ever."""
-        return None if self._tick is None else self._tick + self._scheduler.held_ticks - self._held
+        return None if self._tick is None else self._tick + self._scheduler.timers.held_ticks - self._held
 
     @property
     def is_over(self) -> bool:
