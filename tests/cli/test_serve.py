@@ -179,6 +179,16 @@ def test_without_a_jail_other_computers_are_not_served(capsys: pytest.CaptureFix
     assert "--trust-network" in capsys.readouterr().err
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="robots are in this process there")
+def test_a_world_file_that_programs_can_change_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    tasks = tmp_path / "tasks"
+    (tasks / "cell").mkdir(parents=True)
+    world = tasks / "cell" / "cell.toml"
+    world.write_text("")
+    assert main(["serve", "--task-dir", str(tasks), "--world", str(world)]) == 2
+    assert "programs of the robot can change it" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("text", ["rtsi", "rtsi=x", "rtsi=-1", "all=7"])
 def test_a_port_that_cannot_be_read_is_refused(text: str) -> None:
     with pytest.raises(UsageError, match="--port"):

@@ -131,6 +131,7 @@ class TestText:
         assert rules.text(b"", b"")(bytearray(b"a" + data[:1]), False) == ("a", 1)
         assert rules.text(b"", b"")(bytearray(data[:1]), False) == (None, 0)
         assert read(rules.text(b"", b""), data[:1]) == ("\ufffd", b"")
+        assert rules.text(b"", b"")(bytearray(b"a" + data[:1]), True) == ("a", 1)
 
 
 class TestVariables:

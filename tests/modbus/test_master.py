@@ -71,6 +71,25 @@ def test_what_a_short_list_leaves_out_keeps_what_was_read() -> None:
     assert bench.device.tables.holding_registers[3:6] == [8, 9, 105]
 
 
+def test_what_a_short_list_leaves_out_is_not_touched_before_it_was_ever_read() -> None:
+    bench = Bench()
+    bench.add("x", Kind.REGISTER_OUTPUT, 3, 3)
+    bench.master.set("x", [7])
+    bench.run(S)
+    assert bench.device.tables.holding_registers[3:6] == [7, 104, 105]
+    assert bench.value("x") == (7, 0, 0)
+
+
+def test_what_a_short_list_leaves_out_may_change_in_the_device() -> None:
+    bench = Bench()
+    bench.add("x", Kind.DIGITAL_OUTPUT, 3, 3)
+    bench.run(10)
+    bench.master.set("x", [1])
+    bench.device.tables.coils[4] = 1
+    bench.run(S)
+    assert bench.device.tables.coils[3:6] == [1, 1, 0]
+
+
 def test_a_read_write_signal_reads_with_3_and_then_with_23() -> None:
     bench = Bench()
     bench.add("x", Kind.READ_WRITE, 0, 3, write_first=1, write_count=2)
@@ -78,8 +97,11 @@ def test_a_read_write_signal_reads_with_3_and_then_with_23() -> None:
     assert bench.device.requests[-1][2] == pdu.read(3, 0, 3)
     bench.master.set("x", [9])
     bench.run(S // 10)
-    assert bench.device.requests[-1][2] == pdu.read_write_registers(0, 3, 1, [9, 0])
-    assert bench.value("x") == (100, 9, 0)
+    assert bench.device.requests[-1][2] == pdu.read_write_registers(0, 3, 1, [9])
+    assert bench.value("x") == (100, 9, 102)
+    bench.master.set("x", [8, 7])
+    bench.run(S // 10)
+    assert bench.device.requests[-1][2] == pdu.read_write_registers(0, 3, 1, [8, 7])
 
 
 @pytest.mark.parametrize("hertz", [1, 3, 7, 10, 60, 99, 125, 249, 250])
@@ -384,3 +406,30 @@ def test_time_leaps_to_the_next_turn() -> None:
     bench.run(20 * S)
     assert len(bench.device.requests) == 21
     assert bench.visited < 100
+
+
+@pytest.mark.parametrize("is_silent", [True, False])
+def test_a_device_that_is_not_there_is_not_looked_for_once_its_last_signal_is_deleted(is_silent: bool) -> None:
+    bench = Bench()
+    del bench.network.devices[502]
+    if is_silent:
+        bench.network.dead.add(502)
+    bench.add("x")
+    bench.run(S)
+    bench.master.delete("x")
+    bench.run(2)
+    assert bench.master.links == {}
+    attempts = len(bench.network.opened)
+    bench.run(60 * S)
+    assert len(bench.network.opened) == attempts > 0
+    assert bench.master.next_tick(bench.tick, is_running=True) is None
+
+
+def test_a_repeated_request_to_a_device_that_is_not_there_ends_with_its_program() -> None:
+    bench = Bench()
+    del bench.network.devices[502]
+    bench.master.request(HOST, 502, 255, pdu.write_register(0, 1), is_once=False)
+    bench.run(S)
+    bench.is_running = False
+    bench.run(2)
+    assert bench.master.links == {}

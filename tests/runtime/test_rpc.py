@@ -13,7 +13,7 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.errors import InvalidValueError
-from elitescript.runtime.rpc import server_of
+from elitescript.runtime.rpc import IDLE_MAX, server_of
 from elitescript.worlds.memory import MemoryWorld
 from elitescript.worlds.virtual.network import Link, Peer
 
@@ -102,6 +102,46 @@ def test_a_kept_connection_that_has_gone_is_opened_anew():
 
     scene.answer = answer
     assert scene.run("textmsg(c.first())", "textmsg(c.once())") == ["1", "2"]
+
+
+def test_bytes_that_nobody_asked_for_are_not_taken_for_the_next_answer():
+    scene = Scene(lambda method, args: result(method))
+
+    def greet(link: Link) -> Answering:
+        peer = scene.accept(link)
+        link.later(0.1, lambda: link.send(result("unasked")))
+        return peer
+
+    scene.world.channels.servers[5050] = greet
+    assert scene.run("textmsg(c.one())", "sleep(0.2)", "textmsg(c.two())") == ["one", "two"]
+    assert len(scene.peers) == 2
+
+
+def test_connections_to_many_servers_are_not_kept_for_ever():
+    scene = Scene(lambda method, args: result(method))
+    for port in range(6000, 6100):
+        scene.world.channels.servers[port] = scene.accept
+    lines = [
+        "for n in range(100):",
+        '  c = rpc_factory("xmlrpc", "h:" + to_str(6000 + n))',
+        "  c.f()",
+        "end",
+        "sleep(1)",
+    ]
+    scene.robot.start("def job():\n" + "".join(f"  {line}\n" for line in lines) + "end\n")
+    while len(scene.peers) < 100:
+        scene.robot.advance(0.1)
+    scene.robot.advance(0.1)
+    assert scene.world.channels.open_channels == IDLE_MAX
+
+
+def test_an_answer_that_declares_entities_is_refused():
+    text = "".join(f'<!ENTITY e{n + 1} "{f"&e{n};" * 10}">' for n in range(5))
+    body = client.dumps(("BOMB",), methodresponse=True).replace("BOMB", "&e5;")
+    bomb = f'<!DOCTYPE m [<!ENTITY e0 "x">{text}]>' + body.partition("?>")[2]
+    scene = Scene(lambda method, args: http(bomb))
+    lines = ("try:", "  c.f()", "except Exception as error:", "  textmsg(str(error))", "end")
+    assert scene.run(*lines)[0].endswith("the answer is no XML-RPC: it declares a type of document")
 
 
 def test_procedures_may_have_dots():

@@ -56,6 +56,23 @@ def tick(bench, *events):
     bench.machine.tick += 1
 
 
+def test_a_pause_puts_the_time_out_of_a_read_off_whatever_trickles():
+    bench, _ = remote('socket_open("h", 1)\ntextmsg(socket_read_byte_list(2, "socket_0", 1.0))')
+    tick(bench)
+    tick(bench, ChannelOpened(1, True))
+    bench.host.pause()
+    for _ in range(500):
+        tick(bench)
+    bench.host.resume()
+    tick(bench)
+    tick(bench, ChannelData(1, b"a"))
+    for _ in range(200):
+        tick(bench)
+    assert bench.log == []
+    tick(bench, ChannelData(1, b"b"))
+    assert bench.log == ["[2, 97, 98]"]
+
+
 class TestOpening:
     def test_a_server_that_listens_accepts(self):
         class Server(Recorder):
@@ -73,6 +90,16 @@ class TestOpening:
     def test_a_loop_that_tries_again_warns_once(self):
         bench = run('for n in range(50):\n  socket_open("10.0.0.1", 5001)\n  sleep(0.1)\nend')
         assert len(bench.warnings) == 1
+
+    def test_a_server_that_accepts_when_it_was_given_up_changes_nothing(self):
+        bench, channels = remote('textmsg(socket_open("h", 1))\nsleep(0.1)\ntextmsg(socket_is_connected())')
+        while not bench.log:
+            tick(bench)
+        assert CloseChannel(1) in channels.take()
+        tick(bench, ChannelOpened(1, True))
+        for _ in range(40):
+            tick(bench, ChannelData(1, b"late"))
+        assert bench.log == ["False", "False"]
 
     def test_without_a_network_it_fails_at_once(self):
         bench = Bench().start('def main():\n  textmsg(socket_open("10.0.0.1", 5000))\nend\n').run()

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 import socket
+import threading
 from collections.abc import AsyncIterator
 
 import pytest
@@ -12,7 +14,7 @@ import pytest
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
 from elitescript.services.binding import bind
-from elitescript.services.broker import CHANNELS_MAX, Broker, reason_of
+from elitescript.services.broker import CHANNELS_MAX, LOOK_UPS_MAX, Broker, reason_of
 from tests.services.served import run
 
 
@@ -292,5 +294,52 @@ def test_an_attempt_that_is_closed_says_nothing() -> None:
             for _ in range(20):
                 await asyncio.sleep(0)
             assert scene.heard == []
+
+    run(test())
+
+
+def test_names_that_nobody_answers_for_hold_up_nobody_else(monkeypatch):
+    answer = threading.Event()
+    real = socket.getaddrinfo
+
+    def slow(host, *arguments, **options):
+        if host.startswith("slow") and not options.get("flags"):
+            answer.wait(10.0)
+            raise socket.gaierror(socket.EAI_NONAME, "not known")
+        return real(host, *arguments, **options)
+
+    monkeypatch.setattr(socket, "getaddrinfo", slow)
+
+    async def test():
+        async with outside() as scene:
+            try:
+                for number in range(1, 4 * LOOK_UPS_MAX + 1):
+                    scene.broker.carry_out([OpenChannel(number, "tcp", f"slow{number}", scene.port, 60.0)])
+                    if number > LOOK_UPS_MAX:
+                        refusal = await scene.hear(ChannelOpened)
+                        assert refusal.reason == f"{LOOK_UPS_MAX} names are being looked up already"
+                    else:
+                        await asyncio.sleep(0)
+                        # Whoever gives up does not end what the name server keeps busy.
+                        scene.broker.carry_out([CloseChannel(number)])
+                assert await asyncio.get_running_loop().run_in_executor(None, lambda: 5) == 5
+                await scene.open(1000)
+            finally:
+                answer.set()
+
+    run(test())
+
+
+def test_a_connection_that_has_gone_leaves_nothing_behind_for_later():
+    async def test():
+        async with outside() as scene:
+            reader, _ = await scene.open(1)
+            kind = type(scene.broker._channels[1])
+            scene.broker.carry_out([CloseChannel(1)])
+            assert await reader.read() == b""
+            await asyncio.sleep(0)
+            scene.broker._leaving.clear()
+            gc.collect()
+            assert not [found for found in gc.get_objects() if isinstance(found, kind)]
 
     run(test())

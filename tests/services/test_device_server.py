@@ -9,10 +9,11 @@ import os
 import pytest
 
 from elitescript.errors import UsageError
+from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.modbus.pdu import read
 from elitescript.modbus.rtu_frames import rtu_frame
 from elitescript.services.device_server import DeviceServer
-from elitescript.testing.world import ModbusDevice, TcpServer, Wire, World, XmlRpcServer
+from elitescript.testing.world import ModbusDevice, SerialDevice, TcpServer, Wire, World, XmlRpcServer
 
 LIMIT_S = 10.0
 
@@ -22,6 +23,10 @@ class Camera(TcpServer):
 
     def line_received(self, connection, line):
         return f"<{line}>"
+
+
+class Scale(SerialDevice):
+    line = "tool"
 
 
 @contextlib.asynccontextmanager
@@ -125,6 +130,51 @@ def test_a_serial_device_is_a_terminal():
                     data += os.read(terminal, 100)
             os.close(terminal)
             assert data == rtu_frame(3, b"\x03\x02\x00\x4d")
+
+    run(test)
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="pseudo-terminals")
+def test_who_writes_to_a_terminal_faster_than_its_line_is_held_up():
+    async def test():
+        world = World(devices=[Scale()])
+        async with serving(world) as ((path,), _):
+            terminal = os.open(path, os.O_RDWR | os.O_NOCTTY)
+            os.set_blocking(terminal, False)
+            written = 0
+            for _ in range(200):
+                with contextlib.suppress(BlockingIOError):
+                    while written < 10 * CHANNEL_WINDOW:
+                        written += os.write(terminal, bytes(4096))
+                await asyncio.sleep(0)
+            os.close(terminal)
+            # What the window and the system hold, and what the line has carried meanwhile.
+            assert CHANNEL_WINDOW <= written < 4 * CHANNEL_WINDOW
+
+    run(test)
+
+
+def test_a_client_that_does_not_read_holds_its_device_up():
+    class Flood(Camera):
+        sent = 0
+
+        def opened(self, connection):
+            self.every(0.004, self.more, connection)
+
+        def more(self, connection):
+            if connection.link.is_open and self.sent < 128 * 65_536:
+                self.sent += 65_536
+                connection.send(bytes(65_536))
+
+    async def test():
+        flood = Flood()
+        async with serving(World(devices=[flood])) as ((port,), _), client(port) as (reader, _):
+            reader._transport.pause_reading()
+            while flood.sent < 128 * 65_536:
+                await asyncio.sleep(0.004)
+            (connection,) = flood.connections
+            # All that the system does not hold waits in the device.
+            assert len(connection.link._outgoing) > 32 * 65_536
 
     run(test)
 

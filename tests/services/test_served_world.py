@@ -9,12 +9,12 @@ import pytest
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.events import DeviceNoted, TextMessage
-from elitescript.messages.inputs import AddFault, RunUnit
+from elitescript.messages.inputs import AddFault, ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, RunUnit
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, SendChannel
 from elitescript.protocol.outcomes import read_outcome
 from elitescript.services.control_verbs import VERBS, Request
-from elitescript.services.served_world import ServedWorld
+from elitescript.services.served_world import CHANNELS_MAX, UNSENT_MAX, ServedWorld
 from elitescript.services.table import SERVICES
 from elitescript.testing.world import Device, Fault, ModbusDevice, SerialDevice, TcpClient, TcpServer, Wire, World
 from elitescript.worlds.request_channels import RequestChannels
@@ -118,7 +118,7 @@ def test_a_connection_that_a_device_ends_or_refuses_is_forgotten(is_listening):
     body = '  for n in range(3):\n    socket_open("h", 5000)\n    sleep(0.3)\n  end\n  textmsg("done")'
     bench.run(300, RunUnit("test", "program", f"def main():\n{body}\nend\n"))
     assert [text for _, text in bench.log] == ["done"]
-    assert bench.world._channels == {}
+    assert bench.world._leads == {}
     assert bench.others == []
 
 
@@ -237,6 +237,61 @@ def test_the_end_of_the_service_closes_what_is_open():
     bench.world.close_all()
     world.network.arrivals(bench.output.tick + 5)
     assert closed == [1]
+
+
+class Hasty(TcpServer):
+    """Answers once, and closes."""
+
+    port = 5000
+
+    def line_received(self, connection, line):
+        connection.send_line(f"<{line}>")
+        connection.close()
+
+
+def asked(bench, *requests, ticks=3):
+    """What the robot hears in the ticks after its requests, whatever it is."""
+    bench.world.take(replace(bench.output, requests=requests))
+    heard = []
+    for _ in range(ticks):
+        bench.output = replace(bench.output, tick=bench.output.tick + 1)
+        heard += bench.world.inputs(bench.output.tick)
+    return heard
+
+
+def test_a_robot_that_begins_anew_has_nothing_to_do_with_channels_that_devices_have_closed():
+    bench = Bench(World(devices=[Hasty()]))
+    # Each robot that begins anew counts its channels from 1.
+    for _ in range(2):
+        assert asked(bench, OpenChannel(1, "tcp", "h", 5000, 2.0)) == [ChannelOpened(1, True)]
+        assert asked(bench, SendChannel(1, b"x\n")) == [
+            ChannelCredit(1, 2),
+            ChannelData(1, b"<x>\n"),
+            ChannelClosed(1, ""),
+        ]
+
+
+def test_channels_to_devices_are_bounded():
+    bench = Bench(World(devices=[Camera()]))
+    requests = [OpenChannel(number, "tcp", "h", 5001 if number % 2 else 5000, 2.0) for number in range(1, 201)]
+    heard = asked(bench, *requests)
+    reasons = [item.reason for item in heard if isinstance(item, ChannelOpened) and not item.is_open]
+    assert reasons.count(f"{CHANNELS_MAX} connections are open") == 200 - CHANNELS_MAX
+    assert bench.world._world.network.open_channels == CHANNELS_MAX // 2
+    again = asked(bench, OpenChannel(2, "tcp", "h", 5000, 2.0))
+    assert again == [ChannelOpened(2, False, "channel 2 is in use")]
+    # Those that were refused have left room.
+    assert asked(bench, OpenChannel(201, "tcp", "h", 5000, 2.0)) == [ChannelOpened(201, True)]
+
+
+def test_what_waits_for_a_slow_line_is_bounded():
+    bench = Bench(World(devices=[Scale()]))
+    asked(bench, OpenLine(1, "/dev/ttymxc0", LineSettings(2400, 0, 1, 8)))
+    heard = asked(bench, *[SendChannel(1, bytes(32_768))] * 20)
+    assert [item for item in heard if not isinstance(item, ChannelCredit)] == [
+        ChannelClosed(1, f"{UNSENT_MAX} bytes wait for a device that is not so quick")
+    ]
+    assert bench.world._world.network.open_channels == 0
 
 
 def test_a_device_is_a_client_of_any_port_of_a_served_robot():

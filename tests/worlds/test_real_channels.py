@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import sys
 import threading
 import time
 from contextlib import suppress
@@ -90,7 +91,13 @@ def test_the_end_of_the_peer_comes_after_its_last_bytes(bench, server):
 
 @pytest.mark.parametrize(
     ("address", "reason"),
-    [("127.0.0.1", "connection refused"), ("", "not known"), ("a..b", "not known"), ("a\0b", "not known")],
+    [
+        ("127.0.0.1", "connection refused"),
+        ("", "not known"),
+        ("a..b", "not known"),
+        ("a\0b", "not known"),
+        pytest.param("224.0.0.1", "unreachable", marks=pytest.mark.skipif(sys.platform != "linux", reason="its words")),
+    ],
 )
 def test_what_cannot_be_reached_says_why(bench, server, address, reason):
     port = port_of(server)

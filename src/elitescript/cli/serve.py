@@ -156,6 +156,21 @@ def is_in_process(options: argparse.Namespace) -> bool:
     return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
 
 
+def _check_world_place(options: argparse.Namespace) -> None:
+    """Refuse a world file that programs can write: it names Python files, which run where nothing holds them.
+
+    Raises:
+        UsageError: it is in the task folder of robots that are kept away from this computer.
+    """
+    if options.world is None or options.task_dir is None or is_in_process(options):
+        return
+    if Path(options.task_dir).resolve() in Path(options.world).resolve().parents:
+        raise UsageError(
+            f"--world {options.world}: it is in the task folder {options.task_dir}, where programs of the robot can "
+            "change it and the Python files that it names; keep it elsewhere, or add --in-process if you trust them"
+        )
+
+
 def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list[World | None]]:
     """The robots that the options ask for, and what is beside each.
 
@@ -177,6 +192,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list
         raise UsageError(f"--set {min(presets)}: there is no such signal")
     if options.task_dir is not None and not Path(options.task_dir).is_dir():
         raise UsageError(f"--task-dir {options.task_dir}: there is no such folder")
+    _check_world_place(options)
     configs: list[KernelConfig] = []
     worlds: list[World | None] = []
     for index, model in enumerate(models):

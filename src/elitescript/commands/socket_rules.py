@@ -100,7 +100,10 @@ def text(prefix: bytes, suffix: bytes) -> Rule:
                 return data[begin:end].decode("utf-8", "replace"), end + len(suffix)
             if end < 0 and len(data) < begin + TEXT_MAX + len(suffix):
                 return ("" if is_last else None), 0
-        part, used = codecs.utf_8_decode(data[begin : begin + TEXT_MAX], "replace", is_last)
+        found = data[begin : begin + TEXT_MAX]
+        part, used = codecs.utf_8_decode(found, "replace", False)
+        if is_last and not part:
+            part, used = codecs.utf_8_decode(found, "replace", True)
         if part or is_last:
             return part, begin + used if part else 0
         return None, 0

@@ -154,6 +154,12 @@ class Exchange:
             signal.is_waiting = True
             self._queue.append(signal)
 
+    def forget(self, signal: Signal) -> None:
+        """Have a signal asked for no more; an answer to it that is under way is waited for."""
+        if signal.is_waiting:
+            signal.is_waiting = False
+            self._queue.remove(signal)
+
     def press(self) -> None:
         """A signal has missed its turn: try whether the device copes with more."""
         self._is_pressed = True
@@ -195,7 +201,7 @@ class Exchange:
         left = [signal for signal, _, _ in self._flight.values()]
         self._flight.clear()
         for signal in reversed(left):
-            if not signal.is_waiting:
+            if not (signal.is_waiting or signal.is_removed):
                 signal.is_waiting = True
                 self._queue.appendleft(signal)
 
@@ -235,8 +241,6 @@ class Exchange:
         held: list[Signal] = []
         while queue and len(flight) < window:
             signal = queue.popleft()
-            if signal.is_removed:
-                continue
             if signal.is_once and window > self._proven:
                 # It must not be sent twice, so it takes no part in a burst.
                 window = self._proven

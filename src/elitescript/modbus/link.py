@@ -177,6 +177,7 @@ class Link:
     def remove(self, signal: Signal) -> None:
         """Ask for it no more."""
         signal.is_removed = True
+        self.exchange.forget(signal)
         self._forget(signal)
 
     def retime(self, signal: Signal, frequency_hz: int) -> None:

@@ -81,7 +81,7 @@ class Signal:
         frequency_hz: requests per second; 0 for none by themselves.
         watchdog_ticks: how long it may be faulty before using it is an alarm.
         choice: what an output does without a program, see `forced`.
-        outputs: what the program has set; None before.
+        outputs: what the program has set, from the first coil or register on; None before.
         inputs: what was read last; zeros before.
         request: what the device is asked.
         tail: the frame of the request behind its transaction number.
@@ -186,10 +186,8 @@ class Signal:
         return self.write_count if self.kind is Kind.READ_WRITE else self.count
 
     def set(self, values: Sequence[int]) -> None:
-        """Take what the program sets; the coils or registers behind those keep what they have."""
-        known = self.outputs
-        if known is None:
-            known = (0,) * self.write_count if self.kind is Kind.READ_WRITE else self.inputs
+        """Take what the program sets; coils or registers behind those that it has ever set are not written."""
+        known = self.outputs or ()
         self.outputs = (*values, *known[len(values) :])
 
     def forced(self, is_running: bool) -> int | None:
@@ -232,7 +230,9 @@ class Signal:
     @property
     def values(self) -> tuple[int, ...]:
         """What it stands at: what the program has set, else what was read last."""
-        return self.inputs if self.outputs is None or self.kind is Kind.READ_WRITE else self.outputs
+        if self.outputs is None or self.kind is Kind.READ_WRITE:
+            return self.inputs
+        return (*self.outputs, *self.inputs[len(self.outputs) :])
 
     def take(self, request: bytes, answer: bytes, tick: int) -> str:
         """Take the answer to a request; return what is wrong with it, empty if nothing is."""

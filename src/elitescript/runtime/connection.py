@@ -11,7 +11,7 @@ from typing import Any, Final, Protocol
 from elitescript.commands.context import Rule
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW
-from elitescript.messages.timing import ticks_for
+from elitescript.runtime.deadline import Deadline
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Strand
 from elitescript.runtime.world import Channels
@@ -93,7 +93,12 @@ class Connection:
     # ---------------------------------------------------------------- what arrives
 
     def take(self, event: ChannelEvent) -> None:
-        """Take note of what has happened on the channel, and let the threads that wait for it look."""
+        """Take note of what has happened on the channel, and let the threads that wait for it look.
+
+        What was under way when it was closed here changes nothing any more.
+        """
+        if self._state is _CLOSED:
+            return
         if isinstance(event, ChannelData):
             if len(self.received) + len(event.data) + self._taken > CHANNEL_WINDOW:
                 self._channels.close(self.channel)
@@ -123,14 +128,22 @@ class Connection:
         finally:
             self._waiting.remove(strand)
 
-    def wait_for_more(self, reason: str, until: int | None) -> bool:
-        """Wait as `wait` does; whether time is up. A peer that trickles does not put that off.
+    def wait_for_more(self, reason: str, deadline: Deadline, silence_ticks: int | None = None) -> bool:
+        """Wait until something happens here; whether time is up. A peer that trickles does not put that off.
+
+        Args:
+            reason: what the thread waits for, in words.
+            deadline: when time is up.
+            silence_ticks: how long nothing may happen; any time if None.
 
         Raises:
             Stopped: the thread was stopped.
         """
-        has_more = self.wait(reason, until)
-        return not has_more or (until is not None and self._scheduler.now >= until)
+        until = deadline.tick
+        if silence_ticks is not None:
+            silent = self._scheduler.now + silence_ticks
+            until = silent if until is None else min(until, silent)
+        return not self.wait(reason, until) or deadline.is_over
 
     def _wake(self) -> None:
         for strand in self._waiting:
@@ -164,7 +177,7 @@ class Connection:
         """
         strand = self._scheduler.current
         assert strand is not None
-        until = self._scheduler.now + max(1, ticks_for(timeout_s)) if timeout_s > 0.0 else None
+        deadline = Deadline(self._scheduler, timeout_s)
         is_last = strand.is_secondary
         while True:
             value, used = rule(self.received, is_last)
@@ -172,7 +185,7 @@ class Connection:
             if value is not None or not self.is_open:
                 return value
             if used == 0:
-                is_last = self.wait_for_more(reason, until)
+                is_last = self.wait_for_more(reason, deadline)
 
     def rest(self, rule: Rule) -> Any:
         """What a rule makes of what has arrived, as nothing more will come."""

@@ -22,6 +22,7 @@ from elitescript.modbus import pdu
 from elitescript.modbus.pdu import DeviceError
 from elitescript.modbus.rtu_exchange import RtuExchange, gap_s
 from elitescript.runtime.connection import Receiver
+from elitescript.runtime.deadline import Deadline
 from elitescript.runtime.line import CLOSED, MODBUS, PLAIN, Line, SilentWire, Wire
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
@@ -155,21 +156,21 @@ class Lines:
             ScriptPermissionError: the port belongs to a daemon.
             Stopped: the thread was stopped.
         """
-        until = self._until(timeout_s)
+        deadline = Deadline(self._scheduler, timeout_s)
         reason = f"{count} bytes on {_called(device)}"
         found = self._usable(device, PLAIN)
         if found is None:
             self._let_time_go_by(reason)
             return b""
         line, wire = found
-        if count <= 0 or not line.readers.take(reason, until):
+        if count <= 0 or not line.readers.take(reason, deadline.tick):
             return b""
         try:
-            return self._read(wire, count, reason, until)
+            return self._read(wire, count, reason, deadline)
         finally:
             line.readers.give()
 
-    def _read(self, wire: Wire, count: int, reason: str, until: int | None) -> bytes:
+    def _read(self, wire: Wire, count: int, reason: str, deadline: Deadline) -> bytes:
         data = bytearray()
         is_last = self._caller.is_secondary
         while True:
@@ -178,7 +179,7 @@ class Lines:
             wire.drop(size)
             if len(data) == count or is_last or not wire.is_open:
                 return bytes(data)
-            is_last = wire.wait_for_more(reason, until)
+            is_last = wire.wait_for_more(reason, deadline)
 
     def write(self, device: str, data: bytes) -> int | None:
         """Send bytes, waiting for room if the line is behind by `CHANNEL_WINDOW`.
@@ -252,25 +253,25 @@ class Lines:
         return self._ask(device, slave, request, timeout_s) is not None
 
     def _ask(self, device: str, slave: int, request: bytes, timeout_s: float) -> tuple[int, ...] | None:
-        until = self._until(timeout_s)
+        deadline = Deadline(self._scheduler, timeout_s)
         reason = f"the answer of slave {slave} on {_called(device)}"
         found = self._usable(device, MODBUS)
         if found is None:
             self._let_time_go_by(reason)
             return None
         line, wire = found
-        if not line.masters.take(reason, until):
+        if not line.masters.take(reason, deadline.tick):
             self._say(device, slave, "another thread asks a slave")
             return None
         try:
             # While it waited for its turn, the port may have been configured anew.
             if line.wire is not wire or not wire.is_open:
                 why = "the port was closed"
-            elif not self._wait_for_quiet(line, wire, reason, until):
+            elif not self._wait_for_quiet(line, wire, reason, deadline):
                 why = "the line is not silent"
             else:
                 exchange = RtuExchange(slave, request)
-                values, why = self._exchange(line, wire, exchange, reason, until)
+                values, why = self._exchange(line, wire, exchange, reason, deadline)
                 if not why:
                     return values
             self._say(device, slave, why)
@@ -282,7 +283,7 @@ class Lines:
             self._clear(line, wire)
             line.masters.give()
 
-    def _wait_for_quiet(self, line: Line, wire: Wire, reason: str, until: int | None) -> bool:
+    def _wait_for_quiet(self, line: Line, wire: Wire, reason: str, deadline: Deadline) -> bool:
         """Drop what has come before a request, until nothing comes any more; whether that is so in time."""
         while True:
             if line.repeated and wire.received.startswith(line.repeated):
@@ -294,12 +295,13 @@ class Lines:
             if now >= line.quiet_tick:
                 line.repeated = b""
                 return True
-            if self._caller.is_secondary or (until is not None and now >= until) or not wire.is_open:
+            if self._caller.is_secondary or deadline.is_over or not wire.is_open:
                 return False
+            until = deadline.tick
             wire.wait(reason, line.quiet_tick if until is None else min(until, line.quiet_tick))
 
     def _exchange(
-        self, line: Line, wire: Wire, exchange: RtuExchange, reason: str, until: int | None
+        self, line: Line, wire: Wire, exchange: RtuExchange, reason: str, deadline: Deadline
     ) -> tuple[tuple[int, ...], str]:
         """Send a request and wait for its answer; its values, or why there are none.
 
@@ -325,8 +327,7 @@ class Lines:
             has_begun = exchange.has_begun(wire.received)
             if is_last:
                 return (), "its answer is broken" if has_begun else "no answer in time"
-            broken = self._scheduler.now + ticks_for(BROKEN_S) if has_begun else None
-            is_last = wire.wait_for_more(reason, min((at for at in (until, broken) if at is not None), default=None))
+            is_last = wire.wait_for_more(reason, deadline, ticks_for(BROKEN_S) if has_begun else None)
 
     def _clear(self, line: Line, wire: Wire) -> None:
         """Drop what has arrived; the line was not silent until now."""
@@ -346,9 +347,6 @@ class Lines:
         if strand is None:
             raise Stopped
         return strand
-
-    def _until(self, timeout_s: float) -> int | None:
-        return self._scheduler.now + max(1, ticks_for(timeout_s)) if timeout_s > 0.0 else None
 
     def _let_time_go_by(self, reason: str) -> None:
         if not self._caller.is_secondary:

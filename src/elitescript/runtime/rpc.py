@@ -24,6 +24,7 @@ from elitescript.errors import (
 from elitescript.messages.timing import seconds
 from elitescript.runtime.connection import Connection, Receiver
 from elitescript.runtime.http_answers import HttpAnswer, HttpReader
+from elitescript.runtime.rpc_texts import values_and_method
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.sealed import Sealed, no_copy
 from elitescript.runtime.sockets import CONNECT_TICKS, NO_NETWORK
@@ -32,6 +33,8 @@ from elitescript.runtime.world import Channels
 
 CALLS_MAX: Final = 32
 """Calls of one program that may be under way at a time (*assumed*)."""
+IDLE_MAX: Final = 8
+"""Connections that are kept for another call; those that were used longest ago are closed for others (*assumed*)."""
 
 _HTTP_PORT: Final = 80
 _OK: Final = 200
@@ -116,7 +119,7 @@ class RemoteProcedures:
     def _exchange(self, server: Server, request: bytes, reason: str) -> HttpAnswer:
         """Send a request and read its answer; again on a new connection if the kept one turns out to be gone."""
         kept = self._idle.pop(server, None)
-        if kept is not None and kept.is_open:
+        if kept is not None and kept.is_open and not kept.received:
             reader = HttpReader()
             try:
                 return self._ask(server, kept, reader, request, reason)
@@ -147,6 +150,8 @@ class RemoteProcedures:
                 self._busy.remove(connection)
             if is_kept and not self._is_over and server not in self._idle:
                 self._idle[server] = connection
+                if len(self._idle) > IDLE_MAX:
+                    self._close(self._idle.pop(next(iter(self._idle))))
             else:
                 self._close(connection)
 
@@ -263,7 +268,7 @@ def _result(answer: HttpAnswer) -> Any:
     if answer.status != _OK:
         raise PeerError(f"the server answered {answer.status} {answer.reason}".rstrip())
     try:
-        values, _ = client.loads(answer.body, use_builtin_types=True)
+        values, _ = values_and_method(answer.body)
         found = _plain(values)
     except ExpatError as error:
         raise PeerError(f"the answer is no XML: {error}") from None

@@ -1,10 +1,9 @@
 """Whose turn it is: script threads in virtual time, in an order that is the same in every run.
 
-In each tick the threads that are due run in the order of their start, each until it waits or has used up its
-work for this tick. Threads that others wake in the same tick run after those, in the order in which they were
-woken. Work is counted in checkpoints (loop passes, calls), never in time, so an endless loop costs one tick
-for every `work_per_tick` checkpoints and can stop nothing. How fast the real controller is, is not known: the
-number is *assumed*.
+In each tick the threads that are due run in the order of their start, each until it waits or has used up its work for
+this tick. Threads that others wake in the same tick run after those, in the order in which they were woken. Work is
+counted in checkpoints (loop passes, calls), never in time, so an endless loop costs one tick for every `work_per_tick`
+checkpoints and can stop nothing. How fast the real controller is, is not known: the number is *assumed*.
 
 Compiled scripts evaluate `tick() or checkpoint()`, where `tick` pops from the list `fuel`. The list holds True
 for every checkpoint that costs nothing more, above False values that lead to `checkpoint`. It is filled in
@@ -58,6 +57,7 @@ class Scheduler:
         is_ending: whether the running strand was stopped.
         needs_attention: keeps `run_ready` from going on; set by `call_attention`.
         is_paused: whether only secondary programs run.
+        timers: when waits end.
     """
 
     __slots__ = (
@@ -74,7 +74,6 @@ class Scheduler:
         "_ready",
         "_started",
         "_starts_max",
-        "_timers",
         "_work_per_tick",
         "current",
         "fuel",
@@ -83,6 +82,7 @@ class Scheduler:
         "needs_attention",
         "now",
         "strands",
+        "timers",
     )
 
     def __init__(
@@ -105,7 +105,7 @@ class Scheduler:
         self._loaded = 0
         self._ready: deque[Strand] = deque()
         self._next: list[Strand] = []
-        self._timers = Timers()
+        self.timers = Timers()
         self._started = self._starts_max = 0
         self._is_in_tick = False
         self._is_interrupted = False
@@ -140,13 +140,13 @@ class Scheduler:
         self._is_in_tick = True
         if self._is_pausing:
             self._is_pausing = False
-            self._timers.hold(tick)
+            self.timers.hold(tick)
         if self._is_resuming:
             self._is_resuming = False
-            self._timers.release(tick)
+            self.timers.release(tick)
         due = self._next
         self._next = []
-        for strand in self._timers.due(tick):
+        for strand in self.timers.due(tick):
             strand.was_woken = False
             strand.state = READY
             due.append(strand)
@@ -182,7 +182,7 @@ class Scheduler:
         for strand in (*self._next, *self._ready):
             if strand.state is READY and (strand.is_secondary or not self.is_paused):
                 return tick + 1
-        until = self._timers.next_tick()
+        until = self.timers.next_tick()
         return None if until is None else max(until, tick + 1)
 
     def interrupt(self) -> None:
@@ -205,7 +205,7 @@ class Scheduler:
             if self._is_resuming:
                 self._is_resuming = False
             elif self._is_in_tick:
-                self._timers.hold(self.now)
+                self.timers.hold(self.now)
             else:
                 self._is_pausing = True
 
@@ -221,7 +221,7 @@ class Scheduler:
     def forget_pause(self) -> None:
         """Let no pause outlive the program that was paused."""
         self.is_paused = self._is_pausing = self._is_resuming = False
-        self._timers.forget_held()
+        self.timers.forget_held()
 
     # ---------------------------------------------------------------- stopping
 
@@ -318,9 +318,9 @@ class Scheduler:
         strand.ticket += 1
         if until is not None:
             if self.is_paused and not strand.is_secondary:
-                self._timers.set_held(strand, until - self.now)
+                self.timers.set_held(strand, until - self.now)
             else:
-                self._timers.set(strand, until)
+                self.timers.set(strand, until)
         strand.waits_for = reason
         strand.until = until
         strand.state = WAITING

@@ -15,11 +15,16 @@ class Timers:
 
     A time-out whose strand has gone on since is stale: its ticket is not the strand's any more. Stale ones are
     dropped when they come up.
+
+    Attributes:
+        held_ticks: how long waits were out of time so far, from each `hold` to its `release`.
     """
 
-    __slots__ = ("_held", "_queue", "_sequence")
+    __slots__ = ("_held", "_hold_tick", "_queue", "_sequence", "held_ticks")
 
     def __init__(self) -> None:
+        self.held_ticks = 0
+        self._hold_tick = 0
         self._queue: list[_Timer] = []
         self._held: list[_Timer] = []
         self._sequence = 0
@@ -61,11 +66,13 @@ class Timers:
             for until, sequence, ticket, strand in live
             if not strand.is_secondary
         ]
+        self._hold_tick = now
         self._queue = [timer for timer in live if timer[3].is_secondary]
         heapify(self._queue)
 
     def release(self, now: int) -> None:
         """Put the held waits back into time."""
+        self.held_ticks += now - self._hold_tick
         for ticks_left, sequence, ticket, strand in self._held:
             if strand.ticket == ticket and strand.state is WAITING:
                 strand.until = now + ticks_left

@@ -14,6 +14,7 @@ import asyncio
 import socket
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from os import strerror
 from re import search
 from typing import Any, Final
@@ -40,6 +41,9 @@ READ_BYTES: Final = 16 * 1024
 UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
 """Bytes that may wait for a peer; who keeps to the window stays below it."""
 TIMEOUT_MAX_S: Final = 60.0
+LOOK_UPS_MAX: Final = 8
+"""Names that are looked up at a time. A name server that is silent keeps each of them busy for longer than an attempt
+to connect, and nobody can hurry it."""
 LINE_TIMEOUT_S: Final = 2.0
 """How long a connection may take that stands for a serial line."""
 LINGER_S: Final = 5.0
@@ -56,7 +60,7 @@ class Broker:
         lines: what is on the robot's serial ports, by device; see `worlds.line_bindings`.
     """
 
-    __slots__ = ("_attempts", "_channels", "_leaving", "_lines", "_ports", "_post")
+    __slots__ = ("_attempts", "_channels", "_leaving", "_lines", "_look_ups", "_ports", "_post", "_resolver")
 
     def __init__(self, post: Post, lines: Mapping[str, str] | None = None) -> None:
         self._post = post
@@ -65,6 +69,9 @@ class Broker:
         self._leaving: deque[_Channel] = deque()
         self._lines = dict(lines or {})
         self._ports = SerialPorts(post)
+        self._resolver: ThreadPoolExecutor | None = None
+        """Threads of its own: who else has something to do off the event loop does not wait for name servers."""
+        self._look_ups: set[Future[list[Any]]] = set()
 
     @property
     def count(self) -> int:
@@ -134,12 +141,9 @@ class Broker:
 
     async def _connect(self, request: OpenChannel) -> None:
         number = request.channel
-        loop = asyncio.get_running_loop()
         try:
             async with asyncio.timeout(min(max(request.timeout_s, 0.0), TIMEOUT_MAX_S)):
-                _, channel = await loop.create_connection(
-                    lambda: _Channel(number, self._post, self._part), request.address, request.port
-                )
+                channel = await self._first_of(await self._found(request.address, request.port), number)
         except TimeoutError:
             self._give_up(number, f"no answer within {request.timeout_s:g} s")
         except (OSError, ValueError, OverflowError) as error:
@@ -149,6 +153,43 @@ class Broker:
             self._channels[number] = channel
             self._post([ChannelOpened(number, True)])
             channel.start()
+
+    async def _found(self, address: str, port: int) -> list[Any]:
+        """What `getaddrinfo` finds for an address.
+
+        Raises:
+            OSError: nothing, or too many others are asked for.
+            ValueError: it cannot be an address.
+        """
+        try:
+            return socket.getaddrinfo(address, port, type=socket.SOCK_STREAM, flags=socket.AI_NUMERICHOST)
+        except socket.gaierror:
+            pass  # a name
+        if len(self._look_ups) >= LOOK_UPS_MAX:
+            raise OSError(f"{LOOK_UPS_MAX} names are being looked up already")
+        if self._resolver is None:
+            self._resolver = ThreadPoolExecutor(LOOK_UPS_MAX, "look up")
+        job = self._resolver.submit(socket.getaddrinfo, address, port, type=socket.SOCK_STREAM)
+        self._look_ups.add(job)
+        job.add_done_callback(self._look_ups.discard)
+        return await asyncio.wrap_future(job)
+
+    async def _first_of(self, found: list[Any], number: int) -> _Channel:
+        """A connection to the first address that accepts one.
+
+        Raises:
+            OSError: none does; why the first one does not.
+        """
+        failure: OSError | None = None
+        for family, *_, address in found:
+            try:
+                _, channel = await asyncio.get_running_loop().create_connection(
+                    lambda: _Channel(number, self._post, self._part), *address[:2], family=family
+                )
+                return channel
+            except OSError as error:
+                failure = failure or error
+        raise failure or OSError("the address is not known")
 
     def _give_up(self, number: int, why: str) -> None:
         if self._attempts.pop(number, None) is not None:
@@ -187,6 +228,7 @@ class _Channel(asyncio.BufferedProtocol):
         "_is_closed",
         "_is_reading",
         "_is_started",
+        "_linger",
         "_number",
         "_part",
         "_post",
@@ -201,6 +243,7 @@ class _Channel(asyncio.BufferedProtocol):
         self._part = part
         self._buffer = bytearray(READ_BYTES)
         self._transport: asyncio.Transport | None = None
+        self._linger: asyncio.TimerHandle | None = None
         self._room = CHANNEL_WINDOW
         self._unsent = 0
         self._is_started = False
@@ -240,7 +283,7 @@ class _Channel(asyncio.BufferedProtocol):
         self._is_closed = True
         if self._transport is not None:
             self._transport.close()
-            asyncio.get_running_loop().call_later(LINGER_S, self.drop)
+            self._linger = asyncio.get_running_loop().call_later(LINGER_S, self.drop)
 
     def drop(self) -> None:
         """Close at once."""
@@ -282,6 +325,9 @@ class _Channel(asyncio.BufferedProtocol):
     def connection_lost(self, exc: Exception | None) -> None:
         # It has no loop any more, and must not be asked for anything.
         self._transport = None
+        if self._linger is not None:
+            self._linger.cancel()
+            self._linger = None
         self._end(reason_of(exc) if exc else "")
 
     def _end(self, reason: str) -> None:

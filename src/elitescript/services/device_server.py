@@ -8,9 +8,9 @@ signals are remembered, so that wires and schedules work, and that is all.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import Any, Final
 
 from elitescript.controller.signal_view import signal_write
@@ -222,7 +222,6 @@ class DeviceServer:
         for item in inputs:
             if isinstance(item, ChannelData):
                 self.send(item.channel, item.data)
-                self._ports.credit(item.channel, len(item.data))
             elif isinstance(item, ChannelOpened | ChannelClosed) and item.reason:
                 if self._is_ready:
                     self._say(item.reason, True)
@@ -248,6 +247,9 @@ class _Client(_End, asyncio.Protocol):
         self._place = address, port
         self._channel = 0
         self._room = CHANNEL_WINDOW
+        self._unread = 0
+        """Bytes for which the device gets credit when the client has taken what waits."""
+        self._is_behind = False
         self._transport: asyncio.Transport | None = None
 
     def connection_made(self, transport: Any) -> None:
@@ -260,6 +262,18 @@ class _Client(_End, asyncio.Protocol):
         self._room -= len(data)
         if self._room <= 0 and self._transport is not None:
             self._transport.pause_reading()
+
+    def pause_writing(self) -> None:
+        self._is_behind = True
+
+    def resume_writing(self) -> None:
+        self._is_behind = False
+        self._give_credit()
+
+    def _give_credit(self) -> None:
+        if self._unread and not self._is_behind:
+            self._server.credit(self._channel, self._unread)
+            self._unread = 0
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._transport = None
@@ -275,8 +289,9 @@ class _Client(_End, asyncio.Protocol):
             case ChannelOpened():
                 transport.abort()
             case ChannelData(_, data):
+                self._unread += len(data)
                 transport.write(data)
-                self._server.credit(self._channel, len(data))
+                self._give_credit()
             case ChannelCredit(_, size):
                 if self._room <= 0 < self._room + size:
                     transport.resume_reading()
@@ -301,23 +316,31 @@ class _Terminal(_End):
         tty.setraw(self._other)
         os.set_blocking(self._fd, False)
         self.path = os.ttyname(self._other)
-        asyncio.get_running_loop().add_reader(self._fd, partial(self._read, server, channel))
-        self._credit = partial(server.credit, channel)
+        self._server = server
+        self._channel = channel
+        self._room = CHANNEL_WINDOW
+        asyncio.get_running_loop().add_reader(self._fd, self._read)
 
-    def _read(self, server: DeviceServer, channel: int) -> None:
+    def _read(self) -> None:
         try:
-            data = os.read(self._fd, 4096)
+            data = os.read(self._fd, min(4096, self._room))
         except OSError:
             return
-        server.send(channel, data)
+        self._room -= len(data)
+        if self._room <= 0:
+            asyncio.get_running_loop().remove_reader(self._fd)
+        self._server.send(self._channel, data)
 
     def take(self, event: ChannelEvent) -> None:
-        if isinstance(event, ChannelData):
-            self._credit(len(event.data))
-            try:
-                os.write(self._fd, event.data)
-            except OSError:
-                return  # nobody reads it, as on a real line
+        match event:
+            case ChannelCredit(_, size):
+                if self._room <= 0:
+                    asyncio.get_running_loop().add_reader(self._fd, self._read)
+                self._room += size
+            case ChannelData(_, data):
+                self._server.credit(self._channel, len(data))
+                with contextlib.suppress(OSError):  # nobody reads it, as on a real line
+                    os.write(self._fd, data)
 
     def close(self) -> None:
         """Give it back."""
@@ -334,5 +357,10 @@ class _Port(_End):
         self._channel = channel
 
     def take(self, event: ChannelEvent) -> None:
-        if isinstance(event, ChannelData) and self._channel in self._ports:
-            self._ports.send(self._channel, event.data)
+        if self._channel not in self._ports:
+            return
+        match event:
+            case ChannelCredit(_, size):
+                self._ports.credit(self._channel, size)
+            case ChannelData(_, data):
+                self._ports.send(self._channel, data)

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from elitescript.errors import UsageError
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
-from elitescript.messages.inputs import ChannelClosed, ChannelEvent, ChannelOpened, Do, Input
+from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelEvent, ChannelOpened, Do, Input
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.outputs import (
+    CHANNEL_WINDOW,
     ChannelRequest,
     CloseChannel,
     CreditChannel,
@@ -35,6 +36,10 @@ if TYPE_CHECKING:
     from elitescript.services.station import Station
 
 ORIGIN: Final = "world"
+CHANNELS_MAX: Final = 64
+"""Channels that may lead to devices at a time."""
+UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
+"""Bytes that may be on their way to a device; who keeps to the window stays below it."""
 
 T = TypeVar("T")
 
@@ -58,8 +63,24 @@ def beside(station: Station, world: World) -> ServedWorld:
     return ServedWorld(world, lambda text, is_problem: station.note(DEVICE, text, is_problem=is_problem), connect)
 
 
+class _Lead:
+    """A channel that leads to a device."""
+
+    __slots__ = ("inner", "number", "unsent")
+
+    def __init__(self, number: int, inner: int) -> None:
+        self.number = number
+        """Of the robot."""
+        self.inner = inner
+        """Of the virtual network."""
+        self.unsent = 0
+        """Bytes that the device does not have yet."""
+
+
 class ServedWorld:
     """A world beside a served robot.
+
+    What the robot asks for is not trusted: it has a bounded number of channels, and of bytes on their way.
 
     Args:
         world: its devices.
@@ -67,7 +88,7 @@ class ServedWorld:
         connect: makes connections to ports of the robot.
     """
 
-    __slots__ = ("_channels", "_connect", "_inputs", "_output", "_say", "_world")
+    __slots__ = ("_by_inner", "_connect", "_inputs", "_leads", "_output", "_refusals", "_say", "_world")
 
     def __init__(self, world: World, say: Say, connect: Connect) -> None:
         self._world = world
@@ -75,8 +96,11 @@ class ServedWorld:
         self._say = say
         self._inputs: list[Input] = []
         self._output: Output | None = None
-        self._channels: dict[int, int] = {}
-        """Channels that lead to devices: number here, number of the robot."""
+        self._leads: dict[int, _Lead] = {}
+        """By the number of the robot."""
+        self._by_inner: dict[int, _Lead] = {}
+        """The same by the number of the network."""
+        self._refusals: list[Input] = []
         world.on_device_failure = self._failed
 
     # ---------------------------------------------------------------- what the world asks
@@ -129,14 +153,17 @@ class ServedWorld:
 
     def inputs(self, tick: int) -> list[Input]:
         """What happens in the tick that is about to run."""
-        events: list[Input] = []
+        events, self._refusals = self._refusals, []
         nothing: Sequence[ChannelEvent] = ()
         for event in self._guarded(lambda: self._world.network.arrivals(tick), nothing):
-            number = self._channels.get(event.channel)
-            if number is not None:
-                events.append(replace(event, channel=number))
-                if isinstance(event, ChannelClosed) or (isinstance(event, ChannelOpened) and not event.is_open):
-                    del self._channels[event.channel]
+            lead = self._by_inner.get(event.channel)
+            if lead is None:
+                continue
+            if isinstance(event, ChannelCredit):
+                lead.unsent -= event.size
+            elif isinstance(event, ChannelClosed) or (isinstance(event, ChannelOpened) and not event.is_open):
+                self._forget(lead)
+            events.append(replace(event, channel=lead.number))
         inputs, self._inputs = self._inputs, []
         return inputs + events
 
@@ -152,9 +179,8 @@ class ServedWorld:
 
     def close_all(self) -> None:
         """The robot has gone."""
-        for inner in self._channels:
-            self._world.network.close(inner)
-        self._channels.clear()
+        for lead in list(self._leads.values()):
+            self._close(lead)
 
     def _take(self, request: ChannelRequest) -> bool:
         """Whether a request is about a device; if so it is done."""
@@ -163,25 +189,53 @@ class ServedWorld:
             case OpenChannel(number, _, address, port):
                 if network.outside is not None and network.server(address, port) is None:
                     return False
-                self._channels[network.open(address, port, request.timeout_s)] = number
+                if self._has_room(number):
+                    self._lead(number, network.open(address, port, request.timeout_s))
                 return True
             case OpenLine(number, device, settings):
                 if device not in network.lines:
                     return False
-                self._channels[network.open_line(device, settings)] = number
+                if self._has_room(number):
+                    self._lead(number, network.open_line(device, settings))
                 return True
-        inner = next((inner for inner, number in self._channels.items() if number == request.channel), None)
-        if inner is None:
+        lead = self._leads.get(request.channel)
+        if lead is None:
             return False
         match request:
             case SendChannel(_, data):
-                network.send(inner, data)
+                self._send(lead, data)
             case CreditChannel(_, size):
-                network.credit(inner, size)
+                network.credit(lead.inner, min(max(size, 0), CHANNEL_WINDOW))
             case CloseChannel():
-                del self._channels[inner]
-                network.close(inner)
+                self._close(lead)
         return True
+
+    def _has_room(self, number: int) -> bool:
+        """Whether a channel may be opened; if not, the robot hears why."""
+        if number not in self._leads and len(self._leads) < CHANNELS_MAX:
+            return True
+        why = f"channel {number} is in use" if number in self._leads else f"{CHANNELS_MAX} connections are open"
+        self._refusals.append(ChannelOpened(number, False, why))
+        return False
+
+    def _lead(self, number: int, inner: int) -> None:
+        self._leads[number] = self._by_inner[inner] = _Lead(number, inner)
+
+    def _send(self, lead: _Lead, data: bytes) -> None:
+        lead.unsent += len(data)
+        if lead.unsent <= UNSENT_MAX:
+            self._world.network.send(lead.inner, data)
+            return
+        self._close(lead)
+        why = f"{UNSENT_MAX} bytes wait for a device that is not so quick"
+        self._refusals.append(ChannelClosed(lead.number, why))
+
+    def _close(self, lead: _Lead) -> None:
+        self._forget(lead)
+        self._world.network.close(lead.inner)
+
+    def _forget(self, lead: _Lead) -> None:
+        del self._leads[lead.number], self._by_inner[lead.inner]
 
     def _guarded(self, call: Callable[[], T], otherwise: T) -> T:
         """Make a call that must not end the service."""

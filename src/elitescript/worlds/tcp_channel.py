@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 from contextlib import suppress
+from errno import EINPROGRESS, EINTR, EWOULDBLOCK
 from os import strerror
 from threading import Thread
 from typing import Any, Final
@@ -16,6 +17,10 @@ CLOSING_S: Final = 2.0
 
 _UNREAD_MAX: Final = 1 << 20
 """Bytes that are read and dropped before a connection is closed: unread ones would make the peer lose the last text."""
+
+
+_UNDER_WAY: Final = (EINPROGRESS, EWOULDBLOCK, EINTR)
+"""What a system says of an attempt to connect that goes on."""
 
 
 class TcpChannel:
@@ -83,8 +88,11 @@ class TcpChannel:
             self._socket = connection = socket.socket(family, kind, protocol)
             connection.setblocking(False)
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            connection.connect_ex(address)
-        error = self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+            error = connection.connect_ex(address)
+            if error in _UNDER_WAY:
+                error = 0
+        else:
+            error = self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
         if error:
             self._failure = strerror(error).lower()
             return

@@ -11,6 +11,9 @@ from tests.worlds.virtual.programs import run
 MAKE = 's = rpc_factory("xmlrpc", "http://h:8000/RPC2")\n'
 
 
+CALL = b"<methodCall><methodName>nothing</methodName></methodCall>"
+
+
 class Planner(XmlRpcServer):
     port = 8000
 
@@ -81,7 +84,9 @@ def post(network, body, head=b"POST / HTTP/1.1\r\nContent-Length: %d\r\n\r\n"):
     [
         (b"GET / HTTP/1.1\r\n\r\n", b"", b"405"),
         (b"POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n", b"", b"413"),
+        (b"POST / HTTP/1.1\r\nContent-Length: " + b"9" * 5000 + b"\r\n\r\n", b"", b"413"),
         (b"POST / HTTP/1.1\r\nContent-Length: %d\r\n\r\n", b"<no xml", b"400"),
+        (b"POST / HTTP/1.1\r\nContent-Length: %d\r\n\r\n", b"<!DOCTYPE m []>" + CALL, b"400"),
         (b"POST / HTTP/1.1\r\nContent-Length: %d\r\n\r\n", b"<a/>", b"400"),
         (b"x" * 40_000, b"", b"431"),
     ],

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 HEAD_MAX: Final = 32 * 1024
-BODY_MAX: Final = 16 * 1024 * 1024
+BODY_MAX: Final = 4 * 1024 * 1024
 
 WRONG_CALL: Final = 1
 """Code of the fault for a procedure that is not there, or is called with other arguments."""
@@ -146,7 +146,7 @@ class _HttpConnection(TcpConnection):
         first, *lines = head.decode("latin-1").split("\r\n")
         fields = {name.strip().lower(): value.strip() for name, _, value in (line.partition(":") for line in lines)}
         length = fields.get("content-length", "0")
-        if not length.isdecimal() or int(length) > BODY_MAX:
+        if not length.isdecimal() or len(length) > len(str(BODY_MAX)) or int(length) > BODY_MAX:
             self._refuse(413, "Content Too Large")
             return
         if len(rest) < int(length):
@@ -159,12 +159,14 @@ class _HttpConnection(TcpConnection):
         self._answer(body, is_last)
 
     def _answer(self, body: bytes, is_last: bool) -> None:
-        from xmlrpc.client import Fault, dumps, loads
+        from xmlrpc.client import Fault, dumps
+
+        from elitescript.runtime.rpc_texts import values_and_method
 
         delay_s = self._rpc.duration_s
         result: Any
         try:
-            arguments, name = loads(body)
+            arguments, name = values_and_method(body)
         except Exception:
             # Bytes that somebody else has sent may be anything.
             self._refuse(400, "Bad Request")
