@@ -76,11 +76,12 @@ def load_cell(path: str | Path, *, network: str = "") -> Cell:
     file = Path(path)
     try:
         text = file.read_text(encoding="utf-8")
-        tables = tomllib.loads(text)
     except OSError as error:
         raise UsageError(f"world file {file}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise UsageError(f"world file {file} is not UTF-8: {error.reason} at byte {error.start}") from error
+    try:
+        tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         hint = '; names with an index stand in quotes: "standard_digital_in[3]" = true' if _has_bare_index(text) else ""
         raise UsageError(f"world file {file} is not TOML: {error}{hint}") from error
