@@ -84,7 +84,7 @@ class Session:
             self.outputs.append(station.output)
         self.left_in_kernel = dict(link.robot._kernel._host.connections)  # type: ignore[attr-defined]
         assert station._world is not None
-        self.left_in_station = dict(station._world._channels)
+        self.left_in_station = dict(station._world._leads)
         self.left_in_world = self.world.network.open_channels
         await station.close()
 

@@ -91,7 +91,7 @@ def test_places_are_ports_addresses_and_lines():
 def test_a_reconnect_needs_a_disconnect_before_it():
     with pytest.raises(UsageError, match="1: kind: reconnect on 5000 has no disconnect before it"):
         World(faults=[Fault("reconnect", 5000, at_s=2.0), Fault("disconnect", 5000, at_s=3.0)])
-    World(faults=[Fault("reconnect", 5000, at_s=3.0), Fault("disconnect", 5000, at_s=2.0)])
+    World([TcpServer(port=5000)], faults=[Fault("reconnect", 5000, at_s=3.0), Fault("disconnect", 5000, at_s=2.0)])
 
 
 def test_a_fault_goes_through_a_line_of_text():
@@ -146,4 +146,4 @@ def test_a_wrong_reply_of_another_protocol_is_refused_later_too():
 def test_where_such_a_device_is_or_nobody_knows_who_is_there_it_is_not(on):
     devices = [ModbusDevice(port=502), ModbusDevice(line="tool", unit=1), TcpServer(port=5000, address="h")]
     fault = Fault(on=on, **EXCEPTION)
-    assert World(devices=devices, faults=[fault]).faults == (fault,)
+    assert World(devices=devices, faults=[fault], network="real").faults == (fault,)

@@ -67,7 +67,6 @@ def test_without_a_fault_nothing_changes():
         (Fault("trickle", 5000, chunk=2, direction="to_robot"), [(3, b"ab"), (4, b"c")]),
         (Fault("wrong_reply", 5000, reply="no!"), [(3, b"no!")]),
         (Fault("wrong_reply", 5000, reply=b"\xff"), [(3, b"\xff")]),
-        (Fault("drop", 5001), [(3, b"abc")]),
         (Fault("drop", "h:5000"), []),
         (Fault("drop", "other:5000"), [(3, b"abc")]),
         (Fault("drop", 5000, at_s=1.0), [(3, b"abc")]),

@@ -8,7 +8,7 @@ import pytest
 
 from elitescript.errors import UsageError
 from elitescript.messages.events import DeviceNoted
-from elitescript.testing.world import Device, DeviceError, Parts, Schedule, SerialDevice, TcpServer, Wire, World
+from elitescript.testing.world import Device, DeviceError, Fault, Parts, Schedule, SerialDevice, TcpServer, Wire, World
 from tests.worlds.virtual.programs import robot_in, run
 
 
@@ -268,3 +268,30 @@ def test_what_a_test_asks_of_a_device_between_two_runs_counts_from_then():
     assert robot.signals["standard_digital_in[0]"] is False
     robot.advance(0.2)
     assert robot.signals["standard_digital_in[0]"] is True
+
+
+class Misspelt(TcpServer):
+    port = 5000
+
+    def line_recieved(self, connection, line):
+        connection.send_line(line)
+
+    def answer(self, connection):
+        """A name of its own."""
+
+
+def test_a_method_that_nothing_calls_is_told_of():
+    result = run("sync()", Misspelt())
+    notes = [event.text for event in result.events if isinstance(event, DeviceNoted)]
+    assert notes == ["nothing calls line_recieved(); is it meant to be line_received()?"]
+
+
+@pytest.mark.parametrize("on", [5001, "10.0.0.1:5001", "tool"])
+def test_a_fault_where_nothing_is_is_refused(on):
+    kind = "silence"
+    with pytest.raises(UsageError, match=r"^on: no device of this world is at "):
+        World(devices=[Noisy()], faults=[Fault(kind, on)])
+    world = World(devices=[Noisy()])
+    with pytest.raises(UsageError, match=r"^on: no device of this world is at "):
+        world.fault(kind, on)
+    assert World(devices=[Noisy()], faults=[Fault(kind, on)], network="real").faults

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from random import Random
 
     from elitescript.worlds.virtual.world import World
+
+
+_ALIKE: Final = 0.85
+"""Of two names, as `difflib` counts: one letter wrong in seven, or two that have changed places in fourteen."""
 
 
 class Device:
@@ -176,6 +180,28 @@ def setting_names(device_class: type[Device]) -> list[str]:
             if not name.startswith("_") and name not in hidden and name not in names and is_setting:
                 names.append(name)
     return names
+
+
+def misspelt(device_class: type[Device]) -> list[tuple[str, str]]:
+    """Methods of a user's class that are almost called like one of ours, each with that one."""
+    own = {
+        name
+        for owner in device_class.__mro__
+        if not _is_ours(owner)
+        for name, value in vars(owner).items()
+        if callable(value)
+    }
+    if not own:
+        return []
+    from difflib import get_close_matches
+
+    ours = {name for owner in device_class.__mro__ if _is_ours(owner) for name in vars(owner) if name[0] != "_"}
+    near = {name: get_close_matches(name, ours, 1, _ALIKE) for name in sorted(own - ours) if name[0] != "_"}
+    return [(name, found[0]) for name, found in near.items() if found]
+
+
+def _is_ours(owner: type) -> bool:
+    return owner.__module__.partition(".")[0] in ("elitescript", "builtins")
 
 
 def check_number(name: str, value: object, low: float, high: float, unit: str = "", *, is_whole: bool = False) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,7 +16,7 @@ from elitescript.runtime.world import Channels
 from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.surroundings import REAL, VIRTUAL, RobotPort, Surroundings
 from elitescript.worlds.virtual.agenda import Agenda, DeviceError
-from elitescript.worlds.virtual.device import Device
+from elitescript.worlds.virtual.device import Device, misspelt
 from elitescript.worlds.virtual.faults import Fault, check_protocol, check_together, place_of
 from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 from elitescript.worlds.virtual.network import VirtualNetwork
@@ -24,6 +25,7 @@ from elitescript.worlds.virtual.signals import SignalHub
 if TYPE_CHECKING:
     from elitescript.worlds.virtual.client import PortLink, TcpClient
 
+_NEVER: Final = "nothing calls {}(); is it meant to be {}()?"
 _HOME: Final = str(Path(__file__).parents[2])
 _LIBRARY: Final = str(Path(traceback.__file__).parent)
 
@@ -146,9 +148,12 @@ class World(Surroundings):
         """Refuse a fault that makes no sense with the devices that are there.
 
         Raises:
-            UsageError: it is a wrong reply of a protocol that nobody at its place speaks.
+            UsageError: nobody is at its place, or it is a wrong reply of a protocol that nobody there speaks.
         """
-        there = [owner for owner in self.network.owners(*place_of(fault.on)) if isinstance(owner, Device)]
+        owners = self.network.owners(*place_of(fault.on))
+        if not owners and self.network.outside is None:
+            raise UsageError(f"on: no device of this world is at {fault.on!r}, so nothing could ever go wrong there")
+        there = [owner for owner in owners if isinstance(owner, Device)]
         check_protocol(fault, {device.title: device.protocol for device in there})
 
     def end_faults(self) -> None:
@@ -173,6 +178,9 @@ class World(Surroundings):
             self._start(device)
 
     def _start(self, device: Device) -> None:
+        for name, near in misspelt(type(device)):
+            # In the first tick, so that the record of the run has it.
+            self.agenda.put(1, partial(self.say, device, _NEVER.format(name, near), is_warning=True), device)
         self.agenda.attempt(device.begin, device)
         self.agenda.attempt(device.started, device)
 
