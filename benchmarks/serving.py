@@ -26,6 +26,8 @@ SECONDS = float(os.environ.get("SERVING_SECONDS", "10"))
 CLIENTS = 10
 SO_TIMESTAMPNS = 35
 """Of Linux: every `recvmsg` tells when the data came."""
+STEADY_S = 50e-6
+"""Between two reads the two clocks drift less than this, unless somebody sets one."""
 BUSY = b"def busy():\n  while True:\n    pass\n  end\nend\n"
 OUTPUTS = (
     "timestamp,payload_mass,payload_cog,script_control_line,target_joint_positions,target_joint_speeds,"
@@ -76,6 +78,8 @@ class Stream:
         if sys.platform == "linux":
             self.socket.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
         self.buffer = b""
+        self.offset = 0.0
+        """What the clock of the stamps showed more than that of this process when data was read last."""
         self.times: list[tuple[float, float, float]] = []
         """Robot time of each package, when it was at the socket, when it was read."""
         self.socket.sendall(message("O", struct.pack(">d", 250.0) + names.encode()))
@@ -84,11 +88,13 @@ class Stream:
         """Read what has come; return how many packages."""
         data, notes, _, _ = self.socket.recvmsg(65536, 64)
         arrived = now = perf_counter()
+        offset = clock_gettime(CLOCK_REALTIME) - now
         for _, kind, stamp in notes:
-            if kind == SO_TIMESTAMPNS:
+            # The clock of the stamps may have been set while the data waited; that of the robot's ticks never is.
+            if kind == SO_TIMESTAMPNS and abs(offset - self.offset) < STEADY_S:
                 whole, part = struct.unpack("qq", stamp)
-                # The clock of the stamps may be corrected in a long run; that of the robot's ticks is not.
-                arrived = now - (clock_gettime(CLOCK_REALTIME) - (whole + part / 1e9))
+                arrived = whole + part / 1e9 - offset
+        self.offset = offset
         self.buffer += data
         count = 0
         while len(self.buffer) >= 3 and len(self.buffer) >= (size := int.from_bytes(self.buffer[:2])):

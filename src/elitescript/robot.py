@@ -26,10 +26,9 @@ from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
-from elitescript.messages.timing import seconds, ticks_for
+from elitescript.messages.timing import RPC_TIMEOUT_S, seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
 from elitescript.run import EndState, Run, SignalRecord
-from elitescript.runtime.host import RPC_TIMEOUT_S
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
 from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets

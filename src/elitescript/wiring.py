@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from keyword import iskeyword
+from math import isfinite
 from typing import Final
 
 from elitescript.controller.contact import ContactConfig
@@ -16,8 +17,9 @@ from elitescript.messages.events import Event
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import Profile
+from elitescript.messages.timing import RPC_TIMEOUT_S
 from elitescript.models.model import RobotModel
-from elitescript.runtime.host import RPC_TIMEOUT_S, ScriptHost
+from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
 
@@ -67,6 +69,8 @@ def assemble(
     """
     if not 0.0 <= fittings.speed <= 1.0:
         raise UsageError(f"speed must be in [0, 1], got {fittings.speed!r}")
+    if not isfinite(fittings.rpc_timeout_s):
+        raise UsageError(f"rpc_timeout_s must be finite, in s, got {fittings.rpc_timeout_s!r}; 0 waits for ever")
     controller = Controller(
         model,
         epoch_s=fittings.epoch_s,

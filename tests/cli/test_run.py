@@ -394,3 +394,14 @@ def test_a_device_that_does_not_come_back_is_told_of_after_ctrl_c_and_a_second_o
         process.kill()
         process.wait()
     assert process.returncode == -signal.SIGINT
+
+
+def test_a_remote_procedure_call_waits_as_long_as_it_may(run_json, tmp_path):
+    path = tmp_path / "world.toml"
+    path.write_text('[[tcp]]\nname = "silent"\nport = 5050\n', encoding="utf-8")
+    text = 'def a():\n  rpc_factory("xmlrpc", "h:5050").f()\nend\n'
+    code, records = run_json(text, "--world", str(path), "--rpc-timeout", "0.25")
+    assert code == 1
+    assert "no answer within 0.25 s" in next(record["text"] for record in records if record["type"] == "alarm")
+    with pytest.raises(SystemExit):
+        main(["run", "x.script", "--rpc-timeout", "soon"])

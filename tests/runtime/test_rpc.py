@@ -12,7 +12,7 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.errors import InvalidValueError
+from elitescript.errors import InvalidValueError, UsageError
 from elitescript.runtime.rpc import IDLE_MAX, server_of
 from elitescript.worlds.memory import MemoryWorld
 from elitescript.worlds.virtual.network import Link, Peer
@@ -336,3 +336,9 @@ def test_the_server_of_the_standard_library(version):
         )
     assert list(run.log) == ["[1, 2.5, True, 'prüf', None, [1], {'a': 1}, b'xy']", "200000echo"]
     assert 'method "nothing" is not supported' in run.alarms[0].text
+
+
+@pytest.mark.parametrize("timeout_s", [float("nan"), float("inf")])
+def test_a_time_out_is_finite(timeout_s):
+    with pytest.raises(UsageError, match="rpc_timeout_s must be finite"):
+        VirtualRobot(rpc_timeout_s=timeout_s)

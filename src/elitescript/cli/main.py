@@ -141,7 +141,7 @@ def _parser() -> argparse.ArgumentParser:
     import argparse
 
     from elitescript import __version__
-    from elitescript.cli.serving_options import add_ctl, add_devices, add_doctor, add_replay, add_serial, add_serve
+    from elitescript.cli.serving_options import add_connections, add_ctl, add_devices, add_doctor, add_replay, add_serve
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 
     parser = argparse.ArgumentParser(
@@ -188,7 +188,7 @@ def _parser() -> argparse.ArgumentParser:
         "--world", metavar="FILE.toml", help="what is around the robot: devices, wires, safety limits, inputs"
     )
     run.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
-    add_serial(run)
+    add_connections(run)
     run.add_argument(
         "--state",
         metavar="FILE",

@@ -50,6 +50,7 @@ def run(options: argparse.Namespace) -> int:
         task_dir=options.task_dir or path.resolve().parent,
         strict=options.strict,
         epoch_s=EPOCH_S if options.epoch is None else parse_epoch(options.epoch),
+        rpc_timeout_s=options.rpc_timeout,
         world=options.world,
         lines=_lines(options.serial),
         state_file=options.state,

@@ -215,6 +215,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list
                 plant=cell.take("plant", None),
                 signals=tuple({**cell.signals, **signals}.items()),
                 faults=() if cell.world is None else tuple(map(fault_text, cell.world.faults)),
+                rpc_timeout_s=options.rpc_timeout,
                 strict=options.strict,
             )
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from elitescript.messages.timing import RPC_TIMEOUT_S
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
@@ -12,14 +14,21 @@ SERVE_NOTE = (
 )
 
 
-def add_serial(parser: argparse.ArgumentParser) -> None:
-    """Add `--serial`."""
+def add_connections(parser: argparse.ArgumentParser) -> None:
+    """Add what programs reach outside: `--serial`, `--rpc-timeout`."""
     parser.add_argument(
         "--serial",
         action="append",
         default=[],
         metavar="PORT=DEVICE",
         help="what is on a serial port: tool=/dev/ttyUSB0, box=socket://HOST:PORT; may be repeated",
+    )
+    parser.add_argument(
+        "--rpc-timeout",
+        type=float,
+        default=RPC_TIMEOUT_S,
+        metavar="SECONDS",
+        help="how long a remote procedure call waits for its answer; 0 waits for ever (default %(default)g)",
     )
 
 
@@ -75,7 +84,7 @@ def add_serve(
     )
     serve.add_argument("--world", metavar="FILE.toml", help="what is around each robot, as for run")
     serve.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
-    add_serial(serve)
+    add_connections(serve)
     serve.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
     serve.add_argument(
         "--no-jail",
@@ -125,7 +134,7 @@ def add_devices(subparsers: argparse._SubParsersAction[argparse.ArgumentParser])
         metavar="PORT=NUMBER",
         help="another number for the port of a device, such as 502=5020 (0: any free one); may be repeated",
     )
-    add_serial(devices)
+    add_connections(devices)
     devices.add_argument("--json", action="store_true", help="print one JSON object per line")
 
 

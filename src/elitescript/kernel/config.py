@@ -14,8 +14,8 @@ from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.timing import RPC_TIMEOUT_S
 from elitescript.models.model import RobotModel
-from elitescript.runtime.host import RPC_TIMEOUT_S
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.wiring import EPOCH_S
 

@@ -12,6 +12,9 @@ PERIOD_S: Final = 0.004
 
 TICKS_PER_S: Final = 250
 
+RPC_TIMEOUT_S: Final = 60.0
+"""How long a remote procedure call waits for its answer, unless configured (*assumed*)."""
+
 TICK_MAX: Final = 2**50
 """No tick of a message lies behind it: its time in microseconds has a place in every packet."""
 

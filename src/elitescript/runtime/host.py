@@ -15,6 +15,7 @@ from elitescript.errors import ScriptStateError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
+from elitescript.messages.timing import RPC_TIMEOUT_S
 from elitescript.runtime.alarms import abandoned, summary_of
 from elitescript.runtime.background import Background
 from elitescript.runtime.context import POPUP
@@ -35,9 +36,6 @@ if TYPE_CHECKING:
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
 STOPPED: Final = "stopped"
-
-RPC_TIMEOUT_S: Final = 60.0
-"""How long a remote procedure call waits for its answer (*assumed*)."""
 
 SECONDARY_WARNING: Final = "[SEC] Exception: "
 
