@@ -212,6 +212,11 @@ class TestStartUp:
         slow = {"asyncio", "numpy", "typing_extensions", "multiprocessing", "socket", "subprocess", "unittest"}
         assert self.modules_after("import elitescript.robot") & slow == set()
 
+    def test_a_robot_without_connections_loads_nothing_of_them(self):
+        outside = {"elitescript.messages.inputs", "elitescript.modbus", "elitescript.worlds.virtual", "xmlrpc"}
+        statement = "from elitescript.robot import VirtualRobot; VirtualRobot().run('textmsg(1)')"
+        assert self.modules_after(statement) & outside == set()
+
     def test_the_command_line_loads_nothing_slow(self):
         slow = {"asyncio", "numpy", "multiprocessing", "socket", "subprocess", "unittest", "json", "csv"}
         assert self.modules_after("import elitescript.cli.main") & slow == set()

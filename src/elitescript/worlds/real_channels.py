@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Final
 
-from elitescript.messages.inputs import ChannelOpened
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 
 if TYPE_CHECKING:
@@ -114,7 +113,8 @@ class RealChannels:
             found = channel.poll()
             events += found
             place = self._places.get(number)
-            if place is not None and any(isinstance(event, ChannelOpened) and event.is_open for event in found):
+            # Most programs open none: the class of the event is not worth its import.
+            if place is not None and any(getattr(event, "is_open", False) for event in found):
                 self._met.add(place)
             if channel.is_over:
                 del self._open[number]
