@@ -187,8 +187,9 @@ class Fault:
         UsageError: there is no such fault, it makes no sense on that channel, or its settings do not go together.
 
     Example:
-        >>> from elitescript.testing.world import Fault, World
-        >>> world = World(faults=[
+        >>> from elitescript.testing.world import Fault, ModbusDevice, SerialDevice, TcpServer, World
+        >>> devices = [TcpServer(port=5000), ModbusDevice(port=502), SerialDevice(line="tool")]
+        >>> world = World(devices, faults=[
         ...     Fault("refuse", on=5000, for_s=2.0),
         ...     Fault("delay", on=5000, delay_s=0.5, at_s=10.0, direction="to_robot"),
         ...     Fault("corrupt", on="tool", nth=3, count=1),
