@@ -1,4 +1,4 @@
-"""The rules that keep the house in order: imports, file length, words, handlers, start-up."""
+"""The rules that keep the house in order: imports, words, handlers, start-up."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "src" / "elitescript"
 MODULES = sorted(SOURCE.rglob("*.py"))
-LONGEST_FILE = 450
 BINARY = {".png", ".ico", ".woff2", ".gz"}
 
 
@@ -57,11 +56,6 @@ class TestImports:
 
 
 class TestFiles:
-    @pytest.mark.parametrize("path", MODULES, ids=names(MODULES))
-    def test_a_module_can_be_read_at_one_sitting(self, path):
-        length = path.read_text(encoding="utf-8").count("\n")
-        assert length <= LONGEST_FILE
-
     def test_no_module_is_a_drawer_for_everything(self):
         drawers = {"utils", "util", "common", "helpers", "manager", "base", "misc"}
         assert [name for name in names(MODULES) if Path(name).stem in drawers] == []

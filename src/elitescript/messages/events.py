@@ -60,6 +60,10 @@ class Warned:
     text: str
     thread: str = ""
     line: int = 0
+    code: str = ""
+    """Row of `errors.CODES`, when `check` knows the same finding."""
+    hint: str = ""
+    """What to do about it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +99,28 @@ class SignalChanged:
     tick: int
     name: str
     value: Value
+    by: str = "program"
+    """What changed it: `program`, `client`, `device`, `wire`, `schedule` or `fault`."""
+    line: int = 0
+    """Line of the program; 0 if it was not the program."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelActivity:
+    """A connection to the outside was opened or closed, or carried data."""
+
+    tick: int
+    channel: str
+    """Name of the connection as the program, or the world file, calls it."""
+    kind: str
+    """`socket`, `rpc`, `modbus` or `serial`."""
+    what: str
+    """`open`, `sent`, `received`, `closed`, `refused` or `timeout`."""
+    data: str = ""
+    """What was carried, as text; a long one is cut."""
+    line: int = 0
+    """Line of the program; 0 if no statement of it caused this."""
+    thread: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,6 +221,7 @@ Event = (
     | DeviceNoted
     | Alarm
     | SignalChanged
+    | ChannelActivity
     | MotionStarted
     | MotionEnded
     | TrackingStarted
