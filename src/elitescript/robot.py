@@ -60,7 +60,8 @@ class VirtualRobot:
     """One robot in virtual time.
 
     Args:
-        model: name of the arm, such as `"CS66"`, or a loaded model.
+        model: name of the arm, such as `"CS66"`, the path of a file that describes an arm of one's own, such as
+            `"my_arm.toml"`, or a loaded model.
         firmware: controller firmware, `"2.10"` or `"2.14"`.
         seed: seed of the program's random numbers.
         joints: joint positions at the start, rad; the model's home if None.
@@ -77,7 +78,8 @@ class VirtualRobot:
             not known (*assumed*).
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         safety: what the safety system watches.
-        plant: how the joints follow their targets; exactly if None.
+        plant: how the joints follow their targets; as the model says if None, which is exactly unless an own arm has
+            a `[plant]`.
         state_file: a file with the registers, flags and general Modbus values that the robot remembers: read now,
             written when `run` or `advance` returns. Nothing is remembered if None.
         on_event: receives every event at the moment it happens.
@@ -88,7 +90,7 @@ class VirtualRobot:
 
     def __init__(
         self,
-        model: str | RobotModel = "CS66",
+        model: str | Path | RobotModel = "CS66",
         *,
         firmware: str = DEFAULT_FIRMWARE,
         seed: int = 0,
@@ -107,7 +109,7 @@ class VirtualRobot:
         state_file: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
-        self.model = load_model(model) if isinstance(model, str) else model
+        self.model = model if isinstance(model, RobotModel) else load_model(model)
         self.profile = profile(firmware)
         self._options = Options(strict=strict)
         self._on_event = on_event
@@ -122,7 +124,7 @@ class VirtualRobot:
             rpc_timeout_s=rpc_timeout_s,
             contact=cell.take("contact", contact),
             safety=cell.take("safety", safety),
-            plant=cell.take("plant", plant),
+            plant=cell.take("plant", plant) or self.model.plant,
         )
         self.controller, self._host = assemble(
             self.model, self.profile, fittings, on_event=self._event, on_end=self._program_ended

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 from math import hypot, pi, radians
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import pytest
 
 from elitescript.errors import UsageError
 from elitescript.kinematics.jacobian import singularity
+from elitescript.messages.plant import PlantConfig
 from elitescript.models.datafile import EVIDENCE, MODEL_FOLDER
 from elitescript.models.model import (
     JOINT_NAMES,
@@ -22,7 +23,7 @@ from elitescript.models.model import (
 
 NAMES = ("CS63", "CS66", "CS612", "CS616", "CS620", "CS625")
 MODELS = {name: load_model(name) for name in model_names()}
-MINIMAL = 'name = "Mine"\nbased_on = "CS66"\n'
+FULL = (MODEL_FOLDER / "cs66.toml").read_text(encoding="utf-8")
 
 
 def write(folder: Path, text: str) -> Path:
@@ -162,7 +163,7 @@ def test_unknown_model_names_the_nearest_and_all(name: str, nearest: str | None)
     assert nearest is None or f"did you mean '{nearest}" in str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["", "common", "../cs66", "cs66.toml", "/etc/passwd"])
+@pytest.mark.parametrize("name", ["", "common", "../cs66", "/etc/passwd", "cs66.tom"])
 def test_a_name_is_not_a_path(name: str) -> None:
     with pytest.raises(UsageError, match="there is no robot model"):
         load_model(name)
@@ -176,96 +177,73 @@ def test_a_model_is_one_file(tmp_path: Path) -> None:
     assert found.arm == MODELS["CS66"].arm
 
 
-def test_a_file_may_build_on_a_model_and_bring_its_own_sources(tmp_path: Path) -> None:
-    found = load_model_file(
-        write(
-            tmp_path,
-            MINIMAL
-            + 'payload_max_kg = { value = 5.0, source = "name-plate", why = "long gripper" }\n'
-            + 'home = { deg = [90, -90, -90, -90, 90, 0], source = "name-plate" }\n'
-            + '[sources.name-plate]\nabout = "cell 3"\ndate = "2025"\nevidence = "observed"\ntrust = "certain"\n',
-        )
-    )
-    assert found.name == "Mine"
-    assert found.payload_max_kg == 5.0
-    assert found.home[0] == pytest.approx(pi / 2)
-    assert found.links == MODELS["CS66"].links
-    assert found.source("payload_max_kg") == ("name-plate", "observed", "long gripper", "cell 3", "2025", "certain")
-    assert found.source("reach_m") == MODELS["CS66"].source("reach_m")
-
-
-def test_a_file_may_hold_the_calibration_of_one_robot(tmp_path: Path) -> None:
-    a, d, alpha = MODELS["CS66"].arm.modified_dh
-    measured = [*d[:3], d[3] + 2e-4, *d[4:]]
-    found = load_model_file(
-        write(tmp_path, f'{MINIMAL}[calibration]\nd = {{ value = {measured}, source = "chosen" }}\n')
-    )
-    assert found.arm.modified_dh == (a, tuple(measured), alpha)
-    assert found.arm.calibration is not None
-    assert MODELS["CS66"].calibrated(d=measured).arm == found.arm
+def full(changed: str) -> str:
+    """Return the complete file of the CS66 with one of its entries replaced, or one more."""
+    table, _, line = changed.rpartition("]\n")
+    header = f"{table}]\n" if table else ""
+    key = line.partition(" =")[0]
+    text = "\n".join(row for row in FULL.split("\n") if row.partition(" =")[0] != key)
+    if not header:
+        return f"{line}{text}"
+    return text.replace(header, f"{header}{line}") if header in text else f"{text}\n{header}{line}"
 
 
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
         ("name = ", r"mine\.toml: not TOML"),
-        ('based_on = "CS66"\n', ""),
         ("", r"mine\.toml: name: missing"),
         ("name = 3\n", r"mine\.toml: name: needs a text, has 3"),
         ('name = "Mine"\n', r"mine\.toml: joints\.qd_max: missing"),
-        ('name = "Mine"\nbased_on = "CS67"\n', "there is no robot model 'CS67'"),
-        (MINIMAL + "payload_max_kg = 5\n", r"mine\.toml: payload_max_kg: needs the form \{ value = "),
-        (MINIMAL + "payload_max_kg = { value = 5 }\n", r"mine\.toml: payload_max_kg: no source"),
+        ('name = "Mine"\nbased_on = { value = 1, source = "sdk" }\n', r"mine\.toml: based_on: unknown key"),
+        (full("payload_max_kg = 5\n"), r"mine\.toml: payload_max_kg: needs the form \{ value = "),
+        (full("payload_max_kg = { value = 5 }\n"), r"mine\.toml: payload_max_kg: no source"),
         (
-            MINIMAL + 'payload_max_kg = { value = 5, source = "choosen" }\n',
+            full('payload_max_kg = { value = 5, source = "choosen" }\n'),
             r"mine\.toml: payload_max_kg: unknown source 'choosen'; did you mean 'chosen'\?",
         ),
-        (MINIMAL + 'payload_max_kg = { value = "5", source = "sdk" }\n', r"payload_max_kg: needs a number, has '5'"),
-        (MINIMAL + 'payload_max_kg = { value = true, source = "sdk" }\n', "payload_max_kg: needs a number, has True"),
-        (MINIMAL + 'payload_max_kg = { value = -5, source = "sdk" }\n', "payload_max_kg: needs a number above 0"),
-        (MINIMAL + 'payload_max_kg = { value = inf, source = "sdk" }\n', "payload_max_kg: needs a finite number"),
-        (MINIMAL + 'payload_max_kg = { source = "sdk" }\n', "payload_max_kg: needs `value` or `deg`"),
-        (MINIMAL + 'payload_max_kg = { value = 5, deg = 5, source = "sdk" }\n', "payload_max_kg: needs `value` or"),
-        (MINIMAL + 'payload_max_kg = { value = 5, unit = "kg", source = "sdk" }\n', "payload_max_kg: needs `value`"),
+        (full('payload_max_kg = { value = "5", source = "sdk" }\n'), r"payload_max_kg: needs a number, has '5'"),
+        (full('payload_max_kg = { value = true, source = "sdk" }\n'), "payload_max_kg: needs a number, has True"),
+        (full('payload_max_kg = { value = -5, source = "sdk" }\n'), "payload_max_kg: needs a number above 0"),
+        (full('payload_max_kg = { value = inf, source = "sdk" }\n'), "payload_max_kg: needs a finite number"),
+        (full('payload_max_kg = { source = "sdk" }\n'), "payload_max_kg: needs `value` or `deg`"),
+        (full('payload_max_kg = { value = 5, deg = 5, source = "sdk" }\n'), "payload_max_kg: needs `value` or"),
+        (full('payload_max_kg = { value = 5, unit = "kg", source = "sdk" }\n'), "payload_max_kg: needs `value`"),
         (
-            MINIMAL + 'payload_max = { value = 5, source = "sdk" }\n',
+            full('payload_max = { value = 5, source = "sdk" }\n'),
             r"mine\.toml: payload_max: unknown key; did you mean 'payload_max_kg'\?",
         ),
-        (MINIMAL + 'home = { value = 5, source = "sdk" }\n', r"mine\.toml: home: needs 6 numbers in brackets, has 5"),
-        (MINIMAL + 'home = { value = [0, 0], source = "sdk" }\n', r"mine\.toml: home: needs 6 numbers, has 2"),
+        (full('home = { value = 5, source = "sdk" }\n'), r"mine\.toml: home: needs 6 numbers in brackets, has 5"),
+        (full('home = { value = [0, 0], source = "sdk" }\n'), r"mine\.toml: home: needs 6 numbers, has 2"),
         (
-            MINIMAL + 'home = { deg = [0, 0, 0, 0, 0, 400], source = "sdk" }\n',
+            full('home = { deg = [0, 0, 0, 0, 0, 400], source = "sdk" }\n'),
             r"mine\.toml: home: 6\.98.* rad of wrist3 is outside its range",
         ),
         (
-            MINIMAL + '[joints]\nq_min = { deg = [360, 0, 0, 0, 0, 0], source = "sdk" }\n',
+            full('[joints]\nq_min = { deg = [360, 0, 0, 0, 0, 0], source = "sdk" }\n'),
             r"mine\.toml: joints\.q_min: 6\.28.* rad of base is not below its joints\.q_max",
         ),
-        (MINIMAL + '[arm]\na2 = { value = 0.4, source = "sdk" }\n', r"mine\.toml: arm: a2 of the arm is 0\.4 m"),
+        (full('[arm]\na2 = { value = 0.4, source = "sdk" }\n'), r"mine\.toml: arm: a2 of the arm is 0\.4 m"),
         (
-            MINIMAL + '[calibration]\nd = { value = [0, 0, 0, 0, 0, 0], source = "sdk" }\n',
+            full('[calibration]\nd = { value = [0, 0, 0, 0, 0, 0], source = "sdk" }\n'),
             r"mine\.toml: arm: d\[0\] of the calibration is 0 m, nominal is 0\.1625 m",
         ),
-        (MINIMAL + '[sources.mine]\nabout = "x"\n', r"mine\.toml: sources\.mine\.evidence: missing"),
+        (full('[sources.mine]\nabout = "x"\n'), r"mine\.toml: sources\.mine\.evidence: missing"),
         (
-            MINIMAL + '[sources.mine]\nabout = "x"\ndate = "x"\ntrust = "x"\nevidence = "guessed"\n',
+            full('[sources.mine]\nabout = "x"\ndate = "x"\ntrust = "x"\nevidence = "guessed"\n'),
             r"mine\.toml: sources\.mine\.evidence: has 'guessed', needs one of documented, observed, assumed",
         ),
-        (MINIMAL + "sources = 3\n", r"mine\.toml: sources: needs tables"),
-        (MINIMAL + "[sources]\nmine = 3\n", r"mine\.toml: sources\.mine: needs a table"),
+        (full("sources = 3\n"), r"mine\.toml: sources: needs tables"),
+        (full("[sources]\nmine = 3\n"), r"mine\.toml: sources\.mine: needs a table"),
         (
-            MINIMAL + '[sources.mine]\nabout = 3\ndate = "x"\ntrust = "x"\nevidence = "observed"\n',
+            full('[sources.mine]\nabout = 3\ndate = "x"\ntrust = "x"\nevidence = "observed"\n'),
             r"mine\.toml: sources\.mine\.about: needs a text, has 3",
         ),
     ],
 )
 def test_a_wrong_file_is_refused_with_file_and_key(tmp_path: Path, text: str, complaint: str) -> None:
-    path = write(tmp_path, text)
-    if not complaint:
-        assert load_model_file(path).name == "CS66"
-        return
     with pytest.raises(UsageError, match=complaint):
-        load_model_file(path)
+        load_model_file(write(tmp_path, text))
 
 
 def test_a_file_that_cannot_be_read_is_refused_by_its_path(tmp_path: Path) -> None:
@@ -284,3 +262,104 @@ def test_a_huge_file_is_refused_unread(tmp_path: Path) -> None:
     path = write(tmp_path, "#" * 1_000_001)
     with pytest.raises(UsageError, match="larger than 1000000 bytes"):
         load_model_file(path)
+
+
+class TestOwnArm:
+    def test_it_is_its_base_but_for_what_it_says(self, tmp_path: Path) -> None:
+        found = load_model_file(write(tmp_path, 'base = "cs66"\n[arm]\nd6 = 0.095\n'))
+        cs66 = MODELS["CS66"]
+        assert found.arm == replace(cs66.arm, d6=0.095)
+        assert replace(found, arm=cs66.arm) == cs66
+        assert found.source("arm.d6")[:2] == ("own-arm", "assumed")
+        assert found.source("arm.d5") == cs66.source("arm.d5")
+
+    def test_it_says_once_where_its_numbers_come_from(self, tmp_path: Path) -> None:
+        text = 'base = "CS66"\nabout = "name plate"\nevidence = "observed"\ndate = "2025"\npayload_max_kg = 5\n'
+        found = load_model_file(write(tmp_path, text))
+        assert found.payload_max_kg == 5.0
+        assert found.source("payload_max_kg") == (
+            "own-arm",
+            "observed",
+            "",
+            "name plate",
+            "2025",
+            "as far as mine.toml can be trusted",
+        )
+
+    def test_angles_may_stand_in_degrees(self, tmp_path: Path) -> None:
+        text = (
+            'base = "CS66"\nname = "Mine"\ndefault_joint_speed_deg = 90\nhome_deg = [90, -90, -90, -90, 90, 0]\n'
+            "[joints]\nq_max = [3, 6, 3, 6, 6, 6]\nqd_max_deg = [100, 100, 100, 200, 200, 200]\n"
+        )
+        found = load_model_file(write(tmp_path, text))
+        assert found.name == "Mine"
+        assert found.default_joint_speed == pytest.approx(pi / 2)
+        assert found.home[:2] == pytest.approx((pi / 2, -pi / 2))
+        assert [joint.q_max for joint in found.joints] == [3, 6, 3, 6, 6, 6]
+        assert found.joints[0].qd_max == pytest.approx(radians(100))
+        assert found.joints[0].q_min == MODELS["CS66"].joints[0].q_min
+
+    def test_its_reach_follows_its_lengths_unless_it_is_given(self, tmp_path: Path) -> None:
+        longer = 'base = "CS66"\n[arm]\na2 = -0.527\n'
+        assert load_model_file(write(tmp_path, longer)).reach_m == pytest.approx(1.014)
+        given = longer.replace("[arm]", "reach_m = 1.1\n[arm]")
+        assert load_model_file(write(tmp_path, given)).reach_m == 1.1
+
+    def test_it_may_hold_the_calibration_of_one_robot(self, tmp_path: Path) -> None:
+        a, d, alpha = MODELS["CS66"].arm.modified_dh
+        measured = [*d[:3], d[3] + 2e-4, *d[4:]]
+        found = load_model_file(write(tmp_path, f'base = "CS66"\n[calibration]\nd = {measured}\n'))
+        assert found.arm.modified_dh == (a, tuple(measured), alpha)
+        assert MODELS["CS66"].calibrated(d=measured).arm == found.arm
+
+    def test_it_may_say_how_its_joints_follow(self, tmp_path: Path) -> None:
+        found = load_model_file(write(tmp_path, 'base = "CS66"\n[plant]\nlag_s = 0.02\n'))
+        assert found.plant == PlantConfig(lag_s=0.02)
+        assert MODELS["CS66"].plant is None
+
+    def test_a_path_is_told_from_a_name_by_its_ending(self, tmp_path: Path) -> None:
+        path = write(tmp_path, 'base = "CS66"\n')
+        assert load_model(str(path)) == load_model(path) == MODELS["CS66"]
+        with pytest.raises(UsageError, match=r"absent\.toml: cannot be read"):
+            load_model(str(tmp_path / "absent.toml"))
+
+    @pytest.mark.parametrize(
+        ("text", "complaint"),
+        [
+            ("base = 3\n", r"mine\.toml: base: needs a text, has 3"),
+            ('base = "CS67"\n', "there is no robot model 'CS67'; did you mean 'CS6"),
+            ('base = "../cs66"\n', "there is no robot model"),
+            ('base = "CS66"\nname = 3\n', r"mine\.toml: name: needs a text, has 3"),
+            ('base = "CS66"\nevidence = "guessed"\n', r"mine\.toml: evidence: has 'guessed', needs one of documented"),
+            ('base = "CS66"\n[arms]\nd6 = 0.1\n', r"mine\.toml: arms\.d6: unknown key; did you mean 'arm\.d6'\?"),
+            ('base = "CS66"\n[arm]\nd7 = 0.1\n', r"mine\.toml: arm\.d7: unknown key; did you mean 'arm\.d"),
+            ('base = "CS66"\n[arm]\nd6_deg = 5\n', r"mine\.toml: arm\.d6_deg: unknown key"),
+            ('base = "CS66"\nhom_deg = [0, 0]\n', r"mine\.toml: hom_deg: unknown key; did you mean 'home_deg'\?"),
+            ('base = "CS66"\nbased_on = "CS66"\n', r"mine\.toml: based_on: unknown key"),
+            ('base = "CS66"\n[arm]\nd6 = "0.1"\n', r"mine\.toml: arm\.d6: needs a number, has '0\.1'"),
+            ('base = "CS66"\n[arm]\nd6 = [0.1]\n', r"mine\.toml: arm\.d6: needs a number, has \[0\.1\]"),
+            ('base = "CS66"\n[arm]\nd6 = nan\n', r"mine\.toml: arm\.d6: needs a finite number, has nan"),
+            ('base = "CS66"\n[arm]\na2 = 0.4\n', r"mine\.toml: arm: a2 of the arm is 0\.4 m; it has to be negative"),
+            (
+                'base = "CS66"\n[arm]\nd6 = { value = 0.1, source = "sdk" }\n',
+                r"mine\.toml: arm\.d6: needs a plain number or a row of numbers",
+            ),
+            ('base = "CS66"\narm = 3\n', r"mine\.toml: arm: unknown key"),
+            (
+                'base = "CS66"\nhome = [0, 0, 0, 0, 0, 0]\nhome_deg = [0, 0, 0, 0, 0, 0]\n',
+                r"mine\.toml: home_deg: given twice, in rad and in degrees",
+            ),
+            ('base = "CS66"\nhome_deg = [0, 0, 0, 0, 0, 400]\n', r"home: 6\.98.* rad of wrist3 is outside its range"),
+            ('base = "CS66"\n[joints]\nq_max = [3, 3]\n', r"mine\.toml: joints\.q_max: needs 6 numbers, has 2"),
+            ('base = "CS66"\nplant = 3\n', r"mine\.toml: plant: needs a table \[plant\], has 3"),
+            ('base = "CS66"\n[plant]\nlag = 1\n', r"mine\.toml: plant\.lag: unknown key"),
+            (
+                'base = "CS66"\n[plant]\nlag_s = 9\n',
+                r"mine\.toml: plant: lag_s of the plant must be in \[0, 1\] s, got 9",
+            ),
+            ('base = "CS66"\nx = ' + "[" * 20_000 + "\n", r"mine\.toml: not "),
+        ],
+    )
+    def test_mistakes_are_refused_with_file_and_key(self, tmp_path: Path, text: str, complaint: str) -> None:
+        with pytest.raises(UsageError, match=complaint):
+            load_model_file(write(tmp_path, text))

@@ -14,6 +14,8 @@ from tests.protocol.snapshots import output
 
 def test_every_part_of_a_configuration_comes_back():
     config = KernelConfig(
+        model="mine.toml",
+        model_text='base = "CS66"\n[arm]\nd6 = 0.095\n',
         joints=(0.0, -1.5, 1.0, -1.0, 1.5, 0.1),
         plant=PlantConfig(lag_s=0.01),
         contact=ContactConfig((Plane((0.0, 0.0, 0.1), (0.0, 1.0, 2.0), friction=0.1),)),

@@ -168,7 +168,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("file", metavar="FILE", help="program text, UTF-8")
     run.add_argument(
-        "--robot", default="CS66", metavar="MODEL", help="arm: CS63 CS66 CS612 CS616 CS620 CS625 (default CS66)"
+        "--robot",
+        default="CS66",
+        metavar="MODEL",
+        help="arm: CS63 CS66 CS612 CS616 CS620 CS625, or a file my_arm.toml (default CS66)",
     )
     run.add_argument("--realtime", action="store_true", help="one tick per 4 ms of wall time")
     run.add_argument("--until", type=float, metavar="SECONDS", help="stop after so much virtual time")
@@ -220,7 +223,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     plot.add_argument("file", metavar="FILE", help="a program, or a trace: OUT.csv or OUT.jsonl of run --trace")
     plot.add_argument("-o", "--output", metavar="OUT.html", help="the page (default: NAME.plot.html, in this folder)")
-    plot.add_argument("--robot", default="CS66", metavar="MODEL", help="arm whose limits are drawn (default CS66)")
+    plot.add_argument(
+        "--robot", default="CS66", metavar="MODEL", help="arm whose limits are drawn, or its file (default CS66)"
+    )
     plot.add_argument("--firmware", choices=list(PROFILES), help=f"controller firmware (default {DEFAULT_FIRMWARE})")
     plot.add_argument("--until", type=float, metavar="SECONDS", help="stop after so much virtual time (default 300)")
     plot.add_argument("--seed", type=int, metavar="N", help="seed of random() (default 0)")

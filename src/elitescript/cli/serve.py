@@ -46,7 +46,7 @@ ALL: Final = "all"
 def serve(options: argparse.Namespace) -> int:
     """Serve until a signal comes; return the exit code."""
     configs, worlds = robot_configs(options)
-    for config in {config.model: config for config in configs}.values():
+    for config in {(config.model, config.model_text): config for config in configs}.values():
         # What cannot be a robot is told before a port is open or a process started.
         _check_ports(options, Kernel(config).description)
     chosen = chosen_ports(options.port)
@@ -177,7 +177,8 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list
     Raises:
         UsageError: an option that makes no sense.
     """
-    from elitescript.models.model import load_model
+    from elitescript.models.datafile import read_text
+    from elitescript.models.model import is_model_file, load_model, parse_model
     from elitescript.worlds.cell import Cell, load_cell
     from elitescript.worlds.surroundings import REAL
     from elitescript.worlds.virtual.faults import fault_text
@@ -196,12 +197,15 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list
     configs: list[KernelConfig] = []
     worlds: list[World | None] = []
     for index, model in enumerate(models):
-        name = load_model(model).name
+        # The process of the robot cannot read files of this computer: it gets the text of the model file.
+        text = read_text(Path(model)) if is_model_file(model) else ""
+        name = parse_model(Path(model).name, text).name if text else load_model(model).name
         cell = Cell() if options.world is None else load_cell(options.world, network=REAL)
         worlds.append(cell.world)
         configs.append(
             KernelConfig(
-                model=name,
+                model=Path(model).name if text else name,
+                model_text=text,
                 firmware=options.firmware,
                 seed=options.seed,
                 epoch_s=time.time(),

@@ -62,7 +62,8 @@ def add_serve(
         "--robot",
         action="append",
         metavar="MODEL",
-        help="arm: CS63 CS66 CS612 CS616 CS620 CS625 (default CS66); repeat it for more robots, each the next instance",
+        help="arm: CS63 CS66 CS612 CS616 CS620 CS625, or a file my_arm.toml (default CS66); repeat it for more robots, "
+        "each the next instance",
     )
     serve.add_argument("--robots", type=int, default=1, metavar="N", help="so many of each --robot (default 1)")
     serve.add_argument("--task-dir", metavar="DIR", help="task folder of the robots (default: an empty one in memory)")

@@ -15,7 +15,7 @@ from elitescript.messages.profile import DEFAULT_FIRMWARE, Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import RPC_TIMEOUT_S
-from elitescript.models.model import RobotModel
+from elitescript.models.model import RobotModel, load_model, parse_model
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.wiring import EPOCH_S
 
@@ -27,6 +27,9 @@ class KernelConfig:
     """One robot. Together with the inputs of every tick it determines everything that the robot does."""
 
     model: str = "CS66"
+    """Name of the model, or of the file that `model_text` was read from."""
+    model_text: str = ""
+    """The file of an own arm; empty for a model of the package."""
     firmware: str = DEFAULT_FIRMWARE
     seed: int = 0
     """Of the programs' random numbers."""
@@ -59,6 +62,15 @@ class KernelConfig:
     """How long a remote procedure call waits for its answer; 0 and less wait for ever."""
     strict: bool = False
     """Refuse what a Python 3 controller refuses, instead of warning."""
+
+
+def configured_model(config: KernelConfig) -> RobotModel:
+    """Return the arm of a configuration.
+
+    Raises:
+        UsageError: there is no such model, or the file of an own arm is wrong.
+    """
+    return parse_model(config.model, config.model_text) if config.model_text else load_model(config.model)
 
 
 def describe(config: KernelConfig, model: RobotModel, profile: Profile) -> RobotDescription:

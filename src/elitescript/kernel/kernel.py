@@ -14,7 +14,7 @@ from elitescript.controller.refusals import refusal_text
 from elitescript.controller.signal_view import Signals
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.answers import shown_after
-from elitescript.kernel.config import KernelConfig, describe
+from elitescript.kernel.config import KernelConfig, configured_model, describe
 from elitescript.kernel.conversations import Conversations
 from elitescript.kernel.interpreter_logs import InterpreterLogs
 from elitescript.kernel.programs import Programs
@@ -51,7 +51,6 @@ from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import TaskPicture
-from elitescript.models.model import load_model
 from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.line import close_lines
 from elitescript.runtime.world import FilesRefused, World
@@ -97,7 +96,7 @@ class Kernel:
     )
 
     def __init__(self, config: KernelConfig, world: World | None = None) -> None:
-        model, firmware = load_model(config.model), profile(config.firmware)
+        model, firmware = configured_model(config), profile(config.firmware)
         requests = RequestWorld(FilesRefused() if world is None else world.files)
         self._faulty = FaultyChannels(
             requests.channels, map(fault_of, config.faults), seed=config.seed, say=self._note_fault
@@ -120,7 +119,7 @@ class Kernel:
             rpc_timeout_s=config.rpc_timeout_s,
             contact=config.contact,
             safety=config.safety,
-            plant=config.plant,
+            plant=config.plant or model.plant,
             is_powered=config.power_on,
             power_times=config.power_times,
             confirms_popups=False,

@@ -1,14 +1,18 @@
 """Model files: numbers with their sources, read from TOML.
 
-In a model file every number stands as `{ value = …, source = "…" }` in SI units, or as
+In a model file of the package every number stands as `{ value = …, source = "…" }` in SI units, or as
 `{ deg = …, source = "…" }` where people think in degrees; `why` may add a reason. The sources
 themselves are explained once, in `[sources.<tag>]` tables. What all arms share stands in
-`common.toml`; a model file adds to it and may replace any of its entries, and a file with
-`based_on = "CS66"` starts from that model.
+`common.toml`; a model file adds to it and may replace any of its entries.
+
+A file of a user's own arm begins with `base = "CS66"` and holds what differs from that model as plain numbers in SI
+units; an angle may stand in degrees under its name with `_deg`. The keys `about`, `evidence` and `date` say once where
+its numbers come from.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import isfinite, radians
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -53,26 +57,40 @@ class Entry(NamedTuple):
 
 
 class DataFile:
-    """The entries of one model file on top of what it builds on.
+    """Holds the entries of one model file on top of what it builds on.
 
     Keys are dotted paths (`arm.d1`, `joints.qd_max`, `links.forearm.mass`).
+
+    Args:
+        file: name of the file, for error texts.
+        text: its content.
+
+    Attributes:
+        name: of the model; that of the base if the file gives none.
+        tables: tables of an own arm that are no numbers of the model (`OTHER_TABLES`), unread.
+
+    Raises:
+        UsageError: not TOML, or an entry of the wrong form; the text begins with file and key.
     """
 
-    __slots__ = ("_entries", "_tags", "file", "name")
+    __slots__ = ("_entries", "_tags", "file", "name", "tables")
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, file: str, text: str) -> None:
         self._entries: dict[str, Entry] = {}
         self._tags: dict[str, dict[str, str]] = {}
-        self.file: Final = path.name
+        self.file: Final = file
         self.name = ""
+        self.tables: Final[dict[str, dict[str, Any]]] = {}
         self._add(MODEL_FOLDER / COMMON_FILE)
-        document = _parse(path)
-        base = document.pop("based_on", None)
-        if base is not None:
-            self._add(known_path(_text(path.name, "based_on", base)))
-        self._add_document(path.name, document)
+        document = _parsed(file, text)
+        if "base" in document:
+            self._add_own(document)
+        else:
+            self._add_document(file, document)
         if not self.name:
-            raise UsageError(f"{self.file}: name: missing; a model file starts with its name")
+            raise UsageError(
+                f'{self.file}: name: missing; a complete model has a name, an arm of your own begins with base = "CS66"'
+            )
 
     def number(self, key: str, *, positive: bool = False) -> float:
         """Return one number in SI units."""
@@ -139,10 +157,35 @@ class DataFile:
         return radians(value) if entry.in_degrees else value
 
     def _add(self, path: Path) -> None:
-        document = _parse(path)
-        if "based_on" in document:
-            raise UsageError(f"{path.name}: based_on: the file that another one builds on has to stand on its own")
-        self._add_document(path.name, document)
+        self._add_document(path.name, _parsed(path.name, read_text(path)))
+
+    def _add_own(self, document: dict[str, Any]) -> None:
+        """Add what an own arm says about itself: plain numbers on top of its base."""
+        self._add(known_path(_text(self.file, "base", document.pop("base"))))
+        self.name = _text(self.file, "name", document.pop("name", self.name))
+        tag = {field: _text(self.file, field, document.pop(field, default)) for field, default in _OWN_SOURCE.items()}
+        _check_evidence(self.file, "evidence", tag["evidence"])
+        self._tags[OWN_SOURCE] = {**tag, "trust": f"as far as {self.file} can be trusted"}
+        for name in OTHER_TABLES & document.keys():
+            table = document.pop(name)
+            if not isinstance(table, dict):
+                raise UsageError(f"{self.file}: {name}: needs a table [{name}], has {table!r}")
+            self.tables[name] = table
+        known = frozenset(self._entries) | _CALIBRATION
+        for key, raw in _leaves("", document):
+            self._add_plain(key, raw, known)
+
+    def _add_plain(self, key: str, raw: Any, known: frozenset[str]) -> None:
+        if isinstance(raw, dict):
+            raise UsageError(f"{self.file}: {key}: needs a plain number or a row of numbers, has {raw!r}")
+        name = key.removesuffix("_deg")
+        in_degrees = name != key
+        if name not in known or (in_degrees and name not in ANGLES):
+            angles = {f"{angle}_deg" for angle in ANGLES}
+            raise UsageError(f"{self.file}: {key}: unknown key{_did_you_mean(key, known | angles)}")
+        if name in self._entries and self._entries[name].source == OWN_SOURCE:
+            raise UsageError(f"{self.file}: {key}: given twice, in rad and in degrees")
+        self._entries[name] = Entry(self.file, raw, in_degrees, OWN_SOURCE, "")
 
     def _add_document(self, file: str, document: dict[str, Any]) -> None:
         if "name" in document:
@@ -157,10 +200,7 @@ class DataFile:
                 if field not in text:
                     raise UsageError(f"{file}: sources.{tag}.{field}: missing")
                 _text(file, f"sources.{tag}.{field}", text[field])
-            if text["evidence"] not in EVIDENCE:
-                raise UsageError(
-                    f"{file}: sources.{tag}.evidence: has {text['evidence']!r}, needs one of {', '.join(EVIDENCE)}"
-                )
+            _check_evidence(file, f"sources.{tag}.evidence", text["evidence"])
             self._tags[tag] = text
         self._add_table(file, "", document)
 
@@ -207,13 +247,12 @@ def known_path(name: str) -> Path:
     )
 
 
-_ENTRY_FIELDS: Final = frozenset(("value", "deg", "source", "why"))
+def read_text(path: Path) -> str:
+    """Return the content of a model file.
 
-
-def _parse(path: Path) -> dict[str, Any]:
-    # Not at the top: the parser takes longer to import than a model to load.
-    import tomllib
-
+    Raises:
+        UsageError: it cannot be read, is too large for a model file or is not UTF-8.
+    """
     try:
         with path.open("rb") as file:
             data = file.read(MAX_FILE_BYTES + 1)
@@ -222,11 +261,64 @@ def _parse(path: Path) -> dict[str, Any]:
     if len(data) > MAX_FILE_BYTES:
         raise UsageError(f"{path.name}: larger than {MAX_FILE_BYTES} bytes; this is not a model file")
     try:
-        return tomllib.loads(data.decode())
+        return data.decode()
     except UnicodeDecodeError as error:
         raise UsageError(f"{path.name}: not UTF-8 at byte {error.start}") from None
+
+
+_ENTRY_FIELDS: Final = frozenset(("value", "deg", "source", "why"))
+
+OWN_SOURCE: Final = "own-arm"
+"""Source tag of every number in the file of an own arm."""
+
+_OWN_SOURCE: Final = {"about": "file of an own arm", "date": "unknown", "evidence": "assumed"}
+"""What an own arm says of its numbers, and what holds if it says nothing."""
+
+OTHER_TABLES: Final = frozenset(("plant",))
+"""Tables of an own arm that are settings of the robot, not numbers of the model."""
+
+_CALIBRATION: Final = frozenset(("calibration.a", "calibration.d", "calibration.alpha"))
+
+ANGLES: Final = frozenset(
+    (
+        "home",
+        "default_joint_speed",
+        "default_joint_acceleration",
+        "planning_joint_acceleration",
+        "stop_joint_deceleration",
+        "joints.q_min",
+        "joints.q_max",
+        "joints.qd_max",
+        "joints.qdd_max",
+        "calibration.alpha",
+    )
+)
+"""Keys of angles, angular speeds and accelerations, which an own arm may give in degrees."""
+
+
+def _leaves(prefix: str, table: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    for name, item in table.items():
+        if isinstance(item, dict) and not item.keys() & {"value", "deg", "source"}:
+            yield from _leaves(f"{prefix}{name}.", item)
+        else:
+            yield prefix + name, item
+
+
+def _check_evidence(file: str, key: str, evidence: str) -> None:
+    if evidence not in EVIDENCE:
+        raise UsageError(f"{file}: {key}: has {evidence!r}, needs one of {', '.join(EVIDENCE)}")
+
+
+def _parsed(file: str, text: str) -> dict[str, Any]:
+    # Not at the top: the parser takes longer to import than a model to load.
+    import tomllib
+
+    try:
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"{path.name}: not TOML: {error}") from None
+        raise UsageError(f"{file}: not TOML: {error}") from None
+    except RecursionError:
+        raise UsageError(f"{file}: not a model file: nested too deep") from None
 
 
 def _text(file: str, key: str, value: Any) -> str:

@@ -9,7 +9,11 @@ from typing import Final
 
 from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm, JointVector
-from elitescript.models.datafile import DataFile, Source, known_names, known_path
+from elitescript.messages.plant import PlantConfig
+from elitescript.models.datafile import OWN_SOURCE, DataFile, Source, known_names, known_path, read_text
+
+SUFFIX: Final = ".toml"
+"""Of model files."""
 
 JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 LINK_NAMES: Final = ("shoulder", "upperarm", "forearm", "wrist_1", "wrist_2", "wrist_3")
@@ -147,6 +151,8 @@ class RobotModel:
     """Of the control box while the arm stands without load, degC."""
     thermal: Thermal
     safety: SafetyLimits
+    plant: PlantConfig | None
+    """How the joints follow their targets, if the file of an own arm says so."""
     sources: DataFile = field(repr=False, compare=False)
     """The file entries behind the numbers; ask it through `source`."""
 
@@ -189,26 +195,43 @@ def model_names() -> tuple[str, ...]:
     return known_names()
 
 
-def load_model(name: str) -> RobotModel:
-    """Return the model of that name; capitals do not matter.
+def load_model(name: str | Path) -> RobotModel:
+    """Return the model of that name; a name that ends in `.toml` is the path of a model file.
+
+    Capitals of a name do not matter.
 
     Raises:
         UsageError: there is no such model (the text names the nearest one), or its file is wrong.
     """
-    return load_model_file(known_path(name))
+    return load_model_file(name if is_model_file(name) else known_path(str(name)))
+
+
+def is_model_file(name: str | Path) -> bool:
+    """Return whether a robot is named by the path of its file."""
+    return str(name).endswith(SUFFIX)
 
 
 def load_model_file(path: str | Path) -> RobotModel:
-    """Return the model that a TOML file describes.
-
-    A file of one's own may be complete, or build on a known model: `based_on = "CS66"` and the
-    entries that differ, for instance a `[calibration]` with the rows `a`, `d`, `alpha`.
+    """Return the model that a TOML file describes: one of the package, or an own arm; see `models.datafile`.
 
     Raises:
         UsageError: the file cannot be read, or an entry is missing, unknown or wrong; the text
             names file and key.
     """
-    data = DataFile(Path(path))
+    return parse_model(Path(path).name, read_text(Path(path)))
+
+
+def parse_model(file: str, text: str) -> RobotModel:
+    """Return the model that the text of a file describes.
+
+    Args:
+        file: its name, for error texts.
+        text: its content.
+
+    Raises:
+        UsageError: an entry is missing, unknown or wrong; the text names file and key.
+    """
+    data = DataFile(file, text)
     data.refuse_other_keys(_KNOWN_KEYS)
     joints = _joints(data)
     return RobotModel(
@@ -217,7 +240,7 @@ def load_model_file(path: str | Path) -> RobotModel:
         arm=_arm(data),
         joints=joints,
         payload_max_kg=data.number("payload_max_kg", positive=True),
-        reach_m=data.number("reach_m", positive=True),
+        reach_m=_reach_m(data),
         links=tuple([_link(data, name) for name in LINK_NAMES]),
         home=_home(data, joints),
         default_joint_speed=data.number("default_joint_speed", positive=True),
@@ -245,6 +268,7 @@ def load_model_file(path: str | Path) -> RobotModel:
             joint_position_margin=data.number("safety.joint_position_margin", positive=True),
             tracking_error_max=data.number("safety.tracking_error_max", positive=True),
         ),
+        plant=_plant(data),
         sources=data,
     )
 
@@ -294,6 +318,25 @@ _KNOWN_KEYS: Final = frozenset(
         *(f"safety.{level}.{name}" for level in ("normal", "reduced") for name in _SAFETY_LEVEL),
     )
 )
+
+
+def _reach_m(data: DataFile) -> float:
+    """Return the catalogue reach; that of an own arm follows its lengths, unless its file gives one."""
+    lengths = ("arm.a2", "arm.a3", "arm.d5")
+    is_own = [data.source(name).source == OWN_SOURCE for name in (*lengths, "reach_m")]
+    if any(is_own[:3]) and not is_own[3]:
+        a2, a3, d5 = (data.number(name) for name in lengths)
+        return d5 - a2 - a3
+    return data.number("reach_m", positive=True)
+
+
+def _plant(data: DataFile) -> PlantConfig | None:
+    if "plant" not in data.tables:
+        return None
+    try:
+        return PlantConfig.from_table(data.tables["plant"])
+    except UsageError as error:
+        raise UsageError(f"{data.file}: {error}") from None
 
 
 def _arm(data: DataFile) -> Arm:
