@@ -11,6 +11,7 @@ warnings, R are alarms at run time.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, Final, NamedTuple
 
 
@@ -96,6 +97,15 @@ _ROWS: Final = (
 )
 
 CODES: Final[dict[str, Code]] = {row.code: row for row in _ROWS}
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return `; did you mean 'NAME'?` for the name that `word` is most probably a slip of, or an empty text."""
+    # Not at the top: few calls have anything to suggest.
+    from difflib import get_close_matches
+
+    near = get_close_matches(word, sorted(known), n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 class ElitescriptError(Exception):

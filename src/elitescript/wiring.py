@@ -86,7 +86,7 @@ def assemble(
 
     def ended(state: str) -> None:
         on_end(state)
-        controller.task_ended(has_finished=state == "finished")
+        controller.task_ended(state)
 
     host = ScriptHost(
         controller,

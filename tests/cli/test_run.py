@@ -283,7 +283,7 @@ def test_an_emergency_stop_says_what_leads_back(program, capsys):
     assert main(["run", program(DOWN), "--set", "emergency_stop=true"]) == 1
     err = capsys.readouterr().err
     assert "ALARM R141: EmergencyStop: cannot start: the emergency stop is pressed; release it" in err
-    assert "power on and release the brakes (`elitescript run` does both when it starts a program)" in err
+    assert "power on and release the brakes; then start the program again" in err
 
 
 def test_an_open_safeguard_says_that_the_program_is_held(program, capsys):

@@ -106,6 +106,44 @@ def test_ctl_speaks_json(served: Any, place: Path, monkeypatch: Any, capsys: Any
     assert json.loads(text)["result"]["robot_mode"] == "RUNNING"
 
 
+def test_what_becomes_of_a_task_is_printed(place: Path, tmp_path: Path, monkeypatch: Any, capsys: Any) -> None:
+    (tmp_path / "pick.script").write_text("def pick():\n  sleep(0.1)\nend\n", encoding="utf-8")
+    (tmp_path / "bad.script").write_text("def bad():\n  x = [1][5]\nend\n", encoding="utf-8")
+    process = start(place, "--in-process", "--instance", "7", "--task-dir", str(tmp_path))
+    line_with(process, "ready")
+    robot = ("--instance", "7")
+    assert ctl(place, monkeypatch, capsys, *robot, "load", "pick.script") == (0, "Loaded task: pick.script\n")
+    code, text = ctl(place, monkeypatch, capsys, *robot, "play")
+    assert (code, "(`elitescript ctl brakes`)" in text) == (1, True)
+    ctl(place, monkeypatch, capsys, *robot, "brakes")
+    line = ""
+    while "robot_mode = RUNNING" not in line:
+        line = ctl(place, monkeypatch, capsys, *robot, "state")[1]
+    code, text = ctl(place, monkeypatch, capsys, *robot, "play", "--wait")
+    assert (code, text.endswith(" s: finished\n")) == (0, True)
+    ctl(place, monkeypatch, capsys, *robot, "load", "bad.script")
+    code, text = ctl(place, monkeypatch, capsys, *robot, "play", "--wait")
+    assert (code, "alarm R100 in line 2: IndexError" in text) == (1, True)
+    _, out = stop(process)
+    words = re.findall(r"\[(.*?)\] (\S+)", out)
+    assert words == [
+        ("loaded", "pick.script"),
+        ("started", "pick"),
+        ("finished", "pick"),
+        ("loaded", "bad.script"),
+        ("started", "bad"),
+        ("ended by an alarm", "bad"),
+    ]
+
+
+def test_a_second_serve_says_which_robot_ctl_speaks_to(served: Any, place: Path) -> None:
+    second = start(place, "--in-process")
+    line_with(second, "ctl at")
+    second.send_signal(signal.SIGINT)
+    _, err = second.communicate(timeout=20)
+    assert re.search(r"another serve has \S+/serve-0\.sock: .* `elitescript ctl --socket \S+-\d+\.sock`", err)
+
+
 def test_ctl_exits_with_1_when_refused_and_with_2_when_misused(
     served: Any, place: Path, monkeypatch: Any, capsys: Any
 ) -> None:

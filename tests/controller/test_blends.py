@@ -172,7 +172,7 @@ def test_a_move_that_waits_stays_where_it_begins_when_the_one_before_arrives_in_
 def test_a_task_that_ends_by_itself_lets_the_arm_arrive(machine):
     machine.controller.task_started("test")
     machine.until_returned(machine.line(CORNER, r=R))
-    machine.controller.task_ended(has_finished=True)
+    machine.controller.task_ended("finished")
     machine.run(500)
     assert dist(machine.tcp, CORNER[:3]) < 1e-9
 
@@ -189,7 +189,7 @@ def test_a_task_that_is_stopped_brakes_it_at_once(machine):
 def test_a_task_that_ends_in_a_drive_brakes_it(machine):
     machine.controller.task_started("test")
     machine.until_returned(machine.ask(SpeedJ((0.1, 0.0, 0.0, 0.0, 0.0, 0.0), 1.0)))
-    machine.controller.task_ended(has_finished=True)
+    machine.controller.task_ended("finished")
     machine.run(100)
     assert not machine.controller.is_moving
 
@@ -451,7 +451,7 @@ def test_a_task_that_ends_by_itself_lets_a_chain_arrive(machine):
     machine.controller.task_started("test")
     pose = shifted(START, 0.0, 0.05)
     machine.until_returned(machine.ask(MoveP(pose, 1.2, 0.05)))
-    machine.controller.task_ended(has_finished=True)
+    machine.controller.task_ended("finished")
     machine.run(500)
     assert dist(machine.tcp, pose[:3]) < 1e-9
 

@@ -44,14 +44,19 @@ def play(session: Session) -> str:
 
 
 class TestLoading:
-    @pytest.mark.parametrize("path", ["beside.task", "sub/inner.task", "beside"])
+    @pytest.mark.parametrize("path", ["beside.task", "sub/inner.task", "beside", "beside.script"])
     def test_what_is_loaded_is_shown_as_it_was_sent(self, session, path):
         assert load(session, path) == "done"
         assert session.last.snapshot.task.loaded == path
 
     @pytest.mark.parametrize(
         ("path", "why"),
-        [("empty.task", "has no program"), ("no.task", "does not exist"), ("../beside.task", "task folder")],
+        [
+            ("empty.task", "has no program"),
+            ("no.script", "it holds beside.script, broken.script, endless.script, latin.script"),
+            ("no.task", "does not exist"),
+            ("../beside.task", "task folder"),
+        ],
     )
     def test_what_cannot_be_loaded_is_refused_and_nothing_changes(self, session, path, why):
         load(session, "beside.task")
@@ -106,8 +111,7 @@ class TestPlaying:
         session = Session(world=MemoryWorld(FILES))
         load(session, "beside.task")
         assert play(session) == (
-            "refused: the arm cannot move: the arm is switched off; power on and release the brakes; "
-            "`elitescript run` does both when it starts a program"
+            "refused: the arm cannot move: the arm is switched off; power on and release the brakes"
         )
 
     def test_a_stop_of_the_safety_system_is_named(self, session):

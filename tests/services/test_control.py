@@ -15,7 +15,8 @@ from typing import Any
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.messages.enums import RobotMode
+from elitescript.messages.enums import RobotMode, TaskState
+from elitescript.messages.events import Alarm, TaskStateChanged
 from elitescript.messages.inputs import AddFault, ClosePopup, Do
 from elitescript.messages.machine import (
     AskSafety,
@@ -30,7 +31,7 @@ from elitescript.messages.machine import (
 )
 from elitescript.messages.outputs import Reply
 from elitescript.services import control
-from elitescript.services.control import Answers, ControlChannel, address_of, ask, runtime_folder
+from elitescript.services.control import Answers, ControlChannel, Ending, address_of, ask, runtime_folder
 from elitescript.services.control_verbs import VERBS, Order, Request, outcome_text
 from elitescript.worlds.virtual.faults import Fault, fault_of
 from tests.protocol.snapshots import description, output
@@ -330,3 +331,59 @@ def test_a_disturbance_is_an_input_of_the_robot() -> None:
 def test_a_disturbance_that_makes_no_sense_is_refused(arguments: tuple[str, ...], words: str) -> None:
     with pytest.raises(UsageError, match=words):
         disturbed(*arguments)
+
+
+PLAYING = TaskStateChanged(10, TaskState.PLAYING, "pick")
+PAUSED = TaskStateChanged(20, TaskState.PAUSED, "pick")
+ALARM = Alarm(500, "R100", "IndexError", "list index out of range", 3, 5, "main")
+
+
+def ended(how: str) -> TaskStateChanged:
+    return TaskStateChanged(500, TaskState.STOPPED, "pick", how)
+
+
+@pytest.mark.parametrize(
+    ("events", "answer"),
+    [
+        ([PLAYING], None),
+        ([ended("stopped")], None),
+        ([ended("stopped"), PLAYING, ended("finished")], "task pick ended at 2.000 s: finished"),
+        ([PLAYING, PAUSED, PLAYING, ended("stopped")], "task pick ended at 2.000 s: stopped"),
+        ([PLAYING, ALARM, ended("alarm")], "R100 in line 3: IndexError: list index out of range"),
+    ],
+)
+@pytest.mark.parametrize("in_one_output", [True, False])
+def test_play_waits_for_the_end_of_its_own_task(events: list[Any], answer: str | None, in_one_output: bool) -> None:
+    async def test() -> None:
+        ending = Ending()
+        for group in [events] if in_one_output else [[event] for event in events]:
+            is_wanted = ending.take(output(events=tuple(group)))
+            assert is_wanted is not ending.finished.done()
+        if answer is None:
+            assert not ending.finished.done()
+            ending.finished.cancel()
+        else:
+            result = await ending.finished
+            assert result["ok"] is ("R100" not in answer)
+            assert answer in result["text" if result["ok"] else "error"]
+
+    run(test())
+
+
+def test_a_refused_play_does_not_wait() -> None:
+    async def test() -> None:
+        robot = FakeRobot()
+        robot.play_answer = "refused: no task is loaded"
+        async with controlled(robot) as (_, channel):
+            answer = await asyncio.to_thread(ask, Path(channel.address), "play", [], {}, waits=True)
+            assert answer == {"ok": False, "error": "not started: no task is loaded"}
+
+    run(test())
+
+
+def test_stop_says_when_nothing_runs() -> None:
+    async def test() -> None:
+        async with controlled() as (_, channel):
+            assert await order(channel, "stop") == {"ok": True, "text": "no task or program is running"}
+
+    run(test())

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from elitescript.cli import jsonlines
+from elitescript.cli.remedies import with_verbs
 from elitescript.cli.settings import parse_settings
-from elitescript.errors import UsageError
-from elitescript.services.control import address_of, ask
+from elitescript.errors import UsageError, did_you_mean
+from elitescript.services.control import PLAY, address_of, ask
 from elitescript.services.control_verbs import VERBS
 
 REFUSED = 1
@@ -24,7 +25,11 @@ def ctl(options: argparse.Namespace) -> int:
         return 0
     verb = VERBS.get(options.verb)
     if verb is None:
-        raise UsageError(f"there is no verb {options.verb!r}; there are {', '.join(VERBS)}")
+        raise UsageError(
+            f"there is no verb {options.verb!r}{did_you_mean(options.verb, VERBS)}; there are {', '.join(VERBS)}"
+        )
+    if options.wait and verb.name != PLAY:
+        raise UsageError(f"--wait goes with {PLAY}, not with {verb.name}")
     _check_count(verb.usage, verb.argument, options.arguments)
     arguments: list[str] = list(options.arguments)
     values: dict[str, Any] = {}
@@ -34,14 +39,14 @@ def ctl(options: argparse.Namespace) -> int:
             raise UsageError(f"{min(presets)!r} is no signal; `elitescript ctl get` shows names")
         arguments = []
     path = Path(options.socket) if options.socket else address_of(options.instance)
-    answer = ask(path, verb.name, arguments, values)
+    answer = ask(path, verb.name, arguments, values, waits=options.wait)
     if options.json:
         print(jsonlines.line(answer))
     elif answer["ok"]:
         for line in shown(answer):
             print(line)
     else:
-        print(f"elitescript ctl: {answer['error']}", file=sys.stderr)
+        print(f"elitescript ctl: {with_verbs(answer['error'])}", file=sys.stderr)
     return 0 if answer["ok"] else REFUSED
 
 

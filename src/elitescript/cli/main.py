@@ -45,7 +45,7 @@ def _run_here(arguments: list[str]) -> int:
         # Programs speak every language, and pipes on some systems only one.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="backslashreplace")
-    options = _parser().parse_args(arguments)
+    options = _parsed(arguments)
     try:
         return _dispatch(options)
     except UsageError as error:
@@ -124,7 +124,7 @@ def _run_again(arguments: list[str]) -> int:
     if _names_max_wall(arguments):
         from elitescript.cli.watched import run_watched
 
-        options = _parser().parse_args(arguments)
+        options = _parsed(arguments)
         if options.max_wall is not None and 0.0 <= options.max_wall < 1e9:
             return run_watched(command, environment, options.max_wall, is_json=options.json)
     if os.name == "posix":
@@ -137,7 +137,37 @@ def _run_again(arguments: list[str]) -> int:
     return subprocess.run(command, env=environment, check=False).returncode
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parsed(arguments: list[str]) -> argparse.Namespace:
+    """Return the options of a call; a mistake ends the process with the usage of the subcommand it is about."""
+    parser, subparsers = _parser()
+    word = arguments[0] if arguments else ""
+    if word and word[0] != "-" and word not in subparsers.choices:
+        parser.exit(USAGE, f"elitescript: {_no_command(word, list(subparsers.choices))}\n")
+    options, left = parser.parse_known_args(arguments)
+    if left:
+        command = subparsers.choices[options.command]
+        near = _nearest_option(left[0], command)
+        command.error(f"unrecognized arguments: {' '.join(left)}{near}")
+    return options
+
+
+def _no_command(word: str, known: list[str]) -> str:
+    from elitescript.errors import did_you_mean
+
+    if word.endswith(".script"):
+        return f"{word!r} is no command; to run it: elitescript run {word}"
+    return f"{word!r} is no command{did_you_mean(word, known)}; there are {', '.join(known)}"
+
+
+def _nearest_option(word: str, command: argparse.ArgumentParser) -> str:
+    from elitescript.errors import did_you_mean
+
+    known = [text for action in command._actions for text in action.option_strings if text.startswith("--")]
+    return did_you_mean(word.partition("=")[0], known) if word.startswith("--") else ""
+
+
+def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argparse.ArgumentParser]]:
+    """Return the parser of the command line, and its subcommands by name."""
     import argparse
 
     from elitescript import __version__
@@ -252,4 +282,4 @@ def _parser() -> argparse.ArgumentParser:
 
     commands = subparsers.add_parser("commands", help="the catalogue of robot commands")
     commands.add_argument("name", nargs="?", metavar="NAME", help="one command; all if left out")
-    return parser
+    return parser, subparsers

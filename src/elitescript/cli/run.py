@@ -13,7 +13,7 @@ from types import FrameType
 from typing import Any, Final
 
 from elitescript.cli.report import JsonReport, Report, TextReport
-from elitescript.cli.settings import parse_epoch, parse_joints, parse_settings
+from elitescript.cli.settings import check_presets, parse_epoch, parse_joints, parse_settings
 from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import Trace, step_ticks
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
@@ -71,6 +71,7 @@ def run(options: argparse.Namespace) -> int:
     if any(problem.severity is Severity.ERROR for problem in problems):
         return DOES_NOT_COMPILE
     unit = robot.compile(source)
+    check_presets(presets, source.text)
     with ExitStack() as stack:
         trace: bool | Trace = False
         if options.trace is not None:

@@ -16,13 +16,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.cli import jsonlines
 from elitescript.cli.last_resort import last_resort
+from elitescript.cli.remedies import served
 from elitescript.cli.report import JsonReport, Report, TextReport
 from elitescript.cli.settings import parse_joints, parse_settings
 from elitescript.cli.terminal import PatientStream, TaggedStream
 from elitescript.cli.writable import Writable
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.messages.events import Event
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
 from elitescript.services.jail import is_complete
@@ -39,6 +41,8 @@ if TYPE_CHECKING:
     from elitescript.worlds.virtual.world import World
 
 ROBOTS_MAX: Final = 32
+_TASK_WORDS: Final = {TaskState.PLAYING: "started", TaskState.PAUSED: "paused", TaskState.STOPPED: "stopped"}
+
 ALL: Final = "all"
 """Name of every port for `--port`."""
 
@@ -349,6 +353,7 @@ class Log:
         self._held: list[tuple[Station, Event | Note]] | None = []
         """What has happened before all ports were open."""
         self._reports: dict[str, Report] = {}
+        self._task_states: dict[str, TaskState] = {}
         for name in names:
             if is_json:
                 tag = f'{{"robot":{jsonlines.line({"": name})[4:-1]},' if self._are_several else "{"
@@ -375,14 +380,23 @@ class Log:
         robots_text = "; ".join(_ports_text(station) for station in server.stations)
         self._out.write(f"ready on {host}: {robots_text}\n")
         self._out.write(f"ctl at {', '.join(server.control_addresses)}\n")
+        for address, usual in zip(server.control_addresses, server.usual_addresses, strict=True):
+            if address != usual:
+                self._err.write(
+                    f"another serve has {usual}: `elitescript ctl` speaks to that one; "
+                    f"to this robot with `elitescript ctl --socket {address}`\n"
+                )
+        self._err.flush()
         self._out.flush()
 
     def take(self, station: Station, what: Event | Note) -> None:
         """Print an event of a robot, or a note about a client."""
         if self._held is not None:
             self._held.append((station, what))
+        elif isinstance(what, TaskLoaded | TaskStateChanged):
+            self._task(station, what)
         elif not isinstance(what, Note):
-            self._reports[station.name].event(what)
+            self._reports[station.name].event(served(what))
             self._out.flush()
             self._err.flush()
         elif self._is_json:
@@ -395,6 +409,24 @@ class Log:
             stream = self._err if what.is_problem else self._out
             stream.write(f"{tag}{seconds(station.output.tick):10.3f} s  {what.text}\n")
             stream.flush()
+
+    def _task(self, station: Station, event: TaskLoaded | TaskStateChanged) -> None:
+        """Print what became of the task: loaded, started, paused, resumed, finished, stopped, ended by an alarm."""
+        what = "loaded"
+        if isinstance(event, TaskStateChanged):
+            before = self._task_states.get(station.name, TaskState.STOPPED)
+            self._task_states[station.name] = event.state
+            is_resumed = before is TaskState.PAUSED and event.state is TaskState.PLAYING
+            what = "resumed" if is_resumed else event.ending or _TASK_WORDS[event.state]
+        if self._is_json:
+            self._record(
+                {"type": "task", "robot": station.name, "t": seconds(event.tick), "state": what, "name": event.name}
+            )
+            return
+        tag = f"{station.name}: " if self._are_several else ""
+        words = "ended by an alarm" if what == "alarm" else what
+        self._out.write(f"{tag}{seconds(event.tick):10.3f} s  [{words}] {event.name or 'a program without a name'}\n")
+        self._out.flush()
 
     def end(self) -> None:
         """Everything is closed."""

@@ -114,6 +114,9 @@ def add_ctl(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
     ctl.add_argument("--instance", type=int, default=0, metavar="N", help="which robot (default 0)")
     ctl.add_argument("--socket", metavar="PATH", help="which robot, by the address that serve has printed")
     ctl.add_argument("--json", action="store_true", help="print one JSON object")
+    ctl.add_argument(
+        "--wait", action="store_true", help="with play: return when the task has ended; exit code 1 after an alarm"
+    )
     ctl.add_argument("verb", metavar="VERB")
     ctl.add_argument("arguments", nargs="*", metavar="ARGUMENT")
 

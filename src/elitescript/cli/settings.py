@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable
 from math import isfinite
 from typing import Any, Final
 
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import SIGNALS, Value
 
@@ -37,6 +38,18 @@ def parse_settings(texts: list[str], option: str = "--set") -> tuple[dict[str, V
         else:
             raise UsageError(f"{option} {text}: {name!r} is neither a signal nor a name")
     return signals, presets
+
+
+def check_presets(presets: Iterable[str], program: str) -> None:
+    """Refuse a global that looks like a misspelt signal and is in no line of the program.
+
+    Raises:
+        UsageError: there is one; the text names the signal.
+    """
+    for name in presets:
+        near = did_you_mean(name, SIGNALS)
+        if near and name not in program:
+            raise UsageError(f"--set {name}: there is no such signal, and the program has no such global{near}")
 
 
 def parse_joints(text: str) -> Six:

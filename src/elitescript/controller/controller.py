@@ -62,8 +62,8 @@ class Controller:
     """
 
     __slots__ = (
+        "_ending",
         "_epoch_s",
-        "_has_finished",
         "_inbox",
         "_joint_encoders",
         "_model",
@@ -101,7 +101,7 @@ class Controller:
         power_times: PowerTimes = AT_ONCE,
     ) -> None:
         plant = PlantConfig() if plant is None else plant
-        self._has_finished = False
+        self._ending = ""
         self._model = model
         self.arm: Arm = model.arm
         self._places = PlaceFinder(model.arm)
@@ -404,21 +404,26 @@ class Controller:
         self.task.apply("start")
         self.safety.task_started()
 
-    def task_ended(self, *, has_finished: bool = False) -> None:
-        """The program is over: the arm brakes, but goes on to its waypoint after a program that has finished."""
-        self._has_finished = has_finished
+    def task_ended(self, ending: str = "stopped") -> None:
+        """End the task: the arm brakes, but goes on to its waypoint after a program that has finished.
+
+        Args:
+            ending: `finished`, `alarm` or `stopped`.
+        """
+        self._ending = ending
         if self.task.is_running:
             self.task.apply("stop")
 
     def _task_changed(self, before: TaskState, after: TaskState) -> None:
-        self.emit(TaskStateChanged(self._tick, after, self.task.name))
+        ending = self._ending if after is TaskState.STOPPED else ""
+        self.emit(TaskStateChanged(self._tick, after, self.task.name, ending))
         if after is TaskState.PAUSED:
             self.arm_state.pause(self._tick)
         elif before is TaskState.PAUSED:
             self.arm_state.resume(self._tick)
             self.safety.disturb()
         if after is TaskState.STOPPED:
-            self.arm_state.stop(self._tick, arrives=self._has_finished)
+            self.arm_state.stop(self._tick, arrives=ending == "finished")
         if TaskState.STOPPED in (before, after):
             self.signals.set_running(self.task.is_running)
 

@@ -40,7 +40,8 @@ WHY_NOT_READY: Final[dict[RobotMode, str]] = {
     IDLE: "the brakes are engaged",
 }
 
-SWITCH_ON_HINT: Final = "power on and release the brakes; `elitescript run` does both when it starts a program"
+SWITCH_ON: Final = "power on and release the brakes"
+"""What helps when the arm has no power; a front door may add how it is done there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +115,7 @@ class Power:
         """
         why = WHY_NOT_READY.get(OFF if self.is_going_off else self.mode)
         if why is not None:
-            raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint=SWITCH_ON_HINT)
+            raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint=SWITCH_ON)
 
     def go_up(self, goal: RobotMode, tick: int) -> None:
         """Power on, and for the goal `RUNNING` release the brakes, as far as that is not done; steps take their time.

@@ -18,6 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
+from elitescript.controller.modes import SWITCH_ON
 from elitescript.errors import ScriptStateError
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.timing import ticks_for
@@ -134,7 +135,6 @@ TRANSITIONS: Final[dict[tuple[SafetyMode, str], SafetyMode | None]] = {
     (mode, action): after for action, row in _ROWS.items() for mode, after in row.items()
 }
 
-SWITCH_ON: Final = "power on and release the brakes (`elitescript run` does both when it starts a program)"
 """The way back to an arm that may move, after its power has gone off."""
 
 WHAT_TO_DO: Final[dict[SafetyMode, str]] = {

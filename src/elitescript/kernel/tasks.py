@@ -1,8 +1,9 @@
 """The task that is loaded, its configuration, and program variables that are set from outside.
 
 A task `NAME.task` is played by running the program beside it: `NAME.script`, as the pendant writes it, or else
-`NAME.task.script` (*assumed*); its program may also come from a client, see `external_control`. Configurations are
-files of the task folder too, and nothing of them is read (*assumed*).
+`NAME.task.script` (*assumed*); a program `NAME.script` may be loaded by its own name too. The program of a task may
+also come from a client, see `external_control`. Configurations are files of the task folder too, and nothing of them is
+read (*assumed*).
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from elitescript.kernel.programs import PRESETS_MAX, Programs
 from elitescript.language.source import SourceFile
 from elitescript.language.units import MAX_UNIT_BYTES
 from elitescript.messages.enums import TaskState
+from elitescript.messages.events import TaskLoaded
 from elitescript.messages.inputs import ChannelEvent, GetVariable, LoadConfiguration, LoadTask, PlayTask, SetVariable
 from elitescript.messages.machine import ResumeTask
 from elitescript.messages.snapshot import TaskPicture
@@ -29,6 +31,9 @@ from elitescript.runtime.world import Channels, Files, relative_name
 
 VALUE_MAX: Final = 4096
 """Characters of a value that are told."""
+
+_NAMES_SHOWN: Final = 5
+"""Programs of the task folder that a message names."""
 
 
 class Tasks:
@@ -153,6 +158,7 @@ class Tasks:
             self._program_of(path)
         self._abandon("another task was loaded")
         self._loaded, self._picture = path, None
+        self._controller.emit(TaskLoaded(self._controller.tick, path))
         return done()
 
     def _program_of(self, path: str) -> str:
@@ -163,12 +169,20 @@ class Tasks:
         """
         name = relative_name(path)
         stem = name.removesuffix(".task")
-        candidates = (f"{stem}.script", f"{stem}.task.script")
+        candidates = (name,) if name.endswith(".script") else (f"{stem}.script", f"{stem}.task.script")
         for candidate in candidates:
             if self._files.kind(candidate) == "file":
                 return candidate
         what = "has no program" if self._files.kind(name) == "file" else "does not exist"
-        raise FileNotFoundError(2, f"the task {what}: neither {' nor '.join(candidates)} is in the task folder", path)
+        missing = f"neither {' nor '.join(candidates)} is" if len(candidates) > 1 else f"{candidates[0]} is not"
+        raise FileNotFoundError(2, f"the task {what}: {missing} in the task folder{self._tasks_there()}", path)
+
+    def _tasks_there(self) -> str:
+        """Return what a message adds about the programs that the task folder holds; empty if there are none."""
+        names = [name for name in self._files.names("") if name.endswith(".script")]
+        shown = ", ".join(names[:_NAMES_SHOWN])
+        more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
+        return f"; it holds {shown}{more}" if names else ""
 
     def _load_configuration(self, path: str) -> str:
         if self._files.kind(relative_name(path)) != "file":
@@ -200,7 +214,9 @@ class Tasks:
 
     def _start(self, name: str, data: bytes) -> str:
         unit = self._programs.compiled(name, SourceFile.from_bytes(name, data).text, None)
-        self._programs.start(unit, unit.name or relative_name(self._loaded).removesuffix(".task"))
+        self._programs.start(
+            unit, unit.name or relative_name(self._loaded).removesuffix(".task").removesuffix(".script")
+        )
         return done()
 
     def _start_fetched(self, fetch: Fetch) -> str:

@@ -174,6 +174,16 @@ class TaskStateChanged:
     tick: int
     state: TaskState
     name: str
+    ending: str = ""
+    """How it ended: `finished`, `alarm` or `stopped`; empty while it runs."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaskLoaded:
+    """A task of the task folder was loaded, to be played next."""
+
+    tick: int
+    name: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,6 +237,7 @@ Event = (
     | TrackingStarted
     | TrackingEnded
     | TaskStateChanged
+    | TaskLoaded
     | RobotModeChanged
     | SafetyModeChanged
     | LineMarked

@@ -14,7 +14,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Final, NamedTuple
 
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 
 Value = bool | int | float
 
@@ -94,7 +94,8 @@ def parse_signal_name(text: str) -> tuple[Signal, int]:
     name, bracket, rest = text.strip().partition("[")
     signal = SIGNALS.get(name.strip())
     if signal is None:
-        raise UsageError(f"no signal is called {name.strip()!r}; there are {', '.join(SIGNALS)}")
+        near = did_you_mean(name.strip(), SIGNALS)
+        raise UsageError(f"no signal is called {name.strip()!r}{near or '; there are ' + ', '.join(SIGNALS)}")
     if not bracket:
         if signal.size > 1:
             raise UsageError(f"{name} needs an index: {name}[0] to {name}[{signal.size - 1}]")

@@ -17,7 +17,7 @@ from math import isfinite, radians
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.kinematics.arm import JointVector
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
@@ -126,7 +126,7 @@ class DataFile:
     def refuse_other_keys(self, known: frozenset[str]) -> None:
         """Raise UsageError when there is an entry that no reader knows, which is a misspelt key."""
         for key in self._entries.keys() - known:
-            raise UsageError(f"{self._entries[key].file}: {key}: unknown key{_did_you_mean(key, known)}")
+            raise UsageError(f"{self._entries[key].file}: {key}: unknown key{did_you_mean(key, known)}")
 
     def source(self, key: str) -> Source:
         """Return the source of an entry.
@@ -136,7 +136,7 @@ class DataFile:
         """
         entry = self._entries.get(key)
         if entry is None:
-            raise UsageError(f"{self.name} has no number {key!r}{_did_you_mean(key, self._entries)}")
+            raise UsageError(f"{self.name} has no number {key!r}{did_you_mean(key, self._entries)}")
         tag = self._tags[entry.source]
         return Source(entry.source, tag["evidence"], entry.why, tag["about"], tag["date"], tag["trust"])
 
@@ -182,7 +182,7 @@ class DataFile:
         in_degrees = name != key
         if name not in known or (in_degrees and name not in ANGLES):
             angles = {f"{angle}_deg" for angle in ANGLES}
-            raise UsageError(f"{self.file}: {key}: unknown key{_did_you_mean(key, known | angles)}")
+            raise UsageError(f"{self.file}: {key}: unknown key{did_you_mean(key, known | angles)}")
         if name in self._entries and self._entries[name].source == OWN_SOURCE:
             raise UsageError(f"{self.file}: {key}: given twice, in rad and in degrees")
         self._entries[name] = Entry(self.file, raw, in_degrees, OWN_SOURCE, "")
@@ -219,7 +219,7 @@ class DataFile:
             if source is None:
                 raise UsageError(f"{file}: {key}: no source; say where the number comes from")
             if source not in self._tags:
-                raise UsageError(f"{file}: {key}: unknown source {source!r}{_did_you_mean(str(source), self._tags)}")
+                raise UsageError(f"{file}: {key}: unknown source {source!r}{did_you_mean(str(source), self._tags)}")
             raw = item["deg"] if in_degrees else item["value"]
             self._entries[key] = Entry(file, raw, in_degrees, source, item.get("why", ""))
 
@@ -243,7 +243,7 @@ def known_path(name: str) -> Path:
         return path
     names = known_names()
     raise UsageError(
-        f"there is no robot model {name!r}{_did_you_mean(name.upper(), names)} (models: {', '.join(names)})"
+        f"there is no robot model {name!r}{did_you_mean(name.upper(), names)} (models: {', '.join(names)})"
     )
 
 
@@ -325,10 +325,3 @@ def _text(file: str, key: str, value: Any) -> str:
     if not isinstance(value, str) or not value:
         raise UsageError(f"{file}: {key}: needs a text, has {value!r}")
     return value
-
-
-def _did_you_mean(word: str, known: Any) -> str:
-    import difflib
-
-    close = difflib.get_close_matches(word, list(known), n=1)
-    return f"; did you mean {close[0]!r}?" if close else ""

@@ -5,7 +5,8 @@ only the user can enter; elsewhere a TCP port of this computer, whose number and
 
 A request is `{"verb": …, "arguments": […], "values": {…}}` (on TCP also `"token"`), its answer
 `{"ok": true, "text": …, "result": {…}}` or `{"ok": false, "error": …}`. Requests of one connection are answered in
-their order; an order is answered when the robot has done or refused it.
+their order; an order is answered when the robot has done or refused it, `play` with `"wait": true` when the task has
+ended.
 """
 
 from __future__ import annotations
@@ -21,8 +22,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.errors import UsageError
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import Alarm, TaskStateChanged
 from elitescript.messages.outputs import Output
-from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.timing import PERIOD_S, seconds
 from elitescript.services.control_verbs import VERBS, Request, Verb, outcome_text
 from elitescript.services.station import Station
 
@@ -31,6 +34,8 @@ ANSWER_TIMEOUT_S: Final = 6.0
 """For a tick; in lockstep time may stand still."""
 REPLY_TICKS: Final = 1000
 """Within which the robot answers an order."""
+PLAY: Final = "play"
+"""The verb that can wait for what it has started."""
 _HAS_UNIX: Final = hasattr(asyncio, "start_unix_server")
 
 
@@ -75,7 +80,7 @@ class ControlChannel:
         self._server: asyncio.Server | None = None
         self._token = ""
         self._count = 0
-        self._expected: set[asyncio.Future[None]] = set()
+        self._expected: set[asyncio.Future[Any]] = set()
         self._writers: set[asyncio.StreamWriter] = set()
 
     @property
@@ -145,9 +150,24 @@ class ControlChannel:
             station = self._station
             picture, description = station.output.snapshot, station.link.description
             request = Request(origin, tuple(map(str, arguments)), values, picture, description, station.world)
+            if asked.get("wait") is True and verb.name == PLAY:
+                return await self._play_to_the_end(verb, request)
             return await self._carry_out(verb, request)
         except (UsageError, json.JSONDecodeError, UnicodeDecodeError) as error:
             return {"ok": False, "error": str(error)}
+
+    async def _play_to_the_end(self, verb: Verb, request: Request) -> dict[str, Any]:
+        ending = Ending()
+        self._station.follow(ending.take)
+        self._expected.add(ending.finished)
+        try:
+            answer = await self._carry_out(verb, request)
+            if not answer["ok"]:
+                return answer
+            return await ending.finished
+        finally:
+            ending.finished.cancel()
+            self._expected.discard(ending.finished)
 
     async def _carry_out(self, verb: Verb, request: Request) -> dict[str, Any]:
         station = self._station
@@ -213,6 +233,42 @@ class Answers:
         return not self.finished.done()
 
 
+class Ending:
+    """Waits for the end of the task that runs next, or goes on next.
+
+    Attributes:
+        finished: done at that end, with the answer to `play`.
+    """
+
+    __slots__ = ("_alarm", "_has_begun", "finished")
+
+    def __init__(self) -> None:
+        self._has_begun = False
+        self._alarm = ""
+        self.finished: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
+
+    def take(self, output: Output) -> bool:
+        """Look at an output; return whether the next one is wanted too."""
+        for event in output.events:
+            if self.finished.done():
+                break
+            if isinstance(event, Alarm):
+                self._alarm = f"{event.code} in line {event.line}: {event.class_name}: {event.text}"
+            elif isinstance(event, TaskStateChanged):
+                self._task_changed(event)
+        return not self.finished.done()
+
+    def _task_changed(self, event: TaskStateChanged) -> None:
+        if event.state is not TaskState.STOPPED:
+            self._has_begun = True
+        elif self._has_begun:
+            text = f"task {event.name} ended at {seconds(event.tick):.3f} s: {event.ending}"
+            if event.ending == "alarm":
+                self.finished.set_result({"ok": False, "error": f"{text} {self._alarm}".strip(), "ending": "alarm"})
+            else:
+                self.finished.set_result({"ok": True, "text": text, "ending": event.ending})
+
+
 def _clients(station: Station) -> dict[str, Any]:
     return {
         name: {
@@ -226,8 +282,15 @@ def _clients(station: Station) -> dict[str, Any]:
     } | {"script_sockets": {"clients": station.broker.count}}
 
 
-def ask(path: Path, verb: str, arguments: list[str], values: dict[str, Any]) -> dict[str, Any]:
+def ask(path: Path, verb: str, arguments: list[str], values: dict[str, Any], *, waits: bool = False) -> dict[str, Any]:
     """Ask a served robot; for processes that have no event loop.
+
+    Args:
+        path: its address.
+        verb: a row of `VERBS`.
+        arguments: of the verb.
+        values: of `set`, by name.
+        waits: for the end of the task that `play` starts.
 
     Raises:
         UsageError: nobody is there.
@@ -235,7 +298,7 @@ def ask(path: Path, verb: str, arguments: list[str], values: dict[str, Any]) -> 
 
     async def exchange() -> dict[str, Any]:
         reader, writer, token = await _connect(path)
-        record = {"verb": verb, "arguments": arguments, "values": values}
+        record = {"verb": verb, "arguments": arguments, "values": values, "wait": waits}
         writer.write(json.dumps({**record, "token": token} if token else record).encode() + b"\n")
         line = await reader.readline()
         writer.close()

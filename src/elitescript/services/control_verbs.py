@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from elitescript.controller.signal_view import signal_write
 from elitescript.errors import UsageError
+from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import AddFault, Do, Input, PlayTask
 from elitescript.messages.machine import (
     AskSafety,
@@ -161,6 +162,12 @@ def _power(request: Request) -> Order:
     return Order((Do(request.origin, PowerOn() if word == "on" else PowerOff()),), f"powering {word}")
 
 
+def _stop(request: Request) -> Order:
+    """Stop the task; one whose program is on its way from a client does not start."""
+    is_running = request.snapshot.robot.task_state is not TaskState.STOPPED
+    return Order((Do(request.origin, StopTask()),), "task stopped" if is_running else "no task or program is running")
+
+
 def _play(request: Request) -> Order:
     return Order((PlayTask(request.origin),), "task started", "not started")
 
@@ -279,11 +286,11 @@ _ROWS: Final = (
     Verb(
         "brakes", "", "Release the brakes; power on first, if need be.", _ask(ReleaseBrakes(), "releasing the brakes")
     ),
-    Verb("load", "TASK", "Load a task of the task folder.", _load),
-    Verb("play", "", "Start the loaded task, or go on with a paused one.", _play),
+    Verb("load", "TASK", "Load a task of the task folder, such as pick.task or pick.script.", _load),
+    Verb("play", "", "Start the loaded task, or go on with a paused one; --wait returns when it has ended.", _play),
     Verb("pause", "", "Pause the task.", _ask(PauseTask(), "task paused")),
     Verb("resume", "", "Go on with a paused task or program.", _ask(ResumeTask(), "task resumed")),
-    Verb("stop", "", "Stop the task or program.", _ask(StopTask(), "task stopped")),
+    Verb("stop", "", "Stop the task or program.", _stop),
     Verb("popup", "confirm", "Confirm the message window that is open.", _popup),
     Verb("speed", "0..1", "Speed slider as a fraction.", _speed),
     Verb("remote", "", "Switch to remote control.", _control("on")),

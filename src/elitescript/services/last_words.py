@@ -44,7 +44,7 @@ def last_words(
     events: list[Event] = []
     if begun is not None:
         if is_running:
-            events.append(TaskStateChanged(tick, TaskState.STOPPED, running))
+            events.append(TaskStateChanged(tick, TaskState.STOPPED, running, "stopped"))
         events.append(TaskStateChanged(tick, TaskState.PLAYING, begun))
         running, is_running = begun, True
     line = where[1] if where else 0
@@ -54,7 +54,7 @@ def last_words(
     text = f"the controller was restarted: {reason}"
     events.append(Alarm(tick, "R132", "ControllerRestarted", text, line, 0, "", "", details))
     if is_running:
-        events.append(TaskStateChanged(tick, TaskState.STOPPED, running))
+        events.append(TaskStateChanged(tick, TaskState.STOPPED, running, "alarm"))
     return tuple(events)
 
 

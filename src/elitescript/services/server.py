@@ -8,7 +8,7 @@ import gc
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from elitescript.services.control import ControlChannel
+from elitescript.services.control import ControlChannel, address_of
 from elitescript.services.station import Station
 
 LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1", "ip6-localhost"})
@@ -77,6 +77,11 @@ class Server:
     def control_addresses(self) -> tuple[str, ...]:
         """Where `ctl` finds each robot."""
         return tuple(control.address for control in self._controls)
+
+    @property
+    def usual_addresses(self) -> tuple[str, ...]:
+        """Where `ctl` looks for each robot by its instance."""
+        return tuple(str(address_of(self._instance + index)) for index in range(len(self._controls)))
 
     async def run(self, stop: asyncio.Event) -> None:
         """Serve until `stop` is set.

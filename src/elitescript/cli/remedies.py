@@ -1,0 +1,39 @@
+"""What helps against a refusal, in the words of `elitescript ctl`: for people beside a served robot."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from elitescript.controller.modes import SWITCH_ON
+from elitescript.messages.events import Alarm, Event, Warned
+
+VERBS_OF: Final = {
+    SWITCH_ON: "brakes",
+    "(signal emergency_stop to False)": "release",
+    "(unlock_protective_stop)": "unlock",
+    "(restart_safety)": "restart",
+}
+"""What the machine says, and the verb of `ctl` that does it."""
+
+
+def with_verbs(text: str) -> str:
+    """Return a text of the machine with the call of `ctl` behind each thing to do."""
+    for words, verb in VERBS_OF.items():
+        how = f"(`elitescript ctl {verb}`)"
+        text = text.replace(words, how if words.startswith("(") else f"{words} {how}")
+    return text
+
+
+def served(event: Event) -> Event:
+    """Return an event of a served robot as it is shown: what it advises names the verbs of `ctl`."""
+    if isinstance(event, Warned):
+        return replace(event, text=with_verbs(event.text), hint=with_verbs(event.hint))
+    if isinstance(event, Alarm):
+        details = dict(event.details)
+        if "hint" in details:
+            details["hint"] = with_verbs(str(details["hint"]))
+        if "hints" in details:
+            details["hints"] = [with_verbs(str(hint)) for hint in details["hints"]]
+        return replace(event, text=with_verbs(event.text), details=details)
+    return event

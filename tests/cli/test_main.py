@@ -1,0 +1,57 @@
+"""Calls that make no sense: each is answered with what was probably meant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from elitescript.cli.main import main
+from elitescript.cli.remedies import with_verbs
+
+PROGRAM = "global speed\nspeed = 1\n"
+
+
+def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    with pytest.raises(SystemExit) as left:
+        main(list(words))
+    assert left.value.code == 2
+    return capsys.readouterr().err
+
+
+def test_a_program_in_the_place_of_a_command_is_to_be_run(capsys: pytest.CaptureFixture[str]) -> None:
+    err = refused(capsys, "cell.script", "--until", "5")
+    assert err == "elitescript: 'cell.script' is no command; to run it: elitescript run cell.script\n"
+
+
+def test_a_misspelt_command_is_answered_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+    assert refused(capsys, "chek").startswith("elitescript: 'chek' is no command; did you mean 'check'?")
+
+
+def test_a_misspelt_option_is_answered_with_the_usage_of_its_command(capsys: pytest.CaptureFixture[str]) -> None:
+    err = refused(capsys, "run", "cell.script", "--wrld", "cell.toml")
+    assert err.startswith("usage: elitescript run ")
+    assert "unrecognized arguments: --wrld cell.toml; did you mean '--world'?" in err
+
+
+def test_a_misspelt_signal_is_answered_with_the_nearest(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program = tmp_path / "cell.script"
+    program.write_text(PROGRAM, encoding="utf-8")
+    for setting in ("standard_digtal_in[3]=true", "tool_anlog_in=3"):
+        assert main(["run", str(program), "--set", setting]) == 2
+        assert "did you mean 'standard_digital_in'?" in (err := capsys.readouterr().err) or "'tool_analog_in'?" in err
+    assert main(["run", str(program), "--set", "speed=3"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("power on and release the brakes", "power on and release the brakes (`elitescript ctl brakes`)"),
+        ("release it (signal emergency_stop to False), then", "release it (`elitescript ctl release`), then"),
+        ("then unlock it (unlock_protective_stop), from", "then unlock it (`elitescript ctl unlock`), from"),
+        ("restart the safety system (restart_safety)", "restart the safety system (`elitescript ctl restart`)"),
+        ("no task is loaded", "no task is loaded"),
+    ],
+)
+def test_advice_for_a_served_robot_names_the_verb_of_ctl(text: str, shown: str) -> None:
+    assert with_verbs(text) == shown
