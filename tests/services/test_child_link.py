@@ -162,7 +162,7 @@ class TestLink:
             assert isinstance(alarm, Alarm)
             assert (alarm.code, alarm.line, alarm.details["program"]) == ("R132", 12, "<primary#1>")
             assert "0.80 s" in alarm.text
-            assert stopped == TaskStateChanged(reported.tick, TaskState.STOPPED, "")
+            assert stopped == TaskStateChanged(reported.tick, TaskState.STOPPED, "", "alarm")
             after = await link.tick(())
             assert after.snapshot.robot.tick == after.tick == reported.tick + 1
             _, inputs = next((letter, data) for letter, data in children[1].told if letter == frames.TICK)
