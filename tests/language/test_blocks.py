@@ -130,7 +130,7 @@ def test_a_secondary_program_by_itself():
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("def a():\nif True:\ntextmsg(1)\nend\nend\n", ["E001 2", "E001 3"]),
+        ("def a():\nif True:\n  textmsg(1)\nend\nend\n", ["E001 2"]),
         ("def a():\n  x = 1\n    y = 2\n    z = 3\n  w = 4\nend", ["E001 3"]),
         ("def a():\n    x = 1\n   y = 2\n    z = 3\nend", ["E001 3"]),
         ("def a():\n    while x:\n        f()\n      g()\n      h()\n    i()\nend", ["E001 4"]),

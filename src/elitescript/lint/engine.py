@@ -16,7 +16,7 @@ from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
 
 _ANY_SYNTAX = "E001"
-_BESIDE_SYNTAX = ("E107", "E115")
+_BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")
 """Errors in lines that could be read: they are about something else than a syntax error there."""
 
 
