@@ -29,6 +29,7 @@ from elitescript.lint.registry import Finding, rule
 def missing_return(program: Program) -> Iterator[Finding]:
     """Report each such function at its name."""
     flow = Flow(program)
+    calls = _calls_by_name(program)
     for scope in program.symbols.scopes:
         function = scope.node
         if not isinstance(function, ast.FunctionDef) or scope.kind != "function" or function.decorator_list:
@@ -38,7 +39,7 @@ def missing_return(program: Program) -> Iterator[Finding]:
             continue
         if not flow.reaches_end(function.body):
             continue
-        used = _line_of_use(scope, program)
+        used = _line_of_use(scope, calls.get(scope.name, []), program)
         if used:
             first = min(node.lineno for node in returns)
             yield Finding(
@@ -57,19 +58,25 @@ def _is_none(node: ast.AST | None) -> bool:
     return isinstance(node, ast.Constant) and node.value is None
 
 
-def _line_of_use(function: Scope, program: Program) -> int:
-    """The first line that cannot do with `None` for the value; 0 if there is none, or if some caller expects it."""
-    lines = []
+def _calls_by_name(program: Program) -> dict[str, list[tuple[ast.Call, Scope]]]:
+    calls: dict[str, list[tuple[ast.Call, Scope]]] = {}
     for scope in program.symbols.scopes:
         for call in scope.calls:
-            if not isinstance(call.func, ast.Name) or call.func.id != function.name:
-                continue
-            if function not in program.symbols.definitions(call.func.id, scope):
-                continue
-            uses = list(_uses(call, scope, program))
-            if any(_asks_for_none(use, program) for use in uses):
-                return 0
-            lines += [call.lineno for use in uses if not _takes_none(use, program)]
+            if isinstance(call.func, ast.Name):
+                calls.setdefault(call.func.id, []).append((call, scope))
+    return calls
+
+
+def _line_of_use(function: Scope, calls: list[tuple[ast.Call, Scope]], program: Program) -> int:
+    """The first line that cannot do with `None` for the value; 0 if there is none, or if some caller expects it."""
+    lines = []
+    for call, scope in calls:
+        if function not in program.symbols.definitions(function.name, scope):
+            continue
+        uses = list(_uses(call, scope, program))
+        if any(_asks_for_none(use, program) for use in uses):
+            return 0
+        lines += [call.lineno for use in uses if not _takes_none(use, program)]
     return min(lines, default=0)
 
 

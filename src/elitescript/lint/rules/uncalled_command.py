@@ -55,7 +55,7 @@ def _functions(program: Program) -> Iterator[Finding]:
             yield _finding(program, use.node, "function", needs_arguments=use.name not in _WITHOUT_ARGUMENTS)
 
 
-_BUILTINS = frozenset(("exit", "input", "print", "quit"))
+_BUILTINS = frozenset(("exit", "input", "quit"))
 _WITHOUT_ARGUMENTS = frozenset(("exit", "quit"))
 
 
