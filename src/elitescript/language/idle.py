@@ -74,9 +74,7 @@ def _does_nothing(statement: ast.stmt, has_effect: Callable[[ast.expr], bool]) -
 
 def _beginning(functions: list[ast.FunctionDef]) -> tuple[ast.FunctionDef, bool]:
     """The function that was probably meant to run, and whether only it can be, as others use the rest."""
-    used = {
-        node.id for function in functions for node in ast.walk(function) if isinstance(node, ast.Name)
-    }
+    used = {node.id for function in functions for node in ast.walk(function) if isinstance(node, ast.Name)}
     roots = [function for function in functions if function.name not in used and _runs_without_arguments(function)]
     return (roots or functions)[-1], len(roots) == 1
 

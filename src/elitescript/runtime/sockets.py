@@ -141,8 +141,8 @@ class Sockets:
     def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
         """Read what a rule finds, waiting for it as long as the connection stands.
 
-        A secondary program does not wait; that it went on without its data is said once. A read that fails because the connection does not stand takes one tick, so
-        that a loop around it lets time go by (*assumed*).
+        A secondary program does not wait; that it went on without its data is said once. A read that fails because
+        the connection does not stand takes one tick, so that a loop around it lets time go by (*assumed*).
 
         Args:
             name: of the connection.

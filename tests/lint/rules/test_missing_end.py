@@ -48,7 +48,8 @@ def test_the_outermost_end_counts_where_those_inside_are_there():
 
 
 def test_the_message_names_block_line_and_where_it_ends():
-    text = "def job():\n  if get_flag(0):\n    sync()\n  end\n  while get_flag(1):\n    sync()\n  # done\n  sleep(1)\nend\n"
+    loop = "  while get_flag(1):\n    sync()\n  # done\n  sleep(1)\n"
+    text = f"def job():\n  if get_flag(0):\n    sync()\n  end\n{loop}end\n"
     problem = only(text)
     assert problem.text == (
         "the `while` of line 5 has no `end`, and another block has its own: by its indentation it ends after line 6"

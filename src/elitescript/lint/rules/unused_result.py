@@ -27,6 +27,7 @@ def unused_result(program: Program) -> Iterator[Finding]:
     """Report each such statement."""
     if program.parsed.options.kind == LINE:
         return
+    has_classes = bool(program.nodes(ast.ClassDef))
     for statement in program.nodes(ast.Expr):
         value = statement.value
         if is_tried(statement, program):
@@ -35,8 +36,8 @@ def unused_result(program: Program) -> Iterator[Finding]:
             name = ast.unparse(value.func)
             text = f"`{name}` only gives a value, and this line does not use it"
             yield Finding(value.func, text, f"write x = {name}(...), or remove the line")
-        elif isinstance(value, (ast.BinOp, ast.UnaryOp)) and not has_effect(value, program):
-            if not any(program.nodes(ast.ClassDef)):
-                text = "the result of this calculation is not used"
-                hint = "give it to a variable; a line that goes on with the one above needs brackets around both"
-                yield Finding(value, text, hint)
+        elif isinstance(value, (ast.BinOp, ast.UnaryOp)) and not has_classes and not has_effect(value, program):
+            # Classes may give operators a meaning of their own.
+            text = "the result of this calculation is not used"
+            hint = "give it to a variable; a line that goes on with the one above needs brackets around both"
+            yield Finding(value, text, hint)
