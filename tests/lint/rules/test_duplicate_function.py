@@ -11,6 +11,7 @@ GRIP = ("def grip():", "  sync()", "end")
     ("lines", "expected"),
     [
         ((*GRIP, *GRIP, "grip()"), ["W217 5:7"]),
+        (("$ LINE: (1, 'grip')", *GRIP, "def grip():", "  sleep(1)", "end", "grip()"), ["W217 6:7"]),
         ((*GRIP, "n = 1", *GRIP, "grip()"), ["W217 6:7"]),
         ((*GRIP, *GRIP, *GRIP, "grip()"), ["W217 5:7", "W217 8:7"]),
         (("class A:", "  def f(self):", "    sync()", "  def f(self):", "    sync()", "A()"), ["W217 5:9"]),
@@ -25,6 +26,7 @@ def test_a_later_definition_in_the_same_block_is_found(lines, expected):
     "lines",
     [
         (*GRIP, "grip()", *GRIP, "grip()"),
+        ("$ LINE: (1, 'grip')", *GRIP, *GRIP, "grip()"),
         (*GRIP, "old = grip", *GRIP, "old()", "grip()"),
         (*GRIP, "textmsg(1)", *GRIP, "grip()"),
         ("if get_flag(0):", "  def f():", "    sync()", "else:", "  def f():", "    sleep(1)", "f()"),

@@ -27,6 +27,7 @@ def test_the_block_without_its_end_is_found_at_its_header(lines, line):
     [
         ("if get_flag(0):", "  sync()", "while get_flag(1):", "  sync()"),
         (*CLOSED, "if get_flag(1): sync()"),
+        ("$ LINE: (1, 'loop')", *CLOSED, "while get_flag(1):", "  sync()"),
         (*CLOSED, "while get_flag(1): sync()", "sleep(1)"),
         (*CLOSED, "def f():", "  sync()", "f()"),
         (*CLOSED, "class A:", "  def f(self):", "    sync()"),
@@ -39,6 +40,17 @@ def test_the_block_without_its_end_is_found_at_its_header(lines, line):
 )
 def test_texts_in_the_way_of_python_and_blocks_that_need_no_end_are_left_alone(lines):
     assert [finding for finding in body(*lines) if "W216" in finding] == []
+
+
+@pytest.mark.parametrize(("closed", "opened", "expected"), [(1, 1, 1), (3, 2, 0), (5, 2, 0), (6, 2, 2), (9, 3, 3)])
+def test_a_text_that_mixes_both_ways_of_writing_is_left_alone(closed, opened, expected):
+    lines = [*CLOSED * closed, *("while get_flag(1):", "  sync()") * opened]
+    assert len(body(*lines)) == expected
+
+
+def test_functions_of_a_script_are_compared_with_each_other():
+    text = "def a():\n  sync()\nend\ndef b():\n  sync()\ndef c():\n  sync()\nend\na()\nb()\nc()\n"
+    assert found(text) == ["W216 4:1"]
 
 
 def test_the_outermost_end_counts_where_those_inside_are_there():

@@ -3,7 +3,8 @@
 Indentation alone decides where a block ends, so the program runs; but where most blocks are closed, one that is
 not is usually a slip, and the lines behind it may belong somewhere else than it seems. Functions are compared
 with functions, loops and branches with loops and branches; blocks in one line (`if done: return`) need no `end`,
-and texts that close no block but their outermost one are written in Python's way and left alone.
+and texts that close no block but their outermost one, or only every other one, are written in Python's way and
+left alone. So are texts with line marks: the pendant has written them, together with its plug-ins.
 
     def job():
       if get_flag(0):
@@ -28,7 +29,7 @@ from elitescript.lint.registry import Finding, Span, rule
 @rule(code="W216", since="0.2", needs_all_lines=True, is_structural=True)
 def missing_end(program: Program) -> Iterator[Finding]:
     """Report each such block at its header."""
-    if program.parsed.options.kind == LINE:
+    if program.parsed.options.kind == LINE or program.parsed.has_line_marks:
         return
     groups: dict[str, list[BlockEnd]] = {}
     for block in program.parsed.translation.ends:
@@ -36,14 +37,17 @@ def missing_end(program: Program) -> Iterator[Finding]:
     inner_ends = sum(block.has_end for group, blocks in groups.items() if group != _OUTERMOST for block in blocks)
     for group, blocks in groups.items():
         open_blocks = [block for block in blocks if not block.has_end]
-        closed = inner_ends if group == _OUTERMOST else len(blocks) - len(open_blocks)
-        if not group or not closed or len(open_blocks) > closed:
+        closed = len(blocks) - len(open_blocks) + (inner_ends if group == _OUTERMOST else 0)
+        if not group or not closed or len(open_blocks) > max(1, closed // _CLOSED_FOR_EACH_OPEN):
             continue
         for block in open_blocks:
             yield _finding(program, block, closed)
 
 
 _OUTERMOST = "outermost"
+_CLOSED_FOR_EACH_OPEN = 3
+"""Closed blocks for each open one beyond the first; a text with fewer mixes two ways of writing."""
+
 
 
 def _group(block: BlockEnd) -> str:
