@@ -39,7 +39,9 @@ def idle_problem(parsed: Parsed, has_effect: Callable[[ast.expr], bool]) -> Diag
         names = [f"`{function.name}`" for function in functions]
         listed = ", ".join(names) if len(names) <= _MOST_NAMES else f"{', '.join(names[:_MOST_NAMES])}, ..."
         text = f"nothing runs: the text only defines {len(names)} functions ({listed}), and no line calls one"
-        hint = "call {call} at the end, or put the other functions into the `def` of that one"
+        hint = "call what is to run at the end, as in {call}"
+        if is_certain:
+            hint = "call {call} at the end, or put the other functions into the `def` of that one"
     call = f"{first.name}()" if _runs_without_arguments(first) else f"{first.name}(...)"
     row = parsed.source.line(first.lineno)
     column = row.find(first.name, character_offset(row, first.col_offset) + len("def")) + 1

@@ -37,7 +37,7 @@ def only_gives_a_value(command: Command) -> bool:
     return module in _PURE_FAMILIES or command.name in _ALSO_READING or command.name.startswith(_READING)
 
 
-def is_pure_call(call: ast.Call, program: Program) -> bool:
+def _is_pure_call(call: ast.Call, program: Program) -> bool:
     """Whether a call only gives a value, whatever its arguments do: a reading command, `math.sin`, `len`."""
     function = call.func
     if isinstance(function, ast.Attribute):
@@ -60,7 +60,7 @@ def has_effect(root: ast.expr, program: Program) -> bool:
         node = stack.pop()
         if isinstance(node, (ast.Yield, ast.YieldFrom, ast.Await, ast.NamedExpr)):
             return True
-        if isinstance(node, ast.Call) and not is_pure_call(node, program):
+        if isinstance(node, ast.Call) and not _is_pure_call(node, program):
             return True
         if not isinstance(node, ast.Lambda):
             stack.extend(ast.iter_child_nodes(node))

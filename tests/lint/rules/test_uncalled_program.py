@@ -50,6 +50,11 @@ def test_of_several_functions_the_one_that_nothing_calls_is_to_be_called():
     assert repaired(text) == text[:-1] + "\nb()\n"
 
 
+def test_of_several_that_nothing_calls_the_last_one_is_an_example():
+    problem = only("def a():\n  sync()\nend\ndef b():\n  sync()\nend\n")
+    assert (problem.line, problem.hint, problem.fix) == (4, "call what is to run at the end, as in b()", None)
+
+
 def test_a_strict_check_takes_it_for_an_error():
     text = "def a():\n  sync()\nend\ndef b():\n  a()\nend\n"
     assert [problem.is_error for problem in problems(text)] == [False]

@@ -37,6 +37,7 @@ def test_values_that_nothing_uses_are_found(lines, expected):
         ("n = []", "try:", "  n[0]", "except IndexError:", "  sync()"),
         ("try:", "  n", "except NameError:", "  n = 1"),
         ("n = {}", "n.clear()"),
+        ("class A:", "  @property", "  def go(self):", "    sync()", "a = A()", "a.go"),
         ("class Log:", "  def __lt__(self, text):", "    textmsg(text)", "log1 = Log()", "log1 < 'a'"),
     ],
     ids=str,

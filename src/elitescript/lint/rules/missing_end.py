@@ -49,7 +49,6 @@ _CLOSED_FOR_EACH_OPEN = 3
 """Closed blocks for each open one beyond the first; a text with fewer mixes two ways of writing."""
 
 
-
 def _group(block: BlockEnd) -> str:
     """What a block is compared with; empty for what needs no `end`."""
     if block.word in ("", "case", "async"):

@@ -2,7 +2,7 @@
 
 Commands that read or compute (`get_...()`, `pose_trans(...)`, `str_cat(...)`) change nothing, neither their
 arguments nor the robot; so do `len`, `sorted` and the functions of `math`. A sum alone on its line is often the
-rest of a line above that was broken without brackets.
+rest of a line above that was broken without brackets. Where an argument does something, the call is left alone.
 
     def job():
       target = get_actual_tcp_pose()
@@ -17,7 +17,7 @@ import ast
 from collections.abc import Iterator
 
 from elitescript.language.options import LINE
-from elitescript.lint.effects import has_effect, is_pure_call, is_tried
+from elitescript.lint.effects import has_effect, is_tried
 from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
 
@@ -32,7 +32,7 @@ def unused_result(program: Program) -> Iterator[Finding]:
         value = statement.value
         if is_tried(statement, program):
             continue
-        if isinstance(value, ast.Call) and is_pure_call(value, program):
+        if isinstance(value, ast.Call) and not has_effect(value, program):
             name = ast.unparse(value.func)
             text = f"`{name}` only gives a value, and this line does not use it"
             yield Finding(value.func, text, f"write x = {name}(...), or remove the line")

@@ -29,6 +29,7 @@ def useless_statement(program: Program) -> Iterator[Finding]:
     if program.parsed.options.kind == LINE:
         return
     has_operators = _defines_operators(program)
+    properties = {function.name for function in program.nodes(ast.FunctionDef) if function.decorator_list}
     for statement in program.nodes(ast.Expr):
         value = statement.value
         if is_tried(statement, program):
@@ -41,7 +42,7 @@ def useless_statement(program: Program) -> Iterator[Finding]:
             if scope.resolve(value.id) is not Resolution.BUILTIN and not is_function:
                 text = f"this line only names `{value.id}`: nothing happens"
                 yield Finding(value, text, "give it a value with `=`, use it, or remove the line")
-        elif isinstance(value, ast.Attribute) and not has_effect(value, program):
+        elif isinstance(value, ast.Attribute) and value.attr not in properties and not has_effect(value, program):
             call = f"{ast.unparse(value)}()"
             yield Finding(value, "this line only names an attribute: nothing is called", f"write {call}")
         elif isinstance(value, _PLAIN) and not has_effect(value, program) and not _is_text(value):
