@@ -152,6 +152,8 @@ def explain(message: str, row: str) -> tuple[str, str]:
         text, hint = explain(message.removeprefix("f-string: "), "")
         return f"in the f-string: {text}", hint or "check the braces { } and what stands between them"
     vague = message == "invalid syntax" or message.startswith("expected ")
+    # Python takes the first part of a loop of C for a comparison.
+    vague = vague or (message.startswith("invalid syntax") and ";" in row)
     if vague:
         stripped = row.strip()
         for pattern, text, hint in _AT_PLACE:

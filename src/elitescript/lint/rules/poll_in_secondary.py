@@ -31,8 +31,7 @@ def poll_in_secondary(program: Program) -> Iterator[Finding]:
         if any(first <= call.lineno <= last for first, last in inside):
             yield Finding(
                 call.func,
-                f"a secondary program (sec) does not wait: {command.name} takes what has come already, "
-                "whatever its time-out",
+                f"a secondary program (sec) does not wait: {command.name} looks once, whatever its time-out",
                 "read in the program and share the value as a global",
             )
 
