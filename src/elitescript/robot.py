@@ -134,8 +134,7 @@ class VirtualRobot:
         self._listener_error: BaseException | None = None
         self._state_file = None if state_file is None else _state_file(state_file)
         kept = {} if self._state_file is None else self._state_file.load()
-        for name, value in {**kept, **cell.signals}.items():
-            self.signals[name] = value
+        self.set_start({**kept, **cell.signals})
         if self._outside.surroundings is not None:
             from elitescript.kernel.own_ports import OwnPorts
 
@@ -173,11 +172,17 @@ class VirtualRobot:
         """Move the speed slider, 0 to 1."""
         self.controller.request(SetSpeedScale(fraction))
 
+    def set_start(self, levels: Mapping[str, Value]) -> None:
+        """Set signals to the levels that they begin with, which the record puts down to the schedule."""
+        signals = Signals(self.controller, "schedule")
+        for name, value in levels.items():
+            signals[name] = value
+
     def at(self, time_s: float, name: str, value: Value) -> None:
         """Have a signal change at a time, in seconds since the robot's start: the script of a test for inputs."""
         if time_s < 0.0:
             raise UsageError(f"the time must be >= 0 s, got {time_s:g}")
-        self.controller.put(ticks_for(time_s), signal_write(name, value))
+        self.controller.put(ticks_for(time_s), signal_write(name, value), "schedule")
 
     def pause(self) -> None:
         """Pause the task."""

@@ -56,8 +56,7 @@ def run(options: argparse.Namespace) -> int:
         state_file=options.state,
         on_event=report.event,
     )
-    for name, value in signals.items():
-        robot.signals[name] = value
+    robot.set_start(signals)
     for name, value in (("--until", options.until), ("--max-wall", options.max_wall)):
         if value is not None and not value >= 0.0:
             raise UsageError(f"{name} must be >= 0 s, got {value:g}")
