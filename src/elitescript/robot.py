@@ -6,7 +6,7 @@ run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -14,6 +14,7 @@ from elitescript.controller.contact import ContactConfig
 from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
+from elitescript.controller.trace_signals import SignalRecord, TraceSignals
 from elitescript.errors import UsageError
 from elitescript.language.compiler import CompiledUnit, Options, compile_unit
 from elitescript.language.options import SECONDARY
@@ -28,7 +29,7 @@ from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
 from elitescript.messages.timing import RPC_TIMEOUT_S, seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
-from elitescript.run import EndState, Run, SignalRecord
+from elitescript.run import EndState, Run
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
 from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
@@ -245,6 +246,7 @@ class VirtualRobot:
         presets: Mapping[str, object] | None = None,
         trace: bool | Trace = False,
         trace_step_s: float | None = None,
+        trace_signals: str | Iterable[str] | None = None,
         pace: Pace | None = None,
         watch: Watch | None = None,
     ) -> Run:
@@ -256,13 +258,14 @@ class VirtualRobot:
             presets: program globals that have a value before the program begins.
             trace: keep a row for each tick in `Run.trace`, or send them to your own `Trace`.
             trace_step_s: time between rows.
+            trace_signals: signals that the rows of `Run.trace` hold, or `all`; those not at their default if None.
             pace: called with the tick before it is run.
             watch: called after every tick that was run; may call `interrupt`.
 
         Raises:
             ProgramError: the text does not compile.
         """
-        run = self.start(program, presets=presets, trace=trace, trace_step_s=trace_step_s)
+        run = self.start(program, presets=presets, trace=trace, trace_step_s=trace_step_s, trace_signals=trace_signals)
         limit = None if until_s is None else self.tick + ticks_for(until_s)
         try:
             with interrupts_passed_to(self.interrupt):
@@ -281,6 +284,7 @@ class VirtualRobot:
         presets: Mapping[str, object] | None = None,
         trace: bool | Trace = False,
         trace_step_s: float | None = None,
+        trace_signals: str | Iterable[str] | None = None,
     ) -> Run:
         """Start a program and let no time go by; `advance` runs it.
 
@@ -297,7 +301,9 @@ class VirtualRobot:
         if not self.controller.safety.refusal("power_on"):
             self.controller.power_up()
         self._interrupted_as = ""
-        self._trace = trace if isinstance(trace, Trace) else Trace(run.trace.append, trace_step_s) if trace else None
+        self._trace = trace if isinstance(trace, Trace) else None
+        if trace and self._trace is None:
+            self._trace = Trace(run.trace.append, trace_step_s, TraceSignals(trace_signals))
         if unit.kind == SECONDARY and self._run is run:
             self._host.start_secondary(unit, world=world)
         else:

@@ -6,7 +6,7 @@ from elitescript import VirtualRobot
 from elitescript.messages.events import ChannelActivity
 from elitescript.runtime import traffic
 from elitescript.runtime.traffic import cut, shown
-from elitescript.testing.world import Fault, ModbusDevice, RpcFault, SerialDevice, TcpServer, World, XmlRpcServer
+from elitescript.testing.world import Fault, ModbusDevice, RpcFault, SerialDevice, TcpServer, XmlRpcServer
 from tests.worlds.virtual.programs import run as run_beside
 
 
