@@ -174,10 +174,13 @@ class VirtualRobot:
         self.controller.request(SetSpeedScale(fraction))
 
     def set_start(self, levels: Mapping[str, Value]) -> None:
-        """Set signals to the levels that they begin with, which the record puts down to the schedule."""
-        signals = Signals(self.controller, "schedule")
-        for name, value in levels.items():
-            signals[name] = value
+        """Set signals to the levels that they begin with; `on_event` is not called, since nothing has happened yet."""
+        listener, self._on_event = self._on_event, None
+        try:
+            for name, value in levels.items():
+                self.signals[name] = value
+        finally:
+            self._on_event = listener
 
     def at(self, time_s: float, name: str, value: Value) -> None:
         """Have a signal change at a time, in seconds since the robot's start: the script of a test for inputs."""

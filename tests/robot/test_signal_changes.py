@@ -61,10 +61,13 @@ def test_what_a_test_sets_between_two_ticks_is_a_clients():
     assert changes(run) == [("standard_digital_in[3]", True, "client", 0)]
 
 
-def test_levels_at_the_start_are_the_schedules():
+def test_levels_at_the_start_are_no_changes():
     seen = []
-    VirtualRobot("CS66", on_event=seen.append).set_start({"standard_digital_in[3]": True})
-    assert seen == [SignalChanged(0, "standard_digital_in[3]", True, "schedule", 0)]
+    robot = VirtualRobot("CS66", on_event=seen.append)
+    robot.set_start({"standard_digital_in[3]": True})
+    assert (seen, robot.signals["standard_digital_in[3]"]) == ([], True)
+    robot.signals["standard_digital_in[3]"] = False
+    assert seen == [SignalChanged(0, "standard_digital_in[3]", False, "client", 0)]
 
 
 class Button(Device):
