@@ -108,6 +108,8 @@ class Run:
     def add(self, event: Event) -> None:
         """Note an event of this run."""
         self.events_dropped += _keep(self.events, event)
+        if type(event) not in _WITH_TEXT:
+            return
         if isinstance(event, TextMessage):
             _keep(self.log, event.text)
         elif isinstance(event, Printed):
@@ -121,6 +123,10 @@ class Run:
 
     def __repr__(self) -> str:
         return f"<Run {self.state or 'running'} after {self.time_s:.3f} s>"
+
+
+_WITH_TEXT: Final = frozenset({TextMessage, Printed, Warned, DeviceNoted, Alarm})
+"""Events that have a list of their own in a run."""
 
 
 def _keep(records: list[_Record], record: _Record) -> int:

@@ -31,7 +31,9 @@ _CONTROLS: Final = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 
 
 def shown(data: bytes) -> str:
     """Bytes as text, cut to `DATA_MAX` of them."""
-    text = data[:DATA_MAX].decode("utf-8", "backslashreplace").translate(_CONTROLS)
+    text = data[:DATA_MAX].decode("utf-8", "backslashreplace")
+    if not text.rstrip("\r\n").isprintable():
+        text = text.translate(_CONTROLS)
     return text if len(data) <= DATA_MAX else f"{text}… ({len(data)} bytes)"
 
 
