@@ -1,3 +1,5 @@
+import pickle
+
 import pytest
 
 from elitescript import VirtualRobot
@@ -62,3 +64,11 @@ def test_leaping_cannot_be_told_from_stepping():
     leaping = VirtualRobot("CS66").run(PROGRAM, trace=True).trace
     stepping = VirtualRobot("CS66").run(PROGRAM, trace=True, pace=lambda tick: None).trace
     assert leaping == stepping
+
+
+def test_levels_are_values_that_nobody_can_change():
+    one, other = (VirtualRobot("CS66").run(PROGRAM, trace=True).trace for _ in range(2))
+    assert len({*one, *other}) == len(one)
+    assert pickle.loads(pickle.dumps(one[12])) == one[12]
+    with pytest.raises(TypeError):
+        one[12].signals["standard_digital_out[1]"] = False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
 from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
@@ -21,7 +21,42 @@ class SignalRecord(dict[str, Value]):
         return signal.default
 
 
-NO_SIGNALS: Final[Mapping[str, Value]] = {}
+class SignalLevels(Mapping[str, Value]):
+    """Levels of signals by name, which do not change any more, as rows of a trace share them.
+
+    Args:
+        levels: by name; belongs to this object from now on.
+        has_defaults: whether any other signal that exists reads as its default.
+    """
+
+    __slots__ = ("_has_defaults", "_levels")
+
+    def __init__(self, levels: dict[str, Value], *, has_defaults: bool = False) -> None:
+        self._levels = levels
+        self._has_defaults = has_defaults
+
+    def __getitem__(self, name: str) -> Value:
+        if self._has_defaults and name not in self._levels:
+            return parse_signal_name(name)[0].default
+        return self._levels[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._levels)
+
+    def __len__(self) -> int:
+        return len(self._levels)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._levels
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._levels.items()))
+
+    def __repr__(self) -> str:
+        return repr(self._levels)
+
+
+NO_SIGNALS: Final = SignalLevels({})
 """Of rows that say nothing of signals."""
 
 
@@ -49,9 +84,9 @@ class TraceSignals:
             row, index = parse_signal_name(name)
             self._families.setdefault(row.name, []).append((index, name))
         self._image: Image = {}
-        self._shown: Mapping[str, Value] = SignalRecord()
+        self._shown = SignalLevels({}, has_defaults=not self.names)
 
-    def of(self, image: Image) -> Mapping[str, Value]:
+    def of(self, image: Image) -> SignalLevels:
         """The signals of an image; the very same mapping as before if none of them has changed.
 
         Args:
@@ -63,7 +98,7 @@ class TraceSignals:
         changed = [name for name in self._families if image[name] is not before.get(name)]
         if not changed:
             return self._shown
-        levels = dict(self._shown) if self.names else SignalRecord(self._shown)
+        levels = dict(self._shown)
         for family in changed:
             default, values = SIGNALS[family].default, image[family]
             for index, name in self._families[family]:
@@ -71,8 +106,8 @@ class TraceSignals:
                     levels[name] = values[index]
                 else:
                     levels.pop(name, None)
-        if levels != self._shown:
-            self._shown = levels
+        if levels != dict(self._shown):
+            self._shown = SignalLevels(levels, has_defaults=not self.names)
         return self._shown
 
 
