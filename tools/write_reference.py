@@ -21,6 +21,7 @@ from elitescript.commands.registry import Command, Param
 from elitescript.controller import safety
 from elitescript.messages.signals import SIGNALS, Signal
 from tools.devices_page import devices_page
+from tools.events_page import events_page
 from tools.faults_page import faults_page
 from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, anchor, cell
@@ -267,6 +268,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "dashboard.md": dashboard_page,
     "devices.md": devices_page,
     "errors.md": errors_page,
+    "events.md": events_page,
     "faults.md": faults_page,
     "interpreter.md": interpreter_page,
     "modbus.md": modbus_page,

@@ -6,7 +6,7 @@ run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -14,6 +14,7 @@ from elitescript.controller.contact import ContactConfig
 from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
+from elitescript.controller.trace_signals import SignalRecord, TraceSignals
 from elitescript.errors import UsageError
 from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
 from elitescript.language.options import SECONDARY
@@ -28,7 +29,7 @@ from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
 from elitescript.messages.timing import RPC_TIMEOUT_S, seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
-from elitescript.run import EndState, Run, SignalRecord
+from elitescript.run import EndState, Run
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
 from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
@@ -136,8 +137,7 @@ class VirtualRobot:
         self._listener_error: BaseException | None = None
         self._state_file = None if state_file is None else _state_file(state_file)
         kept = {} if self._state_file is None else self._state_file.load()
-        for name, value in {**kept, **cell.signals}.items():
-            self.signals[name] = value
+        self.set_start({**kept, **cell.signals})
         if self._outside.surroundings is not None:
             from elitescript.kernel.own_ports import OwnPorts
 
@@ -175,11 +175,20 @@ class VirtualRobot:
         """Move the speed slider, 0 to 1."""
         self.controller.request(SetSpeedScale(fraction))
 
+    def set_start(self, levels: Mapping[str, Value]) -> None:
+        """Set signals to the levels that they begin with; `on_event` is not called, since nothing has happened yet."""
+        listener, self._on_event = self._on_event, None
+        try:
+            for name, value in levels.items():
+                self.signals[name] = value
+        finally:
+            self._on_event = listener
+
     def at(self, time_s: float, name: str, value: Value) -> None:
         """Have a signal change at a time, in seconds since the robot's start: the script of a test for inputs."""
         if time_s < 0.0:
             raise UsageError(f"the time must be >= 0 s, got {time_s:g}")
-        self.controller.put(ticks_for(time_s), signal_write(name, value))
+        self.controller.put(ticks_for(time_s), signal_write(name, value), "schedule")
 
     def pause(self) -> None:
         """Pause the task."""
@@ -242,6 +251,7 @@ class VirtualRobot:
         presets: Mapping[str, object] | None = None,
         trace: bool | Trace = False,
         trace_step_s: float | None = None,
+        trace_signals: str | Iterable[str] | None = None,
         pace: Pace | None = None,
         watch: Watch | None = None,
     ) -> Run:
@@ -253,13 +263,14 @@ class VirtualRobot:
             presets: program globals that have a value before the program begins.
             trace: keep a row for each tick in `Run.trace`, or send them to your own `Trace`.
             trace_step_s: time between rows.
+            trace_signals: signals that the rows of `Run.trace` hold, or `all`; those not at their default if None.
             pace: called with the tick before it is run.
             watch: called after every tick that was run; may call `interrupt`.
 
         Raises:
             ProgramError: the text does not compile.
         """
-        run = self.start(program, presets=presets, trace=trace, trace_step_s=trace_step_s)
+        run = self.start(program, presets=presets, trace=trace, trace_step_s=trace_step_s, trace_signals=trace_signals)
         limit = None if until_s is None else self.tick + ticks_for(until_s)
         try:
             with interrupts_passed_to(self.interrupt):
@@ -278,6 +289,7 @@ class VirtualRobot:
         presets: Mapping[str, object] | None = None,
         trace: bool | Trace = False,
         trace_step_s: float | None = None,
+        trace_signals: str | Iterable[str] | None = None,
     ) -> Run:
         """Start a program and let no time go by; `advance` runs it.
 
@@ -294,7 +306,9 @@ class VirtualRobot:
         if not self.controller.safety.refusal("power_on"):
             self.controller.power_up()
         self._interrupted_as = ""
-        self._trace = trace if isinstance(trace, Trace) else Trace(run.trace.append, trace_step_s) if trace else None
+        self._trace = trace if isinstance(trace, Trace) else None
+        if trace and self._trace is None:
+            self._trace = Trace(run.trace.append, trace_step_s, TraceSignals(trace_signals))
         if unit.kind == SECONDARY and self._run is run:
             self._host.start_secondary(unit, world=world)
         else:

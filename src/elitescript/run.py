@@ -7,11 +7,11 @@ import sys
 from typing import Any, Final, Literal, TypeVar
 
 from elitescript.controller.trace import TraceRow
+from elitescript.controller.trace_signals import SignalRecord
 from elitescript.errors import AlarmError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, DeviceNoted, Event, Printed, TextMessage, Warned
 from elitescript.messages.motion import Six
-from elitescript.messages.signals import Value, parse_signal_name
 
 RECORDS_MAX: Final = 50_000
 """Events, and texts of each kind, that a run keeps at least."""
@@ -19,14 +19,6 @@ RECORDS_MAX: Final = 50_000
 _Record = TypeVar("_Record")
 
 EndState = Literal["finished", "alarm", "stopped", "time_limit", "stuck"]
-
-
-class SignalRecord(dict[str, Value]):
-    """Signals that are not at their default, by name; any other signal that exists reads as its default."""
-
-    def __missing__(self, name: str) -> Value:
-        signal, _ = parse_signal_name(name)
-        return signal.default
 
 
 class Run:
@@ -40,9 +32,10 @@ class Run:
         printed: texts of `print`, in order.
         warnings: texts of warnings, those of the compiler and of virtual devices included.
         alarms: what stopped the program.
-        events: everything that happened, in order; of a very long run the last `RECORDS_MAX`. So it is with the texts.
+        events: everything that happened, in order, each kind as `docs/reference/events.md` says; of a very long run the
+            last `RECORDS_MAX`. So it is with the texts.
         events_dropped: how many events have gone, so that a run of days does not fill the memory.
-        trace: rows, if a trace was asked for.
+        trace: rows, if a trace was asked for; `trace[i].signals` has the signals by name.
         joints: target joint positions at the end, rad.
         tcp_pose: target TCP pose at the end, base frame, m and rad.
         signals: every output and register that is not at its default; asked for any other, it gives the default.
@@ -115,6 +108,8 @@ class Run:
     def add(self, event: Event) -> None:
         """Note an event of this run."""
         self.events_dropped += _keep(self.events, event)
+        if type(event) not in _WITH_TEXT:
+            return
         if isinstance(event, TextMessage):
             _keep(self.log, event.text)
         elif isinstance(event, Printed):
@@ -128,6 +123,10 @@ class Run:
 
     def __repr__(self) -> str:
         return f"<Run {self.state or 'running'} after {self.time_s:.3f} s>"
+
+
+_WITH_TEXT: Final = frozenset({TextMessage, Printed, Warned, DeviceNoted, Alarm})
+"""Events that have a list of their own in a run."""
 
 
 def _keep(records: list[_Record], record: _Record) -> int:

@@ -43,6 +43,22 @@ class TestReplay:
         assert main(["replay", str(journal), "--json"]) == 1
         assert json.loads(capsys.readouterr().out.splitlines()[-1])["first_difference"] == 260
 
+    def test_says_what_has_changed_signals(self, journal, capsys):
+        assert main(["replay", str(journal), "--json"]) == 0
+        records = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+        assert [record for record in records if record["type"] == "signal"] == [
+            {"type": "signal", "t": 1.04, "name": "flag[1]", "value": True, "by": "client", "line": 0}
+        ]
+        assert main(["replay", str(journal), "--log", "signals"]) == 0
+        assert "[signal] flag[1] = True (client)" in capsys.readouterr().out
+
+    def test_writes_signals_into_the_trace(self, journal, tmp_path):
+        trace = tmp_path / "t.csv"
+        assert main(["replay", str(journal), "--trace", str(trace), "--trace-signals", "flag[1],flag[2]"]) == 0
+        lines = trace.read_text().splitlines()
+        assert lines[0].endswith(",flag[1],flag[2]")
+        assert [line.endswith(",1,0") for line in lines[1:]] == [False] * 260 + [True] * 40
+
     def test_writes_a_trace(self, journal, tmp_path):
         trace = tmp_path / "t.csv"
         assert main(["replay", str(journal), "--trace", str(trace)]) == 0

@@ -414,3 +414,65 @@ def test_a_remote_procedure_call_waits_as_long_as_it_may(run_json, tmp_path):
     assert "no answer within 0.25 s" in next(record["text"] for record in records if record["type"] == "alarm")
     with pytest.raises(SystemExit):
         main(["run", "x.script", "--rpc-timeout", "soon"])
+
+
+def test_changes_of_signals_are_records(run_json):
+    _, records = run_json(
+        "def a():\n  set_standard_digital_out(0, True)\nend\n", "--set", "standard_digital_in[3]=true"
+    )
+    assert [record for record in records if record["type"] == "signal"] == [
+        {"type": "signal", "t": 0.0, "name": "standard_digital_out[0]", "value": True, "by": "program", "line": 2},
+    ]
+
+
+def test_what_passes_on_connections_are_records(run_json, tmp_path):
+    world = tmp_path / "cell.toml"
+    world.write_text('[[tcp]]\nport = 5000\nreplies = [{ match = "go", send = "12.5" }]\n', encoding="utf-8")
+    _, records = run_json(
+        'def a():\n  socket_open("h", 5000, "cam")\n  socket_send_string("go\\n", "cam")\n'
+        '  socket_read_string("cam", suffix="\\n")\nend\n',
+        "--world",
+        str(world),
+    )
+    found = [record for record in records if record["type"] == "channel"]
+    assert [(record["what"], record["data"], record["line"]) for record in found] == [
+        ("open", "h:5000", 2),
+        ("sent", "go\n", 3),
+        ("received", "12.5\n", 4),
+        ("closed", "", 0),
+    ]
+    assert {(record["channel"], record["kind"]) for record in found} == {("cam", "socket")}
+
+
+def test_text_has_signals_when_asked(program, capsys):
+    path = program("def a():\n  set_standard_digital_out(0, True)\nend\n")
+    assert main(["run", path]) == 0
+    assert "standard_digital_out" not in capsys.readouterr().out
+    assert main(["run", path, "--log", "signals"]) == 0
+    assert "[signal] standard_digital_out[0] = True (line 2)" in capsys.readouterr().out
+    assert main(["run", path, "--log", "sounds"]) == 2
+
+
+def test_signals_as_columns_of_a_trace(program, tmp_path, capsys):
+    path = program(
+        "def a():\n  sleep(0.008)\n  set_standard_digital_out(1, True)\n  set_standard_analog_out(0, 0.1)\nend\n"
+    )
+    trace, names = tmp_path / "t.csv", "standard_digital_out[1],standard_analog_out[0]"
+    assert main(["run", path, "--trace", str(trace), "--trace-signals", names]) == 0
+    rows = list(csv.DictReader(trace.read_text(encoding="utf-8").splitlines()))
+    assert list(rows[0]) == [*TRACE_COLUMNS, *names.split(",")]
+    assert [(row["standard_digital_out[1]"], row["standard_analog_out[0]"]) for row in rows] == [
+        ("0", "0.0"),
+        ("0", "0.0"),
+        ("1", "1.0"),
+    ]
+    lines = tmp_path / "t.jsonl"
+    assert main(["run", path, "--trace", str(lines), "--trace-signals", names]) == 0
+    assert [json.loads(line)["standard_digital_out[1]"] for line in lines.read_text().splitlines()] == [
+        False,
+        False,
+        True,
+    ]
+    assert main(["run", path, "--trace-signals", names]) == 2
+    assert main(["run", path, "--trace", str(trace), "--trace-signals", "standard_digital_uot[1]"]) == 2
+    assert "standard_digital_uot" in capsys.readouterr().err

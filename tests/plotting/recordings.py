@@ -4,6 +4,7 @@ from random import Random
 
 from elitescript import VirtualRobot
 from elitescript.controller.trace import TraceRow
+from elitescript.controller.trace_signals import NO_SIGNALS
 from elitescript.language.source import SourceFile
 from elitescript.models.model import load_model
 from elitescript.plotting.page import Recording
@@ -36,7 +37,8 @@ def restless(count):
 def recorded(program=PROGRAM, plant=None):
     robot = VirtualRobot("CS66", plant=plant)
     run = robot.run(program, trace=True, until_s=60)
-    return Recording("job.script", robot.model, run.trace, SourceFile("job.script", program), run.events, run.state)
+    rows = [row._replace(signals=NO_SIGNALS) for row in run.trace]
+    return Recording("job.script", robot.model, rows, SourceFile("job.script", program), run.events, run.state)
 
 
 def of_rows(rows):

@@ -210,7 +210,7 @@ class TestReading:
         bench = run('socket_open("h", 5000)\ntextmsg(socket_read_binary_integer(2))', Server)
         assert bench.log == ["[2, 1, -2]"]
         # The peer sends in tick 1, 100 ticks later, and the program has it in the next one.
-        assert bench.machine.events[-1].tick == 102
+        assert [event.tick for event in bench.machine.events if hasattr(event, "text")] == [102]
 
     def test_when_time_is_up_it_returns_what_is_complete_and_leaves_the_rest(self):
         class Server(Recorder):
@@ -235,7 +235,7 @@ textmsg(socket_read_binary_integer(1))""",
                 self.link.later(0.004, self.opened)
 
         bench = run('socket_open("h", 5000)\ntextmsg(socket_read_string(suffix="\\n", timeout=0.1))', Server, until=500)
-        assert [(event.text, event.tick) for event in bench.machine.events] == [("", 26)]
+        assert [(event.text, event.tick) for event in bench.machine.events if hasattr(event, "text")] == [("", 26)]
 
     @pytest.mark.parametrize("timeout", ["0", "-1"])
     def test_without_a_limit_it_waits_for_ever(self, timeout):
@@ -254,7 +254,7 @@ textmsg(socket_read_binary_integer(1))""",
         bench = run(
             'socket_open("h", 5000)\nfor n in range(10):\n  socket_read_string(timeout=1e-9)\nend\ntextmsg("")', Server
         )
-        assert [event.tick for event in bench.machine.events] == [11]
+        assert [event.tick for event in bench.machine.events if hasattr(event, "text")] == [11]
 
     def test_what_came_before_the_peer_closed_can_still_be_read(self):
         class Server(Recorder):

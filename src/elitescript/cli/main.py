@@ -171,7 +171,16 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
     import argparse
 
     from elitescript import __version__
-    from elitescript.cli.serving_options import add_connections, add_ctl, add_devices, add_doctor, add_replay, add_serve
+    from elitescript.cli.serving_options import (
+        add_connections,
+        add_ctl,
+        add_devices,
+        add_doctor,
+        add_log,
+        add_replay,
+        add_serve,
+        add_trace_signals,
+    )
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 
     parser = argparse.ArgumentParser(
@@ -234,6 +243,8 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
         metavar="SECONDS",
         help="time between two rows of the trace, in whole control periods of 0.004 s (default 0.004)",
     )
+    add_trace_signals(run)
+    add_log(run)
     run.add_argument("--epoch", metavar="TIME", help="controller clock at the start: seconds since 1970 or ISO 8601")
 
     check = subparsers.add_parser(

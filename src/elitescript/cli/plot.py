@@ -79,8 +79,7 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
         world=options.world,
         on_event=report.event,
     )
-    for name, value in signals.items():
-        robot.signals[name] = value
+    robot.set_start(signals)
     source = source_of(path)
     sampling = Sampling()
     run = robot.run(robot.compile(source), until_s=until_s, presets=presets, trace=sampling)

@@ -10,9 +10,10 @@ from pathlib import Path
 
 from elitescript import __version__
 from elitescript.cli import jsonlines
-from elitescript.cli.report import JsonReport, TextReport
+from elitescript.cli.report import JsonReport, TextReport, parse_logs
 from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import TraceRow
+from elitescript.controller.trace_signals import NO_SIGNALS, TraceSignals
 from elitescript.errors import UsageError
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import seconds, ticks_for
@@ -29,11 +30,16 @@ def replay(options: argparse.Namespace) -> int:
         raise UsageError(f"--until must be >= 0 s, got {options.until:g}")
     reader = JournalReader(Path(options.file))
     session = Replay(reader, None if options.until is None else ticks_for(options.until))
-    report = JsonReport(sys.stdout) if options.json else TextReport(sys.stdout, sys.stderr)
+    logs = parse_logs(options.log)
+    report = JsonReport(sys.stdout) if options.json else TextReport(sys.stdout, sys.stderr, logs)
     for hint in _hints(reader):
         print(f"note: {hint}", file=sys.stderr)
 
-    trace = TraceFile(Path(options.trace), has_actual=True) if options.trace else None
+    if options.trace_signals is not None and not options.trace:
+        raise UsageError("--trace-signals goes with --trace")
+    signals = None if options.trace_signals is None else TraceSignals(options.trace_signals)
+    names = () if signals is None else signals.names
+    trace = TraceFile(Path(options.trace), has_actual=True, signals=names) if options.trace else None
     with contextlib.ExitStack() as stack:
         if trace is not None:
             stack.enter_context(trace)
@@ -41,7 +47,7 @@ def replay(options: argparse.Namespace) -> int:
             for event in output.events:
                 report.event(event)
             if trace is not None:
-                trace.write(_row(output))
+                trace.write(_row(output, signals))
     if reader.note:
         print(f"note: {reader.note}", file=sys.stderr)
     _conclude(session, is_json=options.json)
@@ -84,7 +90,7 @@ def _conclude(session: Replay, *, is_json: bool) -> None:
         print(f"{seconds(difference.tick):10.3f} s  {text}", file=sys.stderr)
 
 
-def _row(output: Output) -> TraceRow:
+def _row(output: Output, signals: TraceSignals | None) -> TraceRow:
     state = output.snapshot.robot
     return TraceRow(
         seconds(output.tick),
@@ -94,4 +100,5 @@ def _row(output: Output) -> TraceRow:
         state.tcp_pose_target,
         state.task_state.name.lower(),
         state.q_actual,
+        NO_SIGNALS if signals is None else signals.of(output.snapshot.signals),
     )

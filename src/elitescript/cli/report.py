@@ -4,27 +4,46 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from elitescript.cli import jsonlines
+from elitescript.cli.event_records import record_of
 from elitescript.cli.writable import Writable
+from elitescript.errors import UsageError
 from elitescript.language.diagnostics import Diagnostic, render, to_json
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import (
     Alarm,
+    ChannelActivity,
     DeviceNoted,
     Event,
     Popup,
     Printed,
     SafetyModeChanged,
+    SignalChanged,
     TextMessage,
     Warned,
 )
 from elitescript.messages.timing import seconds
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
+
+LOGS: Final = ("signals", "channels")
+"""What lines for people leave out unless `--log` asks for it."""
+
+
+def parse_logs(text: str | None) -> frozenset[str]:
+    """The names of `--log`, separated by commas; none if it is not given.
+
+    Raises:
+        UsageError: a name that is none of `LOGS`.
+    """
+    names = frozenset() if text is None else frozenset(name.strip() for name in text.split(","))
+    for name in sorted(names.difference(LOGS)):
+        raise UsageError(f"--log {text}: there is no {name!r}; there are {', '.join(LOGS)}")
+    return names
 
 
 class Report(Protocol):
@@ -70,9 +89,9 @@ class JsonReport:
         pass
 
     def event(self, event: Event) -> None:
-        record = _RECORDS.get(type(event))
+        record = record_of(event)
         if record is not None:
-            self._write(record(event))
+            self._write(record)
 
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
         print(_where(robot, wall_s), file=sys.stderr)
@@ -98,77 +117,17 @@ class JsonReport:
         self._write(record)
 
 
-def _log_record(event: Any) -> dict[str, Any]:
-    return {
-        "type": "log",
-        "t": seconds(event.tick),
-        "level": event.level,
-        "text": event.text,
-        "thread": event.thread,
-        "line": event.line,
-    }
-
-
-def _print_record(event: Any) -> dict[str, Any]:
-    return {"type": "print", "t": seconds(event.tick), "text": event.text, "thread": event.thread, "line": event.line}
-
-
-def _popup_record(event: Any) -> dict[str, Any]:
-    return {
-        "type": "popup",
-        "t": seconds(event.tick),
-        "level": event.level,
-        "title": event.title,
-        "text": event.text,
-        "blocking": event.is_blocking,
-        "confirmed": event.is_confirmed_at_once,
-        "thread": event.thread,
-        "line": event.line,
-    }
-
-
-def _warning_record(event: Any) -> dict[str, Any]:
-    return {"type": "warning", "t": seconds(event.tick), "text": event.text, "thread": event.thread, "line": event.line}
-
-
-def _device_record(event: Any) -> dict[str, Any]:
-    level = "warning" if event.is_warning else "info"
-    return {"type": "device", "t": seconds(event.tick), "level": level, "device": event.device, "text": event.text}
-
-
-def _alarm_record(event: Any) -> dict[str, Any]:
-    return {
-        "type": "alarm",
-        "t": seconds(event.tick),
-        "code": event.code,
-        "class": event.class_name,
-        "text": event.text,
-        "line": event.line,
-        "column": event.column,
-        "thread": event.thread,
-        **event.details,
-    }
-
-
-def _safety_record(event: Any) -> dict[str, Any]:
-    return {"type": "safety", "t": seconds(event.tick), "mode": event.mode.name, "text": event.reason}
-
-
-_RECORDS = {
-    TextMessage: _log_record,
-    Printed: _print_record,
-    Popup: _popup_record,
-    Warned: _warning_record,
-    DeviceNoted: _device_record,
-    Alarm: _alarm_record,
-    SafetyModeChanged: _safety_record,
-}
-
-
 class TextReport:
-    """Lines for people: messages on standard output, everything about mistakes on standard error."""
+    """Lines for people: messages on standard output, everything about mistakes on standard error.
 
-    def __init__(self, out: Writable, err: Writable) -> None:
+    Args:
+        out: for messages.
+        err: for mistakes.
+        logs: what is printed besides, of `LOGS`.
+    """
+
+    def __init__(self, out: Writable, err: Writable, logs: Collection[str] = ()) -> None:
+        self._logs = frozenset(logs)
         self._out = out
         self._err = err
         self._start_s = 0.0
@@ -199,6 +158,14 @@ class TextReport:
             self._problem(event.tick, f"safety: {event.mode.name}" + (f": {event.reason}" if event.reason else ""))
         elif isinstance(event, Alarm):
             self._alarm(event)
+        elif isinstance(event, SignalChanged):
+            if "signals" in self._logs:
+                by = event.by if event.by != "program" or not event.line else f"line {event.line}"
+                self._line(event.tick, f"[signal] {event.name} = {event.value} ({by})")
+        elif isinstance(event, ChannelActivity) and "channels" in self._logs:
+            data = f" {event.data!r}" if event.data else ""
+            where = f" (line {event.line})" if event.line else ""
+            self._line(event.tick, f"[{event.kind} {event.channel!r}] {event.what}{data}{where}")
 
     def _line(self, tick: int, text: str) -> None:
         print(f"{seconds(tick):10.3f} s  {text}", file=self._out)

@@ -12,10 +12,11 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from elitescript.cli.report import JsonReport, Report, TextReport
+from elitescript.cli.report import JsonReport, Report, TextReport, parse_logs
 from elitescript.cli.settings import check_presets, parse_epoch, parse_joints, parse_settings
 from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import Trace, step_ticks
+from elitescript.controller.trace_signals import TraceSignals
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.language.source import SourceFile
@@ -39,8 +40,9 @@ PATIENCE_S: Final = 1.0
 def run(options: argparse.Namespace) -> int:
     """Run the program of the command line; return the exit code."""
     path = Path(options.file)
-    report: Report = JsonReport(sys.stdout) if options.json else TextReport(sys.stdout, sys.stderr)
-    signals, presets = parse_settings(options.set)
+    logs = parse_logs(options.log)
+    report: Report = JsonReport(sys.stdout) if options.json else TextReport(sys.stdout, sys.stderr, logs)
+    levels, presets = parse_settings(options.set)
     robot = VirtualRobot(
         options.robot,
         firmware=options.firmware,
@@ -56,8 +58,7 @@ def run(options: argparse.Namespace) -> int:
         state_file=options.state,
         on_event=report.event,
     )
-    for name, value in signals.items():
-        robot.signals[name] = value
+    robot.set_start(levels)
     for name, value in (("--until", options.until), ("--max-wall", options.max_wall)):
         if value is not None and not value >= 0.0:
             raise UsageError(f"{name} must be >= 0 s, got {value:g}")
@@ -77,10 +78,14 @@ def run(options: argparse.Namespace) -> int:
         if options.trace is not None:
             step_ticks(options.step)  # before the file of that name is emptied
             has_actual = not robot.controller.is_plant_ideal
-            trace_file = stack.enter_context(TraceFile(Path(options.trace), has_actual=has_actual))
-            trace = Trace(trace_file.write, options.step)
+            signals = None if options.trace_signals is None else TraceSignals(options.trace_signals)
+            names = () if signals is None else signals.names
+            trace_file = stack.enter_context(TraceFile(Path(options.trace), has_actual=has_actual, signals=names))
+            trace = Trace(trace_file.write, options.step, signals)
         elif options.step is not None:
             raise UsageError("--step goes with --trace")
+        elif options.trace_signals is not None:
+            raise UsageError("--trace-signals goes with --trace")
         report.start(robot, path)
         watch = _Watch(report, options.max_wall)
         pace = _pacer() if options.realtime else None

@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.cli import jsonlines
 from elitescript.cli.last_resort import last_resort
 from elitescript.cli.remedies import served
-from elitescript.cli.report import JsonReport, Report, TextReport
+from elitescript.cli.report import JsonReport, Report, TextReport, parse_logs
 from elitescript.cli.settings import parse_joints, parse_settings
 from elitescript.cli.terminal import PatientStream, TaggedStream
 from elitescript.cli.writable import Writable
@@ -75,7 +75,8 @@ def _run(
     out = PatientStream(sys.stdout, told_to_programs) if options.json else PatientStream(sys.stdout)
     err = PatientStream(sys.stderr)
     try:
-        log = Log(out, err, [config.robot_id for config in configs], is_json=options.json)
+        names = [config.robot_id for config in configs]
+        log = Log(out, err, names, is_json=options.json, logs=parse_logs(options.log))
         with contextlib.ExitStack() as held:
             keepers = _keepers(options.state, len(configs), held)
             configs = list(map(_remembering, configs, keepers))
@@ -343,9 +344,12 @@ class Log:
         err: for problems, if the lines are for people.
         names: of the robots; with several of them every line says whose it is.
         is_json: one JSON object a line instead.
+        logs: what lines for people have besides, of `report.LOGS`.
     """
 
-    def __init__(self, out: Writable, err: Writable, names: list[str], *, is_json: bool) -> None:
+    def __init__(
+        self, out: Writable, err: Writable, names: list[str], *, is_json: bool, logs: Collection[str] = ()
+    ) -> None:
         self._out = out
         self._err = err
         self._is_json = is_json
@@ -360,7 +364,7 @@ class Log:
                 self._reports[name] = JsonReport(TaggedStream(out, "{", tag))
             else:
                 tag = f"{name}: " if self._are_several else ""
-                self._reports[name] = TextReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag))
+                self._reports[name] = TextReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
 
     def ready(self, host: str, server: Server, configs: list[KernelConfig]) -> None:
         """Every port is open; say so, and then what has happened before."""

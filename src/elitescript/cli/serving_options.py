@@ -32,6 +32,24 @@ def add_connections(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_log(parser: argparse.ArgumentParser) -> None:
+    """Add `--log`."""
+    parser.add_argument(
+        "--log",
+        metavar="signals,channels",
+        help="print these too: changes of signals, what passes on connections; --json has them always",
+    )
+
+
+def add_trace_signals(parser: argparse.ArgumentParser) -> None:
+    """Add `--trace-signals`."""
+    parser.add_argument(
+        "--trace-signals",
+        metavar="NAME,...|all",
+        help="columns of the trace for these signals, such as standard_digital_in[3], or families: standard_digital_in",
+    )
+
+
 def add_serve(
     subparsers: argparse._SubParsersAction[argparse.ArgumentParser], firmware: argparse.ArgumentParser
 ) -> None:
@@ -97,6 +115,7 @@ def add_serve(
         metavar="FILE",
         help="write the session down for `elitescript replay`; of further robots to files with a number in their names",
     )
+    add_log(serve)
     serve.add_argument(
         "--lockstep",
         choices=["rtsi"],
@@ -154,6 +173,8 @@ def add_replay(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     replay.add_argument("--until", type=float, metavar="SECONDS", help="stop after so much robot time")
     replay.add_argument("--json", action="store_true", help="print one JSON object per line")
     replay.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
+    add_trace_signals(replay)
+    add_log(replay)
 
 
 def add_doctor(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from types import TracebackType
@@ -11,6 +11,7 @@ from typing import TextIO
 from elitescript.cli import jsonlines
 from elitescript.controller.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
 from elitescript.errors import UsageError
+from elitescript.messages.signals import Value
 
 
 class TraceFile(AbstractContextManager["TraceFile"]):
@@ -19,6 +20,7 @@ class TraceFile(AbstractContextManager["TraceFile"]):
     Args:
         path: ends in `.csv` or `.jsonl`.
         has_actual: whether the rows hold measured joint positions.
+        signals: names of the signals that the rows hold, one more column each; in CSV a digital one is 0 or 1.
 
     Raises:
         UsageError: another ending, or the file cannot be written.
@@ -26,8 +28,9 @@ class TraceFile(AbstractContextManager["TraceFile"]):
 
     write: Callable[[TraceRow], None]
 
-    def __init__(self, path: Path, *, has_actual: bool = False) -> None:
-        self._columns = (*TRACE_COLUMNS, *ACTUAL_COLUMNS) if has_actual else TRACE_COLUMNS
+    def __init__(self, path: Path, *, has_actual: bool = False, signals: Sequence[str] = ()) -> None:
+        self._signals = signals
+        self._columns = (*TRACE_COLUMNS, *(ACTUAL_COLUMNS if has_actual else ()), *signals)
         if path.suffix not in (".csv", ".jsonl"):
             raise UsageError(f"--trace {path}: the name must end in .csv or .jsonl")
         try:
@@ -41,10 +44,15 @@ class TraceFile(AbstractContextManager["TraceFile"]):
             self.write = self._write_json
 
     def _write_csv(self, row: TraceRow) -> None:
-        self._file.write(",".join(map(str, _flat(row))) + "\n")
+        levels = [str(int(level) if type(level) is bool else level) for level in self._levels(row)]
+        self._file.write(",".join([*map(str, _flat(row)), *levels]) + "\n")
 
     def _write_json(self, row: TraceRow) -> None:
-        self._file.write(jsonlines.line(dict(zip(self._columns, _flat(row), strict=True))) + "\n")
+        values = (*_flat(row), *self._levels(row))
+        self._file.write(jsonlines.line(dict(zip(self._columns, values, strict=True))) + "\n")
+
+    def _levels(self, row: TraceRow) -> list[Value]:
+        return [row.signals[name] for name in self._signals]
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None

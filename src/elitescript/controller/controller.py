@@ -41,6 +41,9 @@ from elitescript.messages.timing import seconds
 from elitescript.messages.yielding import EndForceMode, EndFreedrive, YieldRequest
 from elitescript.models.model import RobotModel
 
+PROGRAM: Final = "program"
+"""`SignalChanged.by` of what is not asked for from outside."""
+
 STOPS: Final = (StopJ, StopL, StopTracking, EndForceMode, EndFreedrive)
 """Requests that only end something: an arm that rests without power takes them too."""
 
@@ -62,6 +65,7 @@ class Controller:
     """
 
     __slots__ = (
+        "_by",
         "_ending",
         "_epoch_s",
         "_inbox",
@@ -102,6 +106,7 @@ class Controller:
     ) -> None:
         plant = PlantConfig() if plant is None else plant
         self._ending = ""
+        self._by = PROGRAM
         self._model = model
         self.arm: Arm = model.arm
         self._places = PlaceFinder(model.arm)
@@ -156,7 +161,7 @@ class Controller:
             take: called in the inbox phase, after what was `put` for this tick.
         """
         self.arm_state.settle(self._tick)
-        self._inbox.deliver(self._tick, self.request, self.emit)
+        self._inbox.deliver(self._tick, self.request_from, self.emit)
         take()
         self.safety.check(self._tick)
         self.power.go_on(self._tick)
@@ -182,9 +187,15 @@ class Controller:
         self.loads.leap(tick)
         self._tick = tick
 
-    def put(self, tick: int, request: MachineRequest) -> None:
-        """Have a request from outside handled at a tick; a refusal becomes a warning event."""
-        self._inbox.put(max(tick, self._tick), request)
+    def put(self, tick: int, request: MachineRequest, by: str = "client") -> None:
+        """Have a request from outside handled at a tick; a refusal becomes a warning event.
+
+        Args:
+            tick: when, now at the earliest.
+            request: what is asked for.
+            by: see `request_from`.
+        """
+        self._inbox.put(max(tick, self._tick), request, by)
 
     # ---------------------------------------------------------------- reading
 
@@ -380,6 +391,22 @@ class Controller:
         """Hand a request to the one handler that knows it."""
         HANDLERS[type(request)](self, request)
 
+    def request_from(self, request: MachineRequest, by: str) -> None:
+        """Handle a request that does not come from the program.
+
+        Args:
+            request: what is asked for.
+            by: where it comes from, for the signals that it changes; see `events.SignalChanged.by`.
+
+        Raises:
+            ScriptError: the request makes no sense now; nothing has changed.
+        """
+        before, self._by = self._by, by
+        try:
+            self.request(request)
+        finally:
+            self._by = before
+
     def emit(self, event: Event) -> None:
         """Record what happened."""
         self._on_event(event)
@@ -425,7 +452,10 @@ class Controller:
         if after is TaskState.STOPPED:
             self.arm_state.stop(self._tick, arrives=ending == "finished")
         if TaskState.STOPPED in (before, after):
+            # Whoever starts or stops it: outputs that are tied to the program follow the program.
+            by, self._by = self._by, PROGRAM
             self.signals.set_running(self.task.is_running)
+            self._by = by
 
     def _motion_ended(self, move: int, is_complete: bool) -> None:
         self.program.motion_ended(move, is_complete)
@@ -436,7 +466,9 @@ class Controller:
         self.emit(event)
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
-        self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value))
+        by = self._by
+        line = self.program.calling_line if by == PROGRAM else 0
+        self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value, by, line))
         self.tracking.encoders.signal_changed(name, index, value, self._tick)
         self.safety.signal_changed(name, value)
 

@@ -25,11 +25,16 @@ class Inbox:
     __slots__ = ("_heap", "_sequence")
 
     def __init__(self) -> None:
-        self._heap: list[tuple[int, int, MachineRequest]] = []
+        self._heap: list[tuple[int, int, str, MachineRequest]] = []
         self._sequence = 0
 
-    def put(self, tick: int, request: MachineRequest) -> None:
+    def put(self, tick: int, request: MachineRequest, by: str = "client") -> None:
         """Have `request` handled at `tick`, after those that were put before it for the same tick.
+
+        Args:
+            tick: when.
+            request: what.
+            by: where it comes from, as `events.SignalChanged.by`.
 
         Raises:
             UsageError: the inbox is full.
@@ -37,21 +42,18 @@ class Inbox:
         if len(self._heap) >= CAPACITY:
             raise UsageError(f"the controller's inbox is full: {CAPACITY} requests wait already")
         self._sequence += 1
-        heappush(self._heap, (tick, self._sequence, request))
+        heappush(self._heap, (tick, self._sequence, by, request))
 
-    def deliver(self, tick: int, handle: Callable[[MachineRequest], None], refuse: Callable[[Warned], None]) -> None:
-        """Hand over what is due at `tick`; a refusal becomes a warning."""
-        while (request := self.due(tick)) is not None:
+    def deliver(
+        self, tick: int, handle: Callable[[MachineRequest, str], None], refuse: Callable[[Warned], None]
+    ) -> None:
+        """Hand over what is due at `tick`, each request with where it comes from; a refusal becomes a warning."""
+        while self._heap and self._heap[0][0] <= tick:
+            _, _, by, request = heappop(self._heap)
             try:
-                handle(request)
+                handle(request, by)
             except ScriptError as error:
                 refuse(Warned(tick, refusal_text(request, error)))
-
-    def due(self, tick: int) -> MachineRequest | None:
-        """Take the next request that is due at `tick`."""
-        if self._heap and self._heap[0][0] <= tick:
-            return heappop(self._heap)[2]
-        return None
 
     @property
     def next_tick(self) -> int | None:

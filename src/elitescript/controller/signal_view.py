@@ -15,12 +15,17 @@ class Signals(Mapping[str, Value]):
     """The robot's signals by name: `robot.signals["standard_digital_in[3]"] = True`.
 
     Setting takes effect at once, between two ticks.
+
+    Args:
+        controller: whose signals they are.
+        by: what the changes are put down to in the record; see `events.SignalChanged.by`.
     """
 
-    __slots__ = ("_controller",)
+    __slots__ = ("_by", "_controller")
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: Controller, by: str = "client") -> None:
         self._controller = controller
+        self._by = by
 
     def __getitem__(self, name: str) -> Value:
         signal, index = parse_signal_name(name)
@@ -28,7 +33,7 @@ class Signals(Mapping[str, Value]):
 
     def __setitem__(self, name: str, value: Value) -> None:
         try:
-            self._controller.request(signal_write(name, value))
+            self._controller.request_from(signal_write(name, value), self._by)
         except ScriptError as error:
             raise UsageError(str(error)) from error
 

@@ -41,11 +41,16 @@ class ProgramPort(Protocol):
     def line(self) -> int:
         """Line of the main thread; 0 without a program."""
 
+    @property
+    def calling_line(self) -> int:
+        """Line of the thread that runs at this moment; 0 between two threads."""
+
 
 class NoProgram:
     """Stands in until a program port is attached."""
 
     line = 0
+    calling_line = 0
 
     def run_tick(self, tick: int) -> None:
         """Nothing runs."""

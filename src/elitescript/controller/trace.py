@@ -6,14 +6,16 @@ at which something is due, so that recording does not change how time goes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import inf
 from typing import Final, NamedTuple
 
 from elitescript.controller.controller import Controller
+from elitescript.controller.trace_signals import NO_SIGNALS, TraceSignals
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
 from elitescript.messages.motion import Six
+from elitescript.messages.signals import Value
 from elitescript.messages.timing import PERIOD_S, seconds, ticks_for
 
 
@@ -31,6 +33,9 @@ class TraceRow(NamedTuple):
     """`playing`, `paused` or `stopped`."""
     q_actual: Six | None = None
     """Measured joint positions where there is a plant; None where actual equals target."""
+    signals: Mapping[str, Value] = NO_SIGNALS
+    """Signals by name after the tick: those that were asked for, or those that are not at their default; then any other
+    reads as its default. Rows between two changes share one mapping."""
 
 
 TRACE_COLUMNS: Final = (
@@ -78,15 +83,22 @@ class Trace:
     Args:
         sink: receives the rows in order.
         step_s: time from one row to the next, a whole number of ticks; one tick if None.
+        signals: what the rows say of signals; nothing if None.
 
     Raises:
         UsageError: another time.
     """
 
-    __slots__ = ("_next_tick", "_resting", "_sink", "_step_ticks")
+    __slots__ = ("_next_tick", "_resting", "_signals", "_sink", "_step_ticks")
 
-    def __init__(self, sink: Callable[[TraceRow], None], step_s: float | None = None) -> None:
+    def __init__(
+        self,
+        sink: Callable[[TraceRow], None],
+        step_s: float | None = None,
+        signals: TraceSignals | None = None,
+    ) -> None:
         self._sink = sink
+        self._signals = signals
         self._step_ticks = step_ticks(step_s)
         self._next_tick = 0
         self._resting: TraceRow | None = None
@@ -111,8 +123,7 @@ class Trace:
         self._next_tick = controller.tick
         self.record(controller, controller.tick + 1)
 
-    @staticmethod
-    def _row(controller: Controller, tick: int) -> TraceRow:
+    def _row(self, controller: Controller, tick: int) -> TraceRow:
         joints = controller.joints_at(tick + 1)
         q, qd = joints.q_target, joints.qd_target
         return TraceRow(
@@ -123,6 +134,7 @@ class Trace:
             controller.tcp_pose(q),
             _STATES[controller.task_state],
             None if controller.is_plant_ideal else joints.q_actual,
+            NO_SIGNALS if self._signals is None else self._signals.of(controller.signals.image),
         )
 
 

@@ -14,6 +14,7 @@ from elitescript.controller.refusals import refusal_text
 from elitescript.controller.signal_view import Signals
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.answers import shown_after
+from elitescript.kernel.causes import cause_of
 from elitescript.kernel.config import KernelConfig, configured_model, describe
 from elitescript.kernel.conversations import Conversations
 from elitescript.kernel.interpreter_logs import InterpreterLogs
@@ -132,10 +133,11 @@ class Kernel:
         self._tasks = Tasks(
             self._controller, self._host, self._programs, outside.files, outside.channels, config.configuration
         )
-        for name, value in config.signals:
-            Signals(self._controller)[name] = value
         if config.first_tick:
             self._controller.leap(config.first_tick)
+        start = Signals(self._controller, "schedule")
+        for name, value in config.signals:
+            start[name] = value
 
     @property
     def next_tick(self) -> int:
@@ -181,14 +183,14 @@ class Kernel:
             self._reply(*late)
 
     def _do(self, item: Do) -> None:
-        why_not = self._attempt(item.request)
+        why_not = self._attempt(item.request, cause_of(item.origin))
         if why_not:
             self._emit(Warned(self._controller.tick, why_not))
         if item.is_answered:
             shown = shown_after(self._controller, self.description.firmware, item.request)
             self._reply(item.origin, refused(why_not) if why_not else done(shown))
 
-    def _attempt(self, request: MachineRequest) -> str:
+    def _attempt(self, request: MachineRequest, by: str) -> str:
         """Do what is asked; return why it cannot be done, empty if it is."""
         if isinstance(request, StopTask):
             self._tasks.stop()
@@ -196,7 +198,7 @@ class Kernel:
                 return ""
         try:
             _check_point(request)
-            self._controller.request(request)
+            self._controller.request_from(request, by)
         except (ScriptError, UsageError) as error:
             return refusal_text(request, error)
         return ""

@@ -14,6 +14,7 @@ from elitescript.controller.picture import Pictures
 from elitescript.controller.refusals import refusal_text
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.answers import shown_after
+from elitescript.kernel.causes import cause_of
 from elitescript.kernel.config import DEFAULT_CONFIGURATION, KernelConfig, describe
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Do, Input, VariablesArrived
@@ -66,9 +67,9 @@ class OwnPorts:
         """See `RobotPort.read`."""
         return self._controller.read(name, index)
 
-    def write(self, request: WriteSignal) -> None:
+    def write(self, request: WriteSignal, by: str) -> None:
         """See `RobotPort.write`."""
-        self._controller.put(self._controller.tick, request)
+        self._controller.put(self._controller.tick, request, by)
 
     def emit(self, event: Event) -> None:
         """See `RobotPort.emit`."""
@@ -109,7 +110,7 @@ class OwnPorts:
     def _do(self, item: Do) -> None:
         why_not = ""
         try:
-            self._controller.request(item.request)
+            self._controller.request_from(item.request, cause_of(item.origin))
         except (ScriptError, UsageError) as error:
             why_not = refusal_text(item.request, error)
             self._controller.emit(Warned(self._controller.tick, why_not))

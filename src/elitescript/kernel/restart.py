@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+from elitescript.kernel.causes import RESTART
 from elitescript.kernel.config import KernelConfig
 from elitescript.messages.enums import RobotMode, SafetyMode
 from elitescript.messages.inputs import Do, Input, LoadTask
@@ -25,8 +26,6 @@ from elitescript.messages.machine import (
 )
 from elitescript.messages.signals import SIGNALS, signal_name
 from elitescript.messages.snapshot import RobotDescription, Snapshot
-
-ORIGIN: Final = "restart"
 
 _POWERED: Final = frozenset({RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE})
 _SAFETY_ACTIONS: Final = {
@@ -94,5 +93,5 @@ def restored_inputs(last: Snapshot) -> tuple[Input, ...]:
         requests.append(PowerOn())
     if state.safety_mode in _SAFETY_ACTIONS:
         requests.append(AskSafety(_SAFETY_ACTIONS[state.safety_mode], "it was so before the restart"))
-    task = (LoadTask(ORIGIN, last.task.loaded),) if last.task.loaded else ()
-    return (*(Do(ORIGIN, request) for request in requests), *task)
+    task = (LoadTask(RESTART, last.task.loaded),) if last.task.loaded else ()
+    return (*(Do(RESTART, request) for request in requests), *task)

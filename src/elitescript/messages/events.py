@@ -24,6 +24,7 @@ class TextMessage:
     thread: str
     line: int
     level: str = "info"
+    """Severity."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +44,11 @@ class Popup:
     tick: int
     text: str
     title: str
+    """Of the window."""
     level: str
     """`info`, `warning` or `error`."""
     is_blocking: bool
+    """Whether the thread waits until the button is pressed."""
     is_confirmed_at_once: bool
     """Nobody is there to press the button, so the program goes on."""
     thread: str
@@ -68,12 +71,14 @@ class Warned:
 
 @dataclass(frozen=True, slots=True)
 class DeviceNoted:
-    """A virtual device beside the robot has something to say."""
+    """A virtual device beside the robot, or a fault, has reported something."""
 
     tick: int
     device: str
+    """Its name; `fault` for a fault that acts."""
     text: str
     is_warning: bool = False
+    """Whether something went wrong."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,12 +87,16 @@ class Alarm:
 
     tick: int
     code: str
+    """Row of `errors.CODES`, such as `R101`."""
     class_name: str
+    """Name of the exception."""
     text: str
     line: int
     column: int
+    """Column of that line, from 1; 0 if it is not known."""
     thread: str
     source_line: str = ""
+    """Text of that line."""
     details: dict[str, Any] = field(default_factory=dict)
     """`command`, `argument`, `value`, `limit`, `unit`, `hint`, as far as they apply."""
 
@@ -98,29 +107,43 @@ class SignalChanged:
 
     tick: int
     name: str
+    """Such as `standard_digital_out[0]`; see [signals](signals.md)."""
     value: Value
+    """The new one."""
     by: str = "program"
-    """What changed it: `program`, `client`, `device`, `wire`, `schedule` or `fault`."""
+    """What changed it. `program`: a statement, or the start or end of the program that an output is tied to; `client`:
+    RTSI, MODBUS or dashboard clients, `ctl`, or Python between two ticks; `device`: one of the world beside the robot;
+    `wire`: one of its wires; `schedule`: one of its schedules, `robot.at`, and levels at the start of a served robot;
+    `fault`: a fault."""
     line: int = 0
-    """Line of the program; 0 if it was not the program."""
+    """Line of the statement; 0 if none has caused it."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChannelActivity:
-    """A connection to the outside was opened or closed, or carried data."""
+    """A connection to the outside was opened or closed, or carried data.
+
+    MODBUS TCP signals have an entry when their value or their trouble changes, not for each request. Of one tick no
+    more than 100 entries are kept; the one that follows says so.
+    """
 
     tick: int
     channel: str
-    """Name of the connection as the program, or the world file, calls it."""
+    """Name of the socket as the program calls it; URL of the procedures; `tool`, `box` or the device of a serial port;
+    name of a MODBUS signal, or `address:port` of a MODBUS connection and of custom commands on it."""
     kind: str
     """`socket`, `rpc`, `modbus` or `serial`."""
     what: str
-    """`open`, `sent`, `received`, `closed`, `refused` or `timeout`."""
+    """`open`, `sent`, `received`, `closed`, `refused` or `timeout` (an attempt to connect, a reading, an answer)."""
     data: str = ""
-    """What was carried, as text; a long one is cut."""
+    """What was carried, as text, cut after 200 characters or bytes. Of sockets and serial ports it is UTF-8; other
+    bytes and control characters are `\\xNN`. Of remote procedures it is call and result, of MODBUS the values that
+    changed, of slaves on a serial port what was asked and answered. With `open` it is where the channel leads to, with
+    `closed`, `refused` and `timeout` the reason."""
     line: int = 0
-    """Line of the program; 0 if no statement of it caused this."""
+    """Line of the statement that caused it, or that waits for what arrives; 0 if there is none."""
     thread: str = ""
+    """Name of its thread; empty if there is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +155,7 @@ class MotionStarted:
 
     tick: int
     request: MotionRequest
+    """What was asked for, such as `MoveJ`: a dataclass of `elitescript.messages.motion`."""
     line: int
     thread: str
     duration_s: float
@@ -148,6 +172,7 @@ class MotionEnded:
 
     tick: int
     is_complete: bool
+    """Whether it has come to its target."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +181,7 @@ class TrackingStarted:
 
     tick: int
     request: TrackLinear | TrackCircular
+    """What was asked for: a dataclass of `elitescript.messages.motion`."""
     line: int
     thread: str
 
@@ -173,7 +199,9 @@ class TaskStateChanged:
 
     tick: int
     state: TaskState
+    """`PLAYING`, `PAUSED` or `STOPPED`."""
     name: str
+    """Of the program."""
     ending: str = ""
     """How it ended: `finished`, `alarm` or `stopped`; empty while it runs."""
 
@@ -184,6 +212,7 @@ class TaskLoaded:
 
     tick: int
     name: str
+    """Path of the task in the task folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,15 +221,18 @@ class RobotModeChanged:
 
     tick: int
     mode: RobotMode
+    """The new one."""
 
 
 @dataclass(frozen=True, slots=True)
 class SafetyModeChanged:
-    """The safety system changed its mind."""
+    """The safety system went into another mode."""
 
     tick: int
     mode: SafetyMode
+    """The new one; see [safety](safety.md)."""
     reason: str = ""
+    """Why, as far as it is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,7 +241,9 @@ class LineMarked:
 
     tick: int
     number: int
+    """Of the node of the program tree."""
     label: str
+    """What the mark says besides."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,8 +252,9 @@ class YieldingChanged:
 
     tick: int
     request: YieldRequest
+    """What was asked for: a dataclass of `elitescript.messages.yielding`."""
     line: int
-    """0 if an input asked for it."""
+    """Line of the statement; 0 if an input asked for it."""
     thread: str
 
 

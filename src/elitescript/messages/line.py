@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
+
+PORT_NAMES: Final = {"tool": "tool", "/dev/ttymxc0": "box"}
+"""What people call the serial ports of the robot, by the device that programs name."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,6 +33,10 @@ NOT_CONNECTED: Final = "nothing is connected"
 """Reason of a `ChannelOpened` for a serial port that is bound to nothing: it opens all the same, and is silent."""
 
 
+TIME_OUT_REASONS: Final = ("no answer within", "connection timed out")
+"""How the reason of a connection that took too long begins, in small letters."""
+
+
 @dataclass(frozen=True, slots=True)
 class OpenLine:
     """Open a serial line; the answer is `ChannelOpened`. A line that is open already is closed before."""

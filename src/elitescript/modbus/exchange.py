@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Final
 
 from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.modbus.pdu import READS
 from elitescript.modbus.signals import BROADCAST, NO_ERROR, UNDEFINED_ERROR, Signal
 from elitescript.modbus.tcp_frames import TcpSplitter
 
@@ -38,6 +39,7 @@ class Exchange:
 
     Args:
         complain: tells what is wrong with a signal.
+        note: records what has come of it: signal, what, data.
         is_single: whether the device is known to take one request at a time.
 
     Attributes:
@@ -56,6 +58,7 @@ class Exchange:
         "_heard_tick",
         "_is_pressed",
         "_is_suspect",
+        "_note",
         "_probe_begin",
         "_probe_end",
         "_probe_size",
@@ -74,13 +77,20 @@ class Exchange:
         "window",
     )
 
-    def __init__(self, complain: Callable[[Signal, str], None], *, is_single: bool) -> None:
+    def __init__(
+        self,
+        complain: Callable[[Signal, str], None],
+        note: Callable[[Signal, str, str], None],
+        *,
+        is_single: bool,
+    ) -> None:
         self.window = 1
         self.is_single = is_single
         self.answered = 0
         self.strays = 0
         self.has_heard = False
         self._complain = complain
+        self._note = note
         self._queue: deque[Signal] = deque()
         self._flight: dict[int, tuple[Signal, bytes, int]] = {}
         """Signal, request and tick of sending, by transaction; the oldest one first."""
@@ -327,6 +337,12 @@ class Exchange:
                 self._complain(signal, trouble)
             else:
                 self.answered += 1
+                if signal.custom:
+                    self._note(signal, "received", f"slave {unit}: {pdu.hex(' ')}")
+                elif request[0] in READS:
+                    self._note(signal, "received", signal.shown(signal.inputs))
+                else:
+                    signal.noted = None
         if self._probe_size and not flight and not self._splitter.is_lost:
             self._proven = self._probe_size
             self._probe_size = 0

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
-from elitescript.messages.outputs import CHANNEL_WINDOW
+from elitescript.messages.outputs import CHANNEL_WINDOW, TIME_OUT_REASONS
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.modbus.exchange import TIMED_OUT, Exchange
 from elitescript.modbus.signals import CONNECTING, NO_ERROR, NOT_CONNECTED, Signal
@@ -37,10 +37,10 @@ ERROR_NUMBERS: Final = {
 }
 """Error numbers of TCP/IP on Linux by their text; a peer that just closes counts as a reset, others as `IO_ERROR`."""
 
-_LATE: Final = "no answer within"
+LATE: Final = TIME_OUT_REASONS[0]
 """How others say that an attempt to connect took too long."""
 
-_TIMED_OUT: Final = "connection timed out"
+_TIMED_OUT: Final = TIME_OUT_REASONS[1]
 _CLOSED_BY_DEVICE: Final = "the device has closed the connection"
 _NO_NETWORK: Final = "this run has no network"
 _NO_MODBUS: Final = "what the device sends is no MODBUS"
@@ -76,6 +76,7 @@ class Link:
         channels: carry the bytes.
         listen: tells who listens to a channel, or with None that nobody does.
         warn: records a warning; asked for each event, those that repeat are its business.
+        note: records what passes: name of the signal or of the connection, what, data.
         tick: the present one.
         is_single: whether the device is known to take one request at a time.
 
@@ -94,6 +95,7 @@ class Link:
         "_is_reset",
         "_last_tick",
         "_listen",
+        "_note",
         "_open_end",
         "_room",
         "_state",
@@ -114,6 +116,7 @@ class Link:
         channels: Channels,
         listen: Callable[[int, Link | None], None],
         warn: Callable[[str], None],
+        note: Callable[[str, str, str], None],
         *,
         tick: int,
         is_single: bool = False,
@@ -121,12 +124,13 @@ class Link:
         self.address = address
         self.port = port
         self.signals: dict[int, list[Signal]] = {}
-        self.exchange = Exchange(self._complain, is_single=is_single)
+        self.exchange = Exchange(self._complain, self._note_of, is_single=is_single)
         self.connection_code = NO_ERROR
         self.retry_tick: int | None = tick + 1
         self._channels = channels
         self._listen = listen
         self._warn = warn
+        self._note = note
         self._state = _CLOSED
         self._channel = 0
         self._inbox: list[ChannelEvent] = []
@@ -194,8 +198,16 @@ class Link:
 
     def _complain(self, signal: Signal, trouble: str) -> None:
         if not signal.is_removed:
+            self._note_of(signal, "timeout" if trouble.startswith(LATE) else "refused", trouble)
             what = f"MODBUS signal {signal.name!r}" if signal.name else "a MODBUS request"
             self._warn(f"{what} to {self.name}, slave {signal.unit}: {trouble}")
+
+    def _note_of(self, signal: Signal, what: str, data: str) -> None:
+        """Record what has come of a signal, unless it is the same as before."""
+        if signal.is_removed or (not signal.is_once and signal.noted == (what, data)):
+            return
+        signal.noted = what, data
+        self._note(signal.name or self.name, what, data)
 
     # ---------------------------------------------------------------- time
 
@@ -287,6 +299,7 @@ class Link:
             self._state = _OPEN
             self._is_reset = False
             self.connection_code = NO_ERROR
+            self._note(self.name, "open", "")
             self.exchange.begin(tick)
         elif isinstance(event, ChannelOpened | ChannelClosed):
             self._lose(tick, event.reason)
@@ -299,12 +312,18 @@ class Link:
             self._open_end = tick + CONNECT_TICKS
             self._listen(self._channel, self)
         else:
+            self._note(self.name, "refused", _NO_NETWORK)
             self._fail(tick, UNREACHABLE, _NO_NETWORK)
             self.retry_tick = None
 
     def _lose(self, tick: int, reason: str) -> None:
         """The connection does not come about, or stands no longer."""
         was_useful = self._state is _OPEN and self.exchange.has_heard
+        if self._state is _OPEN:
+            self._note(self.name, "closed", reason or "by the other side")
+        else:
+            self._note(self.name, "timeout" if error_number(reason) == TIMED_OUT else "refused", reason)
+        self._state = _CLOSED
         self._hang_up()
         if self.exchange.is_probing:
             # It was the burst that it has not survived.
@@ -330,6 +349,8 @@ class Link:
                 signal.fail(tick, CONNECTING, NO_ERROR)
 
     def _hang_up(self) -> None:
+        if self._state is _OPEN:
+            self._note(self.name, "closed", "")
         if self._channel:
             self._channels.close(self._channel)
             self._listen(self._channel, None)
@@ -360,7 +381,7 @@ class Link:
 
 def error_number(reason: str) -> int:
     """The error number of TCP/IP that stands for the text of a reason."""
-    return TIMED_OUT if reason.startswith(_LATE) else ERROR_NUMBERS.get(reason.lower(), IO_ERROR)
+    return TIMED_OUT if reason.startswith(LATE) else ERROR_NUMBERS.get(reason.lower(), IO_ERROR)
 
 
 def _turn(signal: Signal) -> int:

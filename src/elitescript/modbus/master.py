@@ -31,6 +31,7 @@ class Master:
         channels: carry the bytes.
         listeners: who is told what happens on which channel.
         warn: records a warning.
+        note: records what passes: name of the signal or of the connection, what, data; see `runtime.traffic`.
         tick: the present one.
 
     Attributes:
@@ -43,6 +44,7 @@ class Master:
         "_channels",
         "_is_running",
         "_listeners",
+        "_note",
         "_repeated",
         "_singles",
         "_warn",
@@ -58,6 +60,7 @@ class Master:
         channels: Channels,
         listeners: dict[int, Any],
         warn: Callable[[str], None],
+        note: Callable[[str, str, str], None] = lambda name, what, data: None,
         *,
         tick: int = 0,
     ) -> None:
@@ -69,6 +72,7 @@ class Master:
         self._channels = channels
         self._listeners = listeners
         self._warn = warn
+        self._note = note
         self._warned: set[str] = set()
         self._singles: dict[tuple[str, int], None] = {}
         self._repeated: dict[tuple[str, int, int, int], Signal] = {}
@@ -170,7 +174,7 @@ class Master:
         """Set an output; from now on it is written. One without a frequency is written once."""
         signal = self.find(name)
         signal.set(values)
-        signal.prepare(is_running=self._is_running)
+        self._prepare(signal, is_running=self._is_running)
         if not signal.frequency_hz:
             self.links[self.where[name]].exchange.ask(signal)
 
@@ -178,7 +182,14 @@ class Master:
         """Tie an output to whether a program runs; see `Signal.forced`."""
         signal = self.find(name)
         signal.choice = choice
-        signal.prepare(is_running=self._is_running)
+        self._prepare(signal, is_running=self._is_running)
+
+    def _prepare(self, signal: Signal, *, is_running: bool) -> None:
+        """Work out its request, and record what it writes from now on if that is something else."""
+        before = signal.request
+        signal.prepare(is_running=is_running)
+        if signal.request is not before and (values := signal.written(is_running=is_running)):
+            self._note(signal.name, "sent", signal.shown(values))
 
     def retime(self, name: str, frequency_hz: int) -> None:
         """Change how often a signal is asked for."""
@@ -206,6 +217,7 @@ class Master:
             self.links[address, port].remove(older)
         link = self._link(address, port)
         signal = Signal("", Kind.CUSTOM, unit, 0, 0, tick=self.now, custom=pdu, is_once=is_once)
+        self._note(link.name, "sent", f"slave {unit}: {pdu.hex(' ')}")
         if is_once:
             if link.exchange.single_requests >= REQUESTS_MAX:
                 raise ScriptStateError(
@@ -246,6 +258,7 @@ class Master:
                 self._channels,
                 self._listen,
                 self._warn_once,
+                self._note,
                 tick=self.now,
                 is_single=(address, port) in self._singles,
             )
@@ -289,7 +302,7 @@ class Master:
             self._repeated.clear()
         for name, signal in self.signals.items():
             before = signal.request
-            signal.prepare(is_running=self._is_running)
+            self._prepare(signal, is_running=self._is_running)
             if signal.request is not before and not signal.frequency_hz:
                 self.links[self.where[name]].exchange.ask(signal)
 
@@ -315,7 +328,7 @@ class Master:
             tied = []
             for name, signal in self.signals.items():
                 if self.where[name] == place and signal.forced(False) is not None:
-                    signal.prepare(is_running=False)
+                    self._prepare(signal, is_running=False)
                     tied.append(signal)
             link.close(tied)
         self.links.clear()

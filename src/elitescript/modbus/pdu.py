@@ -65,6 +65,8 @@ COIL_ON: Final = 0xFF00
 
 _BITS_READS: Final = (READ_COILS, READ_DISCRETE_INPUTS)
 _REGISTER_READS: Final = (READ_HOLDING_REGISTERS, READ_INPUT_REGISTERS)
+READS: Final = (*_BITS_READS, *_REGISTER_READS, READ_WRITE_REGISTERS)
+"""Function codes whose answers bring values."""
 
 _THREE: Final = Struct(">BHH")
 _FOUR: Final = Struct(">BHHB")

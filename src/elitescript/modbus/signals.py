@@ -92,6 +92,7 @@ class Signal:
         connection_code: an error number of TCP/IP.
         is_waiting: whether it is due and not sent.
         is_removed: whether nobody wants to know any more.
+        noted: the last entry of the record about it, what and which data; None if the next one is news in any case.
         missed: how often it was due again while it still waited.
         turn: counts what was sent on its connection, when it was sent last.
     """
@@ -114,6 +115,7 @@ class Signal:
         "kind",
         "missed",
         "name",
+        "noted",
         "ok_tick",
         "outputs",
         "request",
@@ -164,6 +166,7 @@ class Signal:
         self.connection_code = NO_ERROR
         self.is_waiting = False
         self.is_removed = False
+        self.noted: tuple[str, str] | None = None
         self.missed = 0
         self.turn = 0
         self.prepare(is_running=True)
@@ -233,6 +236,16 @@ class Signal:
         if self.outputs is None or self.kind is Kind.READ_WRITE:
             return self.inputs
         return (*self.outputs, *self.inputs[len(self.outputs) :])
+
+    def written(self, *, is_running: bool) -> tuple[int, ...]:
+        """Levels or values that an output writes; none if it only reads."""
+        forced = self.forced(is_running)
+        return self.outputs or () if forced is None else (forced,) * self.count
+
+    def shown(self, values: Sequence[int]) -> str:
+        """Values as text, in the words of programs."""
+        levels = [str(bool(value)) if self.is_digital else str(value) for value in values]
+        return levels[0] if len(levels) == 1 else f"[{', '.join(levels)}]"
 
     def take(self, request: bytes, answer: bytes, tick: int) -> str:
         """Take the answer to a request; return what is wrong with it, empty if nothing is."""

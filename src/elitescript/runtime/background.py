@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from elitescript.runtime.connection import Receiver
     from elitescript.runtime.line import Line
     from elitescript.runtime.modbus_signals import ModbusSignals
+    from elitescript.runtime.traffic import Traffic
     from elitescript.runtime.world import Channels
 
 
@@ -29,14 +30,24 @@ class Background:
         lines: the serial ports that were configured, by device.
     """
 
-    __slots__ = ("_connections", "_machine", "_modbus", "_scheduler", "lines")
+    __slots__ = ("_connections", "_machine", "_modbus", "_scheduler", "_traffic", "lines")
 
     def __init__(self, machine: Machine, scheduler: Scheduler, connections: dict[int, Receiver]) -> None:
         self._machine = machine
         self._scheduler = scheduler
         self._connections = connections
         self._modbus: ModbusSignals | None = None
+        self._traffic: Traffic | None = None
         self.lines: dict[str, Line] = {}
+
+    @property
+    def traffic(self) -> Traffic:
+        """What records the traffic of all channels."""
+        if self._traffic is None:
+            from elitescript.runtime.traffic import Traffic
+
+            self._traffic = Traffic(self._machine, self._scheduler)
+        return self._traffic
 
     def modbus(self, channels: Channels) -> ModbusSignals:
         """The MODBUS TCP signals.
@@ -47,7 +58,7 @@ class Background:
         if self._modbus is None:
             from elitescript.runtime.modbus_signals import ModbusSignals
 
-            self._modbus = ModbusSignals(self._machine, self._scheduler, channels, self._connections)
+            self._modbus = ModbusSignals(self._machine, self._scheduler, channels, self._connections, self.traffic)
         return self._modbus
 
     def run_tick(self, tick: int, *, is_running: bool) -> None:

@@ -10,10 +10,11 @@ from typing import Any, Final, Protocol
 
 from elitescript.commands.context import Rule
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
-from elitescript.messages.outputs import CHANNEL_WINDOW
+from elitescript.messages.outputs import CHANNEL_WINDOW, NOT_CONNECTED
 from elitescript.runtime.deadline import Deadline
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Strand
+from elitescript.runtime.traffic import ChannelLog
 from elitescript.runtime.world import Channels
 
 NOT_ALL_THERE: Final = "a secondary program (sec) does not wait: {what} was read once, before all had come"
@@ -41,6 +42,7 @@ class Connection:
         channel: its number.
         channels: carry the bytes.
         scheduler: of the threads that wait for it.
+        log: records what passes.
 
     Attributes:
         reason: why it is closed; empty if the peer or the program did it.
@@ -56,14 +58,16 @@ class Connection:
         "_taken",
         "_waiting",
         "channel",
+        "log",
         "queued",
         "reason",
         "received",
         "sent",
     )
 
-    def __init__(self, channel: int, channels: Channels, scheduler: Scheduler) -> None:
+    def __init__(self, channel: int, channels: Channels, scheduler: Scheduler, log: ChannelLog) -> None:
         self.channel = channel
+        self.log = log
         self.reason = ""
         self.received = bytearray()
         self.queued = 0
@@ -105,15 +109,23 @@ class Connection:
         if isinstance(event, ChannelData):
             if len(self.received) + len(event.data) + self._taken > CHANNEL_WINDOW:
                 self._channels.close(self.channel)
-                self._end(f"the peer sent more than {CHANNEL_WINDOW} bytes that nobody has read")
+                reason = f"the peer sent more than {CHANNEL_WINDOW} bytes that nobody has read"
+                self.log.closed(reason)
+                self._end(reason)
             else:
+                self.log.received(event.data, self._waiting[0] if self._waiting else None)
                 self.received += event.data
         elif isinstance(event, ChannelCredit):
             self._room += event.size
             self._push()
         elif isinstance(event, ChannelOpened) and event.is_open:
             self._state = _OPEN
+            self.log.opened()
         elif isinstance(event, ChannelOpened | ChannelClosed):
+            if self._state is _OPEN:
+                self.log.lost(event.reason)
+            elif event.reason != NOT_CONNECTED:
+                self.log.failed(event.reason)
             self._end(event.reason)
         self._wake()
 
@@ -182,13 +194,18 @@ class Connection:
         assert strand is not None
         deadline = Deadline(self._scheduler, timeout_s)
         is_last = strand.is_secondary
+        is_late = False
         while True:
             value, used = rule(self.received, is_last)
             self.drop(used)
             if value is not None or not self.is_open:
                 return value
-            if used == 0:
-                is_last = self.wait_for_more(reason, deadline)
+            if is_late:
+                # What came in the last moment was not enough either.
+                is_last = True
+                self.log.timed_out(f"{timeout_s:g} s for {reason}")
+            elif used == 0:
+                is_late = self.wait_for_more(reason, deadline)
 
     def rest(self, rule: Rule) -> Any:
         """What a rule makes of what has arrived, as nothing more will come."""
@@ -198,6 +215,7 @@ class Connection:
 
     def send(self, data: bytes) -> None:
         """Queue bytes for the peer and hand over as many as there is room for."""
+        self.log.sent(data)
         self._outgoing += data
         self.queued += len(data)
         self._push()
@@ -216,6 +234,7 @@ class Connection:
             if self._outgoing:
                 self._channels.send(self.channel, bytes(self._outgoing))
             self._channels.close(self.channel)
+            self.log.closed(reason)
             self._end(reason)
             self._wake()
 

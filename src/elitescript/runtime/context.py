@@ -180,7 +180,10 @@ class Context:
         if self._sockets is None:
             from elitescript.runtime.sockets import Sockets
 
-            self._sockets = Sockets(self._world.channels, self.scheduler, self._port.connections, self.warn_once)
+            port = self._port
+            self._sockets = Sockets(
+                self._world.channels, self.scheduler, port.connections, port.background.traffic, self.warn_once
+            )
         return self._sockets
 
     @property
@@ -190,9 +193,7 @@ class Context:
             from elitescript.runtime.lines import Lines
 
             port = self._port
-            self._lines = Lines(
-                self._world.channels, self.scheduler, port.connections, port.background.lines, self.warn_once
-            )
+            self._lines = Lines(self._world.channels, self.scheduler, port.connections, port.background, self.warn_once)
         return self._lines
 
     def remote_procedures(self, url: str) -> object:
@@ -200,8 +201,10 @@ class Context:
         if self._procedures is None:
             from elitescript.runtime.rpc import RemoteProcedures
 
-            channels, connections = self._world.channels, self._port.connections
-            self._procedures = RemoteProcedures(channels, self.scheduler, connections, self._port.rpc_timeout_s)
+            port = self._port
+            self._procedures = RemoteProcedures(
+                self._world.channels, self.scheduler, port.connections, port.background.traffic, port.rpc_timeout_s
+            )
         return self._procedures.handle(url)
 
     def close_connections(self) -> None:

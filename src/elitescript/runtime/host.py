@@ -254,6 +254,12 @@ class ScriptHost:
         return 0 if self._main is None else self._main.line
 
     @property
+    def calling_line(self) -> int:
+        """Line of the thread that runs at this moment; 0 between two threads."""
+        strand = self._scheduler.current
+        return 0 if strand is None else strand.line
+
+    @property
     def waits_for_outside(self) -> bool:
         """Whether a thread waits for somebody, and not for time, a move or another thread."""
         return self.is_paused or any(strand.waits_for == POPUP for strand in self._scheduler.strands)

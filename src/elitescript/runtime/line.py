@@ -9,6 +9,7 @@ from elitescript.messages.line import LineSettings
 from elitescript.messages.timing import ticks_for
 from elitescript.runtime.connection import Connection, Receiver
 from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.traffic import ChannelLog
 from elitescript.runtime.turns import Turns
 from elitescript.runtime.world import Channels, NoChannels
 
@@ -23,8 +24,8 @@ class Wire(Connection):
 
     __slots__ = ("has_heard",)
 
-    def __init__(self, channel: int, channels: Channels, scheduler: Scheduler) -> None:
-        super().__init__(channel, channels, scheduler)
+    def __init__(self, channel: int, channels: Channels, scheduler: Scheduler, log: ChannelLog) -> None:
+        super().__init__(channel, channels, scheduler, log)
         self.has_heard = False
 
     def take(self, event: ChannelEvent) -> None:
@@ -38,11 +39,12 @@ class SilentWire(Wire):
 
     __slots__ = ()
 
-    def __init__(self, scheduler: Scheduler) -> None:
-        super().__init__(0, NoChannels(), scheduler)
+    def __init__(self, scheduler: Scheduler, log: ChannelLog) -> None:
+        super().__init__(0, NoChannels(), scheduler, log)
         self.take(ChannelOpened(0, True))
 
     def send(self, data: bytes) -> None:
+        self.log.sent(data)
         self.queued += len(data)
         self.sent += len(data)
 

@@ -15,17 +15,19 @@ from collections.abc import Callable
 from typing import Final
 
 from elitescript.errors import ScriptPermissionError
-from elitescript.messages.line import LineSettings
+from elitescript.messages.line import PORT_NAMES, LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW, NOT_CONNECTED
-from elitescript.messages.timing import TICKS_PER_S, ticks_for
+from elitescript.messages.timing import TICKS_PER_S, seconds, ticks_for
 from elitescript.modbus import pdu
 from elitescript.modbus.pdu import DeviceError
 from elitescript.modbus.rtu_exchange import RtuExchange, gap_s
+from elitescript.runtime.background import Background
 from elitescript.runtime.connection import NOT_ALL_THERE, Receiver
 from elitescript.runtime.deadline import Deadline
 from elitescript.runtime.line import CLOSED, MODBUS, PLAIN, Line, SilentWire, Wire
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
+from elitescript.runtime.traffic import ChannelLog, cut
 from elitescript.runtime.world import Channels
 
 OPEN_TICKS: Final = 2 * TICKS_PER_S
@@ -36,6 +38,18 @@ BROKEN_S: Final = 0.5
 
 TOOL: Final = "tool"
 
+FUNCTIONS: Final = {
+    pdu.READ_COILS: "read coils",
+    pdu.READ_DISCRETE_INPUTS: "read discrete inputs",
+    pdu.READ_HOLDING_REGISTERS: "read holding registers",
+    pdu.READ_INPUT_REGISTERS: "read input registers",
+    pdu.WRITE_COIL: "write coil",
+    pdu.WRITE_REGISTER: "write register",
+    pdu.WRITE_COILS: "write coils from",
+    pdu.WRITE_REGISTERS: "write registers from",
+}
+"""Function codes in words, as the record of a run has them before an address."""
+
 
 class Lines:
     """Implements `commands.context.Lines` for one program.
@@ -44,24 +58,25 @@ class Lines:
         channels: carry the bytes.
         scheduler: runs the threads.
         connections: who listens to each open channel.
-        lines: the ports of the machine, by device.
+        background: has the ports of the machine, and what records their traffic.
         warn_once: records a warning, once for each key.
     """
 
-    __slots__ = ("_channels", "_connections", "_lines", "_scheduler", "_warn_once")
+    __slots__ = ("_channels", "_connections", "_lines", "_scheduler", "_traffic", "_warn_once")
 
     def __init__(
         self,
         channels: Channels,
         scheduler: Scheduler,
         connections: dict[int, Receiver],
-        lines: dict[str, Line],
+        background: Background,
         warn_once: Callable[[str, str], None],
     ) -> None:
         self._channels = channels
         self._scheduler = scheduler
         self._connections = connections
-        self._lines = lines
+        self._lines = background.lines
+        self._traffic = background.traffic
         self._warn_once = warn_once
 
     # ---------------------------------------------------------------- configuring
@@ -83,12 +98,13 @@ class Lines:
         channel = self._channels.open_line(device, settings)
         if not channel:
             return self._open_silent(line, device)
-        line.wire = wire = self._connections[channel] = Wire(channel, self._channels, self._scheduler)
+        log = self._log(line, device, _settings_text(settings))
+        line.wire = wire = self._connections[channel] = Wire(channel, self._channels, self._scheduler, log)
         try:
             until = self._scheduler.now + OPEN_TICKS
             while wire.is_opening:
                 if not wire.wait(f"{_called(device)} to open", until):
-                    wire.close("it does not open")
+                    wire.close(f"no answer within {seconds(OPEN_TICKS):g} s: it does not open")
         finally:
             if line.wire is wire and not wire.is_open:
                 line.close(self._connections)
@@ -100,9 +116,13 @@ class Lines:
         return wire.is_open
 
     def _open_silent(self, line: Line, device: str) -> bool:
-        line.wire = SilentWire(self._scheduler)
+        line.wire = SilentWire(self._scheduler, self._log(line, device, NOT_CONNECTED))
         self._warn_once(f"line {device} silent", f"{NOT_CONNECTED} to {_called(device)}: it is open, and silent")
         return True
+
+    def _log(self, line: Line, device: str, where: str) -> ChannelLog:
+        # Of an exchange with a slave its meaning is recorded, in `_ask`.
+        return ChannelLog(self._traffic, "serial", PORT_NAMES.get(device, device), where, has_bytes=line.mode == PLAIN)
 
     def disable(self, device: str) -> None:
         """Close a port; no effect on a closed one."""
@@ -175,13 +195,16 @@ class Lines:
         is_last = self._caller.is_secondary
         if is_last and len(wire.received) < count:
             self._warn_once(f"sec read {device}", NOT_ALL_THERE.format(what=_called(device)))
+        is_late = False
         while True:
             size = min(count - len(data), len(wire.received))
             data += wire.received[:size]
             wire.drop(size)
             if len(data) == count or is_last or not wire.is_open:
+                if is_late and len(data) < count:
+                    wire.log.timed_out(f"{count - len(data)} of {reason} have not come in time")
                 return bytes(data)
-            is_last = wire.wait_for_more(reason, deadline)
+            is_last = is_late = wire.wait_for_more(reason, deadline)
 
     def write(self, device: str, data: bytes) -> int | None:
         """Send bytes, waiting for room if the line is behind by `CHANNEL_WINDOW`.
@@ -237,7 +260,8 @@ class Lines:
             ScriptPermissionError: the port belongs to a daemon.
             Stopped: the thread was stopped.
         """
-        return self._ask(device, slave, pdu.read(function, address, count), timeout_s)
+        last = f" to {address + count - 1}" if count > 1 else ""
+        return self._ask(device, slave, pdu.read(function, address, count), timeout_s, f"{address}{last}")
 
     def write_slave(
         self, device: str, slave: int, function: int, address: int, values: tuple[int, ...], timeout_s: float
@@ -252,9 +276,10 @@ class Lines:
                 request = pdu.write_coils(address, values)
             case _:
                 request = pdu.write_registers(address, values)
-        return self._ask(device, slave, request, timeout_s) is not None
+        text = f"{address} = {values[0] if len(values) == 1 else list(values)}"
+        return self._ask(device, slave, request, timeout_s, text) is not None
 
-    def _ask(self, device: str, slave: int, request: bytes, timeout_s: float) -> tuple[int, ...] | None:
+    def _ask(self, device: str, slave: int, request: bytes, timeout_s: float, asked: str) -> tuple[int, ...] | None:
         deadline = Deadline(self._scheduler, timeout_s)
         reason = f"the answer of slave {slave} on {_called(device)}"
         found = self._usable(device, MODBUS)
@@ -272,13 +297,18 @@ class Lines:
             elif not self._wait_for_quiet(line, wire, reason, deadline):
                 why = "the line is not silent"
             else:
+                wire.log.note("sent", cut(f"slave {slave}: {FUNCTIONS[request[0]]} {asked}"))
                 exchange = RtuExchange(slave, request)
                 values, why = self._exchange(line, wire, exchange, reason, deadline)
                 if not why:
+                    wire.log.note("received", cut(f"slave {slave}: {', '.join(map(str, values)) or 'done'}"))
                     return values
+                if wire.is_open:
+                    wire.log.timed_out(f"slave {slave}: {why}")
             self._say(device, slave, why)
             return None
         except DeviceError as error:
+            wire.log.note("refused", f"slave {slave}: {error}")
             self._say(device, slave, f"it refuses: {error}")
             return None
         finally:
@@ -353,6 +383,11 @@ class Lines:
     def _let_time_go_by(self, reason: str) -> None:
         if not self._caller.is_secondary:
             self._scheduler.wait(reason, self._scheduler.now + 1)
+
+
+def _settings_text(settings: LineSettings) -> str:
+    parity = "NOE"[settings.parity]
+    return f"{settings.baud} {settings.size}{parity}{settings.stop_bits}"
 
 
 def _called(device: str) -> str:

@@ -16,6 +16,7 @@ from elitescript.modbus.signals import Kind, Signal
 from elitescript.runtime.connection import Receiver
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
+from elitescript.runtime.traffic import Traffic, cut
 from elitescript.runtime.world import Channels
 
 
@@ -27,23 +28,33 @@ class ModbusSignals:
         scheduler: of the threads that wait for a connection.
         channels: carry the bytes.
         connections: who listens to each open channel.
+        traffic: records what passes.
 
     Attributes:
         master: what does the work.
     """
 
-    __slots__ = ("_machine", "_scheduler", "_waiting", "master")
+    __slots__ = ("_machine", "_scheduler", "_traffic", "_waiting", "master")
 
     def __init__(
-        self, machine: Machine, scheduler: Scheduler, channels: Channels, connections: dict[int, Receiver]
+        self,
+        machine: Machine,
+        scheduler: Scheduler,
+        channels: Channels,
+        connections: dict[int, Receiver],
+        traffic: Traffic,
     ) -> None:
         self._machine = machine
         self._scheduler = scheduler
         self._waiting: list[tuple[Link, Strand]] = []
-        self.master = Master(channels, connections, self._warn, tick=machine.tick)
+        self._traffic = traffic
+        self.master = Master(channels, connections, self._warn, self._note, tick=machine.tick)
 
     def _warn(self, text: str) -> None:
         self._machine.emit(Warned(self._machine.tick, text))
+
+    def _note(self, name: str, what: str, data: str) -> None:
+        self._traffic.note_of_caller("modbus", name, what, cut(data))
 
     # ---------------------------------------------------------------- signals
 

@@ -29,6 +29,7 @@ from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.sealed import Sealed, no_copy
 from elitescript.runtime.sockets import CONNECT_TICKS, NO_NETWORK
 from elitescript.runtime.strand import Stopped
+from elitescript.runtime.traffic import ChannelLog, Traffic, cut
 from elitescript.runtime.world import Channels
 
 CALLS_MAX: Final = 32
@@ -49,6 +50,15 @@ class Server(NamedTuple):
     path: str
 
 
+class Call(NamedTuple):
+    """A call that is made."""
+
+    method: str
+    args: tuple[Any, ...]
+    request: bytes
+    """The HTTP request."""
+
+
 class RemoteProcedures:
     """The calls of one program.
 
@@ -56,17 +66,24 @@ class RemoteProcedures:
         channels: carry the bytes.
         scheduler: runs the threads.
         connections: of every program of the host, by channel.
+        traffic: records calls and answers.
         answer_s: how long a call waits for its answer; 0 and less waits for ever.
     """
 
-    __slots__ = ("_answer_s", "_busy", "_channels", "_connections", "_idle", "_is_over", "_scheduler")
+    __slots__ = ("_answer_s", "_busy", "_channels", "_connections", "_idle", "_is_over", "_scheduler", "_traffic")
 
     def __init__(
-        self, channels: Channels, scheduler: Scheduler, connections: dict[int, Receiver], answer_s: float
+        self,
+        channels: Channels,
+        scheduler: Scheduler,
+        connections: dict[int, Receiver],
+        traffic: Traffic,
+        answer_s: float,
     ) -> None:
         self._channels = channels
         self._scheduler = scheduler
         self._connections = connections
+        self._traffic = traffic
         self._answer_s = answer_s
         self._idle: dict[Server, Connection] = {}
         self._busy: list[Connection] = []
@@ -96,15 +113,25 @@ class RemoteProcedures:
             raise ScriptStateError("a secondary program (sec) may not wait for remote procedures", code="R120")
         request = _request(server, method, args)
         try:
-            answer = self._exchange(server, request, f"the answer of {method}() from {server.url}")
-            return _result(answer)
+            answer = self._exchange(server, Call(method, args, request))
+            try:
+                value = _result(answer)
+            except PeerError as error:
+                self._note(server, "received", str(error))
+                raise
+            self._note(server, "received", _brief(value))
+            return value
         except client.Fault as fault:
             code, text = fault.faultCode, str(fault.faultString)
+            self._note(server, "received", f"fault {code}: {text}")
             raise RpcError(
                 f"{method}() on {server.url}: the server answered with fault {code}: {text}", fault=(code, text)
             ) from None
         except PeerError as error:
             raise RpcError(f"{method}() on {server.url}: {error}") from None
+
+    def _note(self, server: Server, what: str, data: str) -> None:
+        self._traffic.note_of_caller("rpc", server.url, what, cut(data))
 
     def close_all(self) -> None:
         """The program is over: close everything."""
@@ -116,27 +143,27 @@ class RemoteProcedures:
 
     # ---------------------------------------------------------------- connections
 
-    def _exchange(self, server: Server, request: bytes, reason: str) -> HttpAnswer:
+    def _exchange(self, server: Server, call: Call) -> HttpAnswer:
         """Send a request and read its answer; again on a new connection if the kept one turns out to be gone."""
         kept = self._idle.pop(server, None)
         if kept is not None and kept.is_open and not kept.received:
             reader = HttpReader()
             try:
-                return self._ask(server, kept, reader, request, reason)
+                return self._ask(server, kept, reader, call)
             except PeerError:
                 if reader.has_begun or kept.is_open:
                     raise
         elif kept is not None:
             self._close(kept)
-        return self._ask(server, self._open(server), HttpReader(), request, reason)
+        return self._ask(server, self._open(server), HttpReader(), call)
 
-    def _ask(
-        self, server: Server, connection: Connection, reader: HttpReader, request: bytes, reason: str
-    ) -> HttpAnswer:
+    def _ask(self, server: Server, connection: Connection, reader: HttpReader, call: Call) -> HttpAnswer:
         self._busy.append(connection)
         is_kept = False
         try:
-            connection.send(request)
+            connection.send(call.request)
+            self._note(server, "sent", f"{call.method}({', '.join(map(_brief, call.args))})")
+            reason = f"the answer of {call.method}() from {server.url}"
             answer = connection.read(reader, reason, self._answer_s)
             if answer is None:
                 answer = reader.at_end()
@@ -158,16 +185,19 @@ class RemoteProcedures:
     def _open(self, server: Server) -> Connection:
         if len(self._busy) >= CALLS_MAX:
             raise PeerError(f"{CALLS_MAX} calls are under way already")
+        log = ChannelLog(self._traffic, "rpc", server.url, f"{server.address}:{server.port}", has_bytes=False)
         channel = self._channels.open(server.address, server.port, seconds(CONNECT_TICKS))
         if not channel:
+            log.failed(NO_NETWORK)
             raise PeerError(NO_NETWORK)
-        connection = Connection(channel, self._channels, self._scheduler)
+        connection = Connection(channel, self._channels, self._scheduler, log)
         self._connections[channel] = connection
         self._busy.append(connection)
         until = self._scheduler.now + CONNECT_TICKS
         try:
             while connection.is_opening:
                 if not connection.wait(f"{server.address}:{server.port} to accept a connection", until):
+                    connection.close(f"no answer within {seconds(CONNECT_TICKS):g} s")
                     raise PeerError(f"no connection within {seconds(CONNECT_TICKS):g} s")
             if not connection.is_open:
                 raise PeerError(connection.reason or "closed at once")
@@ -247,6 +277,16 @@ def _request(server: Server, method: str, args: tuple[Any, ...]) -> bytes:
         f"Content-Type: text/xml\r\nContent-Length: {len(body)}\r\n\r\n"
     )
     return head.encode("ascii") + body
+
+
+def _brief(value: Any) -> str:
+    """A value in few characters, however large it is."""
+    from reprlib import Repr
+
+    brief = Repr()
+    brief.maxstring = brief.maxother = 100
+    brief.maxlist = brief.maxtuple = brief.maxdict = 20
+    return brief.repr(value)
 
 
 def _check_arguments(values: Any) -> None:

@@ -16,6 +16,7 @@ from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.connection import NOT_ALL_THERE, Connection, Receiver
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
+from elitescript.runtime.traffic import ChannelLog, Traffic
 from elitescript.runtime.world import Channels
 
 CONNECT_TICKS: Final = 2 * TICKS_PER_S
@@ -34,21 +35,24 @@ class Sockets:
         channels: carry the bytes.
         scheduler: runs the threads.
         connections: of every program of the host, by channel.
+        traffic: records what passes.
         warn_once: records a warning, once for each key.
     """
 
-    __slots__ = ("_by_name", "_channels", "_connections", "_is_over", "_scheduler", "_warn_once")
+    __slots__ = ("_by_name", "_channels", "_connections", "_is_over", "_scheduler", "_traffic", "_warn_once")
 
     def __init__(
         self,
         channels: Channels,
         scheduler: Scheduler,
         connections: dict[int, Receiver],
+        traffic: Traffic,
         warn_once: Callable[[str, str], None],
     ) -> None:
         self._channels = channels
         self._scheduler = scheduler
         self._connections = connections
+        self._traffic = traffic
         self._warn_once = warn_once
         self._by_name: dict[str, Connection] = {}
         self._is_over = False
@@ -92,10 +96,12 @@ class Sockets:
         if len(self._by_name) >= CONNECTIONS_MAX:
             hint = "close those that are done with"
             raise ScriptStateError(f"{CONNECTIONS_MAX} sockets are open already", value=name, hint=hint)
+        log = ChannelLog(self._traffic, "socket", name, f"{address}:{port}")
         channel = self._channels.open(address, port, seconds(CONNECT_TICKS))
         if not channel:
+            log.failed(NO_NETWORK)
             return None
-        connection = Connection(channel, self._channels, self._scheduler)
+        connection = Connection(channel, self._channels, self._scheduler, log)
         self._by_name[name] = self._connections[channel] = connection
         return connection
 

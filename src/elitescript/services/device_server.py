@@ -79,7 +79,7 @@ class DeviceServer:
         row = SIGNALS[name]
         return self._values.get(signal_name(row, index), row.default)
 
-    def write(self, request: WriteSignal) -> None:
+    def write(self, request: WriteSignal, by: str) -> None:
         """Remember a level."""
         name = signal_name(SIGNALS[request.name], request.index)
         if self.read(request.name, request.index) != request.value:
@@ -121,7 +121,7 @@ class DeviceServer:
             raise
         if self._world.cell is not None:
             for name, value in self._world.cell.signals.items():
-                self.write(signal_write(name, value))
+                self.write(signal_write(name, value), "schedule")
         self._is_ready = True
         self._world.begin(self)
 

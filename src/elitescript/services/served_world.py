@@ -13,6 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from elitescript.errors import UsageError
+from elitescript.kernel.causes import WORLD
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelEvent, ChannelOpened, Do, Input
 from elitescript.messages.machine import WriteSignal
@@ -35,7 +36,6 @@ from elitescript.worlds.virtual.world import World
 if TYPE_CHECKING:
     from elitescript.services.station import Station
 
-ORIGIN: Final = "world"
 CHANNELS_MAX: Final = 64
 """Channels that may lead to devices at a time."""
 UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
@@ -115,9 +115,9 @@ class ServedWorld:
         assert self._output is not None
         return self._output.snapshot.signals[name][index]
 
-    def write(self, request: WriteSignal) -> None:
+    def write(self, request: WriteSignal, by: str) -> None:
         """Set a point in the next tick."""
-        self._inputs.append(Do(ORIGIN, request))
+        self._inputs.append(Do(f"{WORLD}:{by}", request))
 
     def connect(self, service: str, origin: str) -> Connection:
         """A connection to a port of the robot."""

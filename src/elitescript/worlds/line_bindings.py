@@ -6,8 +6,13 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from elitescript.errors import UsageError
+from elitescript.messages.line import PORT_NAMES
 
-PORTS: Final = {"tool": "tool", "box": "/dev/ttymxc0", "/dev/ttymxc0": "/dev/ttymxc0", "/dev/ttyS2": "/dev/ttyS2"}
+PORTS: Final = {
+    **{name: device for device, name in PORT_NAMES.items()},
+    "/dev/ttymxc0": "/dev/ttymxc0",
+    "/dev/ttyS2": "/dev/ttyS2",
+}
 """Names of the robot's ports, and the device that each means."""
 
 BRIDGE: Final = "socket://"

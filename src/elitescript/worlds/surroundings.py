@@ -32,8 +32,13 @@ class RobotPort(Protocol):
     def read(self, name: str, index: int) -> Value:
         """A point of the signal image."""
 
-    def write(self, request: WriteSignal) -> None:
-        """Set a point; it takes effect in the tick that is about to run."""
+    def write(self, request: WriteSignal, by: str) -> None:
+        """Set a point; it takes effect in the tick that is about to run.
+
+        Args:
+            request: the point and its level.
+            by: `device`, `wire` or `schedule`; see `events.SignalChanged.by`.
+        """
 
     def emit(self, event: Event) -> None:
         """Add to the record of what happens."""

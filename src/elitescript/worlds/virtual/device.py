@@ -29,6 +29,7 @@ class Device:
     Attributes:
         name: for messages; the name of the class if empty. A setting, like those of the subclasses.
         cell: the robot's signals.
+        acts_as: what the record of a run calls it when it changes a signal: `device`, `wire` or `schedule`.
         protocol: which one it speaks, `MODBUS` or `XML-RPC`, or neither; faults that are of a protocol go by it.
 
     Raises:
@@ -50,7 +51,8 @@ class Device:
     name: str = ""
     cell: RobotSignals
     protocol: str = ""
-    _kept: tuple[str, ...] = ("cell", "protocol")
+    acts_as: str = "device"
+    _kept: tuple[str, ...] = ("cell", "protocol", "acts_as")
     """Public attributes that are no settings."""
     _world: World | None = None
     _random: Random | None = None

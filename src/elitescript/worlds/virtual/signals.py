@@ -68,7 +68,10 @@ class RobotSignals:
         if after_s < 0.0:
             raise UsageError(f"after_s must be >= 0 s, got {after_s:g}")
         request, hub = signal_write(name, value), self._hub
-        hub.agenda.put(ticks_for(after_s), lambda: None if hub.robot is None else hub.robot.write(request), self._owner)
+        by = getattr(self._owner, "acts_as", "device")
+        hub.agenda.put(
+            ticks_for(after_s), lambda: None if hub.robot is None else hub.robot.write(request, by), self._owner
+        )
 
     def pulse(self, name: str, duration_s: float, after_s: float = 0.0) -> None:
         """Set a digital signal, and clear it again when it has been high for so long."""

@@ -49,6 +49,7 @@ class Wire(Device):
         ... ])
     """
 
+    acts_as = "wire"
     when: str = ""
     then: str = ""
     after_s: float = 0.0
@@ -155,6 +156,7 @@ class Schedule(Device):
         ... ])
     """
 
+    acts_as = "schedule"
     signal: str = ""
     at: Sequence[Sequence[Any]] = ()
     every_s: float = 0.0
