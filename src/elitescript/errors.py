@@ -58,6 +58,10 @@ _ROWS: Final = (
     Code("W213", "warning", "module that is not available"),
     Code("W214", "warning", "program that is defined but never called"),
     Code("W215", "warning", "command without its parentheses"),
+    # What a run alone can find.
+    Code("W270", "warning", "something that a program gave away and that did not arrive"),
+    Code("W271", "warning", "write to an output that follows the state of the task"),
+    Code("W272", "warning", "reading that begins with the line end of the one before"),
     # What contradicts the command catalogue: `check` fails, `run` warns.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),

@@ -91,6 +91,7 @@ class Signal:
         device_code: what the device has to say against it.
         connection_code: an error number of TCP/IP.
         is_waiting: whether it is due and not sent.
+        is_owed: whether what a program has set is not written yet; an answer ends that, whatever it says.
         is_removed: whether nobody wants to know any more.
         missed: how often it was due again while it still waited.
         turn: counts what was sent on its connection, when it was sent last.
@@ -108,6 +109,7 @@ class Signal:
         "frequency_hz",
         "inputs",
         "is_once",
+        "is_owed",
         "is_removed",
         "is_sequential",
         "is_waiting",
@@ -163,6 +165,7 @@ class Signal:
         self.device_code = CONNECTING
         self.connection_code = NO_ERROR
         self.is_waiting = False
+        self.is_owed = is_once
         self.is_removed = False
         self.missed = 0
         self.turn = 0
@@ -208,6 +211,7 @@ class Signal:
             self.request = request
             self.tail = tcp_frame(0, self.unit, request)[2:]
             self.answer = b""
+            self.is_owed = self.is_once or not self.is_asking
 
     def _request(self, is_running: bool) -> bytes:
         forced = self.forced(is_running)

@@ -207,6 +207,16 @@ class Connection:
             self._room -= size
             self.sent += size
 
+    @property
+    def unsent(self) -> int:
+        """Bytes that the program has sent and that wait for room."""
+        return len(self._outgoing)
+
+    def discard(self) -> None:
+        """Forget the bytes that wait for room."""
+        self.sent += len(self._outgoing)
+        self._outgoing.clear()
+
     def close(self, reason: str = "") -> None:
         """Close it from this side, whatever is under way."""
         if self._state is not _CLOSED:

@@ -365,6 +365,7 @@ class ScriptHost:
         self.watchdogs.clear()
         if main is not None:
             program.close()
+            self.background.program_ended()
         self.result, self._ending = self._ending, ""
         self._on_end(self.result)
 

@@ -42,8 +42,8 @@ class ModbusSignals:
         self._waiting: list[tuple[Link, Strand]] = []
         self.master = Master(channels, connections, self._warn, tick=machine.tick)
 
-    def _warn(self, text: str) -> None:
-        self._machine.emit(Warned(self._machine.tick, text))
+    def _warn(self, text: str, code: str = "") -> None:
+        self._machine.emit(Warned(self._machine.tick, text, code=code))
 
     # ---------------------------------------------------------------- signals
 
