@@ -250,3 +250,31 @@ class TestLiveRecord:
         end = run.joints, run.time_s, run.tcp_pose
         robot.run(program("movej([0.3, -1.2, 1.2, -1.57, -1.57, 0])"))
         assert (run.joints, run.time_s, run.tcp_pose) == end
+
+
+class TestTiedOutputs:
+    def test_an_unrelated_task_moves_nothing(self):
+        robot = VirtualRobot()
+        tie = "set_runstate_standard_digital_output_to_value"
+        robot.run(
+            program(
+                f"{tie}(0, 1)",
+                f"{tie}(1, 2)",
+                f"{tie}(2, 3)",
+                *(f"set_standard_digital_out({n}, {n == 0})" for n in range(2)),
+            )
+        )
+        assert [robot.signals[f"standard_digital_out[{n}]"] for n in range(3)] == [False, True, False]
+        run = robot.run(program("print([get_standard_digital_out(n) for n in range(3)])"))
+        assert run.printed == ["[False, True, True]"]
+
+    def test_a_write_without_effect_is_a_warning_once_for_each_output_and_program(self):
+        robot = VirtualRobot()
+        robot.run(program("set_runstate_standard_digital_output_to_value(2, 3)"))
+        run = robot.run(program("set_standard_digital_out(2, True)", *["set_standard_digital_out(2, False)"] * 3))
+        said = [event for event in run.events if isinstance(event, Warned)]
+        assert [(event.line, event.thread, event.code) for event in said] == [(3, "main", "W271")]
+        assert said[0].text == (
+            "standard_digital_out[2] stays high: the write has no effect while the task runs, as the output is tied to that"
+        )
+        assert len(robot.run(program("set_standard_digital_out(2, False)")).warnings) == 1

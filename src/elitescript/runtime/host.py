@@ -254,6 +254,12 @@ class ScriptHost:
         return 0 if self._main is None else self._main.line
 
     @property
+    def caller(self) -> tuple[str, int]:
+        """Name and line of the thread that runs at this moment; an empty name and 0 while none does."""
+        strand = self._scheduler.current
+        return ("", 0) if strand is None else (strand.name, strand.line)
+
+    @property
     def waits_for_outside(self) -> bool:
         """Whether a thread waits for somebody, and not for time, a move or another thread."""
         return self.is_paused or any(strand.waits_for == POPUP for strand in self._scheduler.strands)
