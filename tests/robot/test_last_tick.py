@@ -275,6 +275,57 @@ class TestTiedOutputs:
         said = [event for event in run.events if isinstance(event, Warned)]
         assert [(event.line, event.thread, event.code) for event in said] == [(3, "main", "W271")]
         assert said[0].text == (
-            "standard_digital_out[2] stays high: the write has no effect while the task runs, as the output is tied to that"
+            "standard_digital_out[2] stays high: the write has no effect while the task runs, "
+            "as the output is tied to that"
         )
         assert len(robot.run(program("set_standard_digital_out(2, False)")).warnings) == 1
+
+
+class TestLeftLineEnd:
+    class Sender(TcpServer):
+        port = 5000
+
+        def line_received(self, connection, line):
+            return line
+
+    ASK = 'socket_send_line("(1.5, 2)")'
+
+    def run(self, *lines):
+        return cell(self.Sender()).run(program(OPEN, self.ASK, *lines))
+
+    def said(self, run):
+        return [(event.line, event.code, event.text) for event in run.events if isinstance(event, Warned)]
+
+    @pytest.mark.parametrize(
+        "last", ['socket_read_string(suffix="\\n")', "socket_read_string()", 'socket_get_var("x")']
+    )
+    def test_a_text_that_begins_with_it_is_a_warning_once(self, last):
+        again = [self.ASK, "socket_read_ascii_float(2)", last]
+        run = self.run("print(socket_read_ascii_float(2))", last, *again)
+        assert run.printed == ["(2, 1.5, 2.0)"] or run.printed == ["[2, 1.5, 2.0]"]
+        text = "the text read from socket 'socket_0' begins with the line end that socket_read_ascii_float has left"
+        assert self.said(run) == [(5, "W272", text)]
+
+    def test_other_numbers_and_text_behind_a_mark_skip_it(self):
+        run = self.run(
+            "socket_read_ascii_float(2)", self.ASK, "print(socket_read_ascii_float(2))", 'socket_send_line("a:b")'
+        )
+        run = self.run(
+            "socket_read_ascii_float(2)",
+            'socket_send_line("a:b")',
+            'print(socket_read_string("socket_0", "a:", "\\n"))',
+        )
+        assert (run.printed, self.said(run)) == (["b"], [])
+
+    def test_it_can_be_read_away_without_a_second_word(self):
+        lines = (
+            'socket_read_string(suffix="\\n")',
+            'socket_send_line("hello")',
+            'print(socket_read_string(suffix="\\n"))',
+        )
+        run = self.run("socket_read_ascii_float(2)", *lines)
+        assert (run.printed, len(self.said(run))) == (["hello"], 1)
+
+    def test_an_empty_line_that_nobody_has_left_is_no_warning(self):
+        run = self.run('socket_read_string(suffix="\\n")', 'socket_send_line("")', 'socket_read_string(suffix="\\n")')
+        assert self.said(run) == []

@@ -1,6 +1,6 @@
 """Outputs that follow whether a program runs (manual 2.10 sections 3.18 to 3.23).
 
-A choice takes effect at once and whenever a program ends; with 3 also when one starts. With 1 and 2 the start of a program
+A choice takes effect at once and whenever a program ends; 3 also when one starts. With 1 and 2 the start of a program
 leaves the level as it is, and only a running program can change it. A write without effect is a warning.
 """
 

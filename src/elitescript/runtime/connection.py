@@ -42,6 +42,7 @@ class Connection:
     Attributes:
         reason: why it is closed; empty if the peer or the program did it.
         received: what has arrived and is not read.
+        is_behind_numbers: whether the last thing that was read was a list of numbers in parentheses.
     """
 
     __slots__ = (
@@ -53,6 +54,7 @@ class Connection:
         "_taken",
         "_waiting",
         "channel",
+        "is_behind_numbers",
         "queued",
         "reason",
         "received",
@@ -63,6 +65,7 @@ class Connection:
         self.channel = channel
         self.reason = ""
         self.received = bytearray()
+        self.is_behind_numbers = False
         self.queued = 0
         """Bytes that the program has sent so far."""
         self.sent = 0
