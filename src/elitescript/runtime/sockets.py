@@ -173,7 +173,7 @@ class Sockets:
 
         def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
             value, used = rule(data, is_last)
-            if used and data[:1] in (b"\r", b"\n"):
+            if used and data.startswith((b"\r", b"\n")):
                 text = (
                     f"the text read from socket {name!r} begins with the line end that socket_read_ascii_float has left"
                 )
