@@ -65,6 +65,10 @@ _ROWS: Final = (
     Code("W219", "warning", "result that is not used"),
     Code("W220", "warning", "`return` that is missing on one path"),
     Code("W221", "warning", "reading that a secondary program does not wait for"),
+    # What a run alone can find.
+    Code("W270", "warning", "something that a program gave away and that did not arrive"),
+    Code("W271", "warning", "write to an output that follows the state of the task"),
+    Code("W272", "warning", "reading that begins with the line end of the one before"),
     # What contradicts the command catalogue: `check` fails, `run` warns.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),

@@ -110,6 +110,8 @@ class JsonReport:
             record.update(paced=True, overruns=overruns)
         elif run.is_paced:
             record["paced"] = True
+        if run.undelivered:
+            record["undelivered"] = run.undelivered
         if not run.is_reproducible:
             record["reproducible"] = False
         if run.state not in ("finished", "alarm"):

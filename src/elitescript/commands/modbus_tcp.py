@@ -49,7 +49,8 @@ def modbus_add_signal(
 
     Outputs are read until a program sets them for the first time, and written from then on, 10 times a second
     (*assumed*) unless `modbus_set_signal_update_frequency` says otherwise. Signals stay when the program ends
-    (*assumed*); with `elitescript run` they end with the run.
+    (*assumed*): the next program of the same robot finds them. What was set last is written before `elitescript run`
+    ends.
 
     Args:
         IP: address of the device.

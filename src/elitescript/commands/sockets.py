@@ -90,6 +90,9 @@ def socket_read_ascii_float(
 ) -> Annotated[tuple[float, ...], Vector(Number(allows_non_finite=True), None)]:
     """Read numbers that are sent as text, such as `(3.14, 2.5)`; commas and blanks separate, empty fields are skipped.
 
+    What follows the parenthesis stays for the next call, the line end of the sender too: another call of this command
+    skips it, a reading of text begins with it, which is a warning. `socket_read_string(suffix="\\n")` reads it away.
+
     Args:
         number: how many numbers.
         socket_name: name of the connection; empty for the usual one.

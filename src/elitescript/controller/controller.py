@@ -31,7 +31,7 @@ from elitescript.controller.yielding import Caller
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.enums import RobotMode, TaskState
-from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged
+from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
 from elitescript.messages.machine import MachineRequest
 from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
 from elitescript.messages.plant import PlantConfig
@@ -116,7 +116,7 @@ class Controller:
         self._tick = 0
         self.program: ProgramPort = NoProgram()
         self._inbox = Inbox()
-        self.signals = SignalImage(self._signal_changed)
+        self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
         self.power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)), mode, power_times)
         self.task = Task(self._task_changed)
@@ -467,10 +467,19 @@ class Controller:
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
         by = self._by
-        line = self.program.calling_line if by == PROGRAM else 0
+        line = self.program.caller[1] if by == PROGRAM else 0
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value, by, line))
         self.tracking.encoders.signal_changed(name, index, value, self._tick)
         self.safety.signal_changed(name, value)
+
+    def _write_overridden(self, name: str, index: int, level: Value) -> None:
+        point = signal_name(SIGNALS[name], index)
+        state = "runs" if self.task.is_running else "does not run"
+        shown = f"stays {'high' if level else 'low'}" if isinstance(level, bool) else f"stays at {level:g}"
+        text = f"{point} {shown}: the write has no effect while the task {state}, as the output is tied to that"
+        thread, line = self.program.caller
+        hint = "set_runstate_…_to_value with runstate 0 unties it"
+        self.emit(Warned(self._tick, text, thread, line, "W271", hint))
 
     def mark(self, number: int, label: str) -> None:
         """The program has reached a node of its tree."""

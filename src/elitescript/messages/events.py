@@ -7,7 +7,7 @@ with the same events did the same.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import MotionRequest, TrackCircular, TrackLinear
@@ -53,6 +53,10 @@ class Popup:
     """Nobody is there to press the button, so the program goes on."""
     thread: str
     line: int
+
+
+UNDELIVERED: Final = "W270"
+"""Code of warnings about what a program gave away and that did not arrive."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,6 +47,7 @@ class Connection:
     Attributes:
         reason: why it is closed; empty if the peer or the program did it.
         received: what has arrived and is not read.
+        is_behind_numbers: whether the last thing that was read was a list of numbers in parentheses.
     """
 
     __slots__ = (
@@ -58,6 +59,7 @@ class Connection:
         "_taken",
         "_waiting",
         "channel",
+        "is_behind_numbers",
         "log",
         "queued",
         "reason",
@@ -70,6 +72,7 @@ class Connection:
         self.log = log
         self.reason = ""
         self.received = bytearray()
+        self.is_behind_numbers = False
         self.queued = 0
         """Bytes that the program has sent so far."""
         self.sent = 0
@@ -227,6 +230,16 @@ class Connection:
             del self._outgoing[:size]
             self._room -= size
             self.sent += size
+
+    @property
+    def unsent(self) -> int:
+        """Bytes that the program has sent and that wait for room."""
+        return len(self._outgoing)
+
+    def discard(self) -> None:
+        """Forget the bytes that wait for room."""
+        self.sent += len(self._outgoing)
+        self._outgoing.clear()
 
     def close(self, reason: str = "") -> None:
         """Close it from this side, whatever is under way."""

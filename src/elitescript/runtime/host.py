@@ -254,10 +254,10 @@ class ScriptHost:
         return 0 if self._main is None else self._main.line
 
     @property
-    def calling_line(self) -> int:
-        """Line of the thread that runs at this moment; 0 between two threads."""
+    def caller(self) -> tuple[str, int]:
+        """Name and line of the thread that runs at this moment; an empty name and 0 while none does."""
         strand = self._scheduler.current
-        return 0 if strand is None else strand.line
+        return ("", 0) if strand is None else (strand.name, strand.line)
 
     @property
     def waits_for_outside(self) -> bool:
@@ -371,6 +371,7 @@ class ScriptHost:
         self.watchdogs.clear()
         if main is not None:
             program.close()
+            self.background.program_ended()
         self.result, self._ending = self._ending, ""
         self._on_end(self.result)
 

@@ -19,7 +19,7 @@ from os import strerror
 from re import search
 from typing import Any, Final
 
-from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
+from elitescript.messages.inputs import AddLog, ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import (
     CHANNEL_WINDOW,
     NOT_CONNECTED,
@@ -217,7 +217,7 @@ class Broker:
         if len(self._leaving) > LEAVING_MAX:
             self._leaving = deque(one for one in self._leaving if not one.is_gone)
         if len(self._leaving) > LEAVING_MAX:
-            self._leaving.popleft().drop()
+            self._leaving.popleft().give_up()
 
 
 class _Channel(asyncio.BufferedProtocol):
@@ -283,7 +283,14 @@ class _Channel(asyncio.BufferedProtocol):
         self._is_closed = True
         if self._transport is not None:
             self._transport.close()
-            self._linger = asyncio.get_running_loop().call_later(LINGER_S, self.drop)
+            self._linger = asyncio.get_running_loop().call_later(LINGER_S, self.give_up)
+
+    def give_up(self) -> None:
+        """Close at once; what has not left is lost, and the robot's log says so."""
+        transport = self._transport
+        if transport is not None and (size := transport.get_write_buffer_size()):
+            self._post([AddLog("", f"not delivered: {size} bytes to {_place(transport)}", is_warning=True)])
+        self.drop()
 
     def drop(self) -> None:
         """Close at once."""
@@ -347,6 +354,11 @@ class _Channel(asyncio.BufferedProtocol):
                 transport.resume_reading()
             else:
                 transport.pause_reading()
+
+
+def _place(transport: asyncio.Transport) -> str:
+    peer = transport.get_extra_info("peername")
+    return f"{peer[0]}:{peer[1]}" if peer else "a peer that has gone"
 
 
 def reason_of(error: BaseException) -> str:
