@@ -120,7 +120,9 @@ class Command:
         """Whether arguments beyond the signature are passed on as they are."""
         self._details: _Details | None = None
 
-    def renamed(self, name: str, since: str = "", evidence: str = "") -> Command:
+    def renamed(
+        self, name: str, since: str = "", evidence: str = "", *, is_simulated: bool | None = None
+    ) -> Command:
         """The same command under another name."""
         return Command(
             self.function,
@@ -131,7 +133,7 @@ class Command:
             evidence or self.evidence,
             self.waits,
             self.works_in_sec,
-            self.is_simulated,
+            self.is_simulated if is_simulated is None else is_simulated,
             self.manual,
             name,
             self.name,
