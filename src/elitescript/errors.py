@@ -58,7 +58,6 @@ _ROWS: Final = (
     Code("W213", "warning", "module that is not available"),
     Code("W214", "warning", "program that is defined but never called"),
     Code("W215", "warning", "command without its parentheses"),
-    Code("W260", "warning", "command that is not simulated"),
     # What contradicts the command catalogue: `check` fails, `run` warns.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),

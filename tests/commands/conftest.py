@@ -178,6 +178,9 @@ class FakeLines:
         self._ask("is_open", device)
         return self.opens
 
+    def open_devices(self) -> list[str]:
+        return ["/dev/ttymxc0", "tool"]
+
     def mode(self, device: str) -> str:
         self._ask("mode", device)
         return "RS485"

@@ -61,3 +61,13 @@ def test_frame_needs_three_points_that_are_not_on_one_line(call: Any) -> None:
 
 def test_pose_along_path_is_the_one_without_the_path_offset(call: Any) -> None:
     assert call("get_target_tcp_pose_along_path") == [0.4, 0.1, 0.2, 3.0, 0.0, 0.0]
+
+
+def test_a_thread_that_is_pinned_goes_on(call: Any, robot: Any) -> None:
+    call("pin_thread", 5, 2)
+    call("pin_thread")
+    assert robot.asked == [SetOption("pin_thread", 2), SetOption("pin_thread", 0)]
+
+
+def test_serial_ports_that_are_open(call: Any) -> None:
+    assert call("serial_open_list") == ["/dev/ttymxc0", "tool"]

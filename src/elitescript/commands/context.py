@@ -185,6 +185,9 @@ class Lines(Protocol):
     def is_open(self, device: str) -> bool:
         """Whether a port is enabled."""
 
+    def open_devices(self) -> list[str]:
+        """Devices of the ports that are enabled, sorted."""
+
     def mode(self, device: str) -> str:
         """`RS485`, `MODBUS-RTU` or `CLOSE`."""
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from elitescript.commands.motion import blend_radius
 from elitescript.commands.quantities import (
     Any_,
+    Anything,
     BlendRadius,
     Bool,
     Number,
@@ -120,6 +121,31 @@ def cal_rpy_frame(origin: _PointOrPose, x_axis: _PointOrPose, y_axis: _PointOrPo
     except InvalidValueError as error:
         error.argument = "x_axis" if error.argument == "x_point" else "y_axis"
         raise
+
+
+@command(family="observed", evidence="observed")
+def pin_thread(robot: Robot, thread_id: Whole = 0, core: Whole = 0) -> None:
+    """Stored without effect: threads of a program take turns here, whatever core of a real controller runs them.
+
+    Only the name has been seen; what it takes is *assumed*.
+
+    Args:
+        thread_id: what `start_thread` returned; 0 for the calling thread.
+        core: number of the core.
+    """
+    robot.request(SetOption("pin_thread", core))
+
+
+@command(family="observed", evidence="observed")
+def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")]:
+    """Devices of the serial ports that are enabled.
+
+    A post-processor knows the name; what it returns is *assumed*.
+
+    Returns:
+        `tool` and the devices of the control box, in the order of their names; empty if none is enabled.
+    """
+    return robot.lines.open_devices()
 
 
 @command(family="observed", evidence="observed")

@@ -120,9 +120,7 @@ class Command:
         """Whether arguments beyond the signature are passed on as they are."""
         self._details: _Details | None = None
 
-    def renamed(
-        self, name: str, since: str = "", evidence: str = "", *, is_simulated: bool | None = None
-    ) -> Command:
+    def renamed(self, name: str, since: str = "", evidence: str = "", *, is_simulated: bool | None = None) -> Command:
         """The same command under another name."""
         return Command(
             self.function,
