@@ -58,6 +58,7 @@ _ROWS: Final = (
     Code("W213", "warning", "module that is not available"),
     Code("W214", "warning", "program that is defined but never called"),
     Code("W215", "warning", "command without its parentheses"),
+    Code("W260", "warning", "write to an address that mirrors the robot"),
     # What contradicts the command catalogue: `check` fails, `run` warns.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),
@@ -199,6 +200,10 @@ class InvalidValueError(ScriptError, ValueError):
     """The value cannot be used, though its type and range are right."""
 
     default_code = "R104"
+
+
+class MirroredAddressError(InvalidValueError):
+    """The address shows a state of the robot, or nothing; it cannot be written."""
 
 
 class FirmwareError(ScriptError, NameError):
