@@ -74,7 +74,7 @@ def set_tool_second_power_on(robot: Robot, b: Bool) -> None:
     robot.request(SetOption("tool_second_power_on", b))
 
 
-@command(family="observed", evidence="observed", spellings={"p": "pose"}, waits=True, works_in_sec=False)
+@command(family="observed", evidence="observed", waits=True, works_in_sec=False)
 def movep(robot: Robot, pose: Pose, a: ToolAcceleration = 1.2, v: ToolSpeed = 0.25, r: BlendRadius = 0) -> None:
     """Move the TCP on a straight line, at constant tool speed; seen in generated welding programs.
 
