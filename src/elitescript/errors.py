@@ -65,6 +65,7 @@ _ROWS: Final = (
     Code("W219", "warning", "result that is not used"),
     Code("W220", "warning", "`return` that is missing on one path"),
     Code("W221", "warning", "reading that a secondary program does not wait for"),
+    Code("W260", "warning", "write to an address that mirrors the robot"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),
@@ -219,6 +220,10 @@ class InvalidValueError(ScriptError, ValueError):
     """The value cannot be used, though its type and range are right."""
 
     default_code = "R104"
+
+
+class MirroredAddressError(InvalidValueError):
+    """The address shows a state of the robot, or nothing; it cannot be written."""
 
 
 class FirmwareError(ScriptError, NameError):

@@ -17,6 +17,7 @@ from elitescript.kinematics.transforms import compose, pose_from_transform, tran
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.motion import MicroLine, Six
+from elitescript.messages.path_offset import OffsetFrame
 from elitescript.messages.profile import Profile, profile
 from elitescript.messages.signals import SIGNALS, Value
 from elitescript.messages.state import ZERO_SIX, JointState, Payload, RobotState
@@ -57,6 +58,12 @@ class FakeMachine:
 
     def tcp_wrench(self, is_compensated: bool) -> Six:
         return (3.0, 4.0, 12.0, 0.1, 0.2, 0.3) if is_compensated else (3.5, 4.5, 12.5, 0.1, 0.2, 0.3)
+
+    def path_offset_along(self, frame: OffsetFrame) -> Six:
+        return (0.001 * frame, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def tcp_pose_along_path(self) -> Six:
+        return (0.4, 0.1, 0.2, 3.0, 0.0, 0.0)
 
     def state(self) -> RobotState:
         flange = self.arm.forward(Q_ACTUAL)
@@ -171,6 +178,9 @@ class FakeLines:
         self._ask("is_open", device)
         return self.opens
 
+    def open_devices(self) -> list[str]:
+        return ["/dev/ttymxc0", "tool"]
+
     def mode(self, device: str) -> str:
         self._ask("mode", device)
         return "RS485"
@@ -257,6 +267,9 @@ class FakeRobot:
         self._ask(request)
 
     def track(self, request: Any) -> None:
+        self._ask(request)
+
+    def shift(self, request: Any) -> None:
         self._ask(request)
 
     def stop_motion(self, request: Any) -> None:

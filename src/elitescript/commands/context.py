@@ -15,6 +15,7 @@ from elitescript.messages.events import Event
 from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import MachineRequest
 from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, Six, TrackRequest
+from elitescript.messages.path_offset import OffsetFrame, PathOffsetRequest
 from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import JointState, Payload, RobotState
@@ -72,6 +73,12 @@ class Machine(Protocol):
             is_compensated: without the payload and less the zero of the sensor.
         """
 
+    def path_offset_along(self, frame: OffsetFrame) -> Six:
+        """The path offset that the arm has in this tick, along and about the axes of a frame: m, rad."""
+
+    def tcp_pose_along_path(self) -> Six:
+        """Target pose of the TCP in this tick without the path offset."""
+
     def state(self) -> RobotState:
         """The whole machine at this tick."""
 
@@ -114,6 +121,13 @@ class Machine(Protocol):
 
         Raises:
             ScriptError: the arm cannot or may not do it; nothing has changed.
+        """
+
+    def request_path_offset(self, request: PathOffsetRequest, line: int, thread: str) -> None:
+        """Shift the motion by an offset from this tick on, or set how that is done.
+
+        Raises:
+            ScriptError: the arm may not move, or is guided by hand; nothing has changed.
         """
 
     def is_move_done(self, move: int) -> bool: ...
@@ -170,6 +184,9 @@ class Lines(Protocol):
 
     def is_open(self, device: str) -> bool:
         """Whether a port is enabled."""
+
+    def open_devices(self) -> list[str]:
+        """Devices of the ports that are enabled, sorted."""
 
     def mode(self, device: str) -> str:
         """`RS485`, `MODBUS-RTU` or `CLOSE`."""
@@ -331,6 +348,9 @@ class Robot(Protocol):
 
     def track(self, request: TrackRequest) -> None:
         """Begin to go along with a conveyor, or ask for the end of that and wait for standstill."""
+
+    def shift(self, request: PathOffsetRequest) -> None:
+        """Shift the motion by an offset, or set how that is done; returns at once."""
 
     def stop_motion(self, request: MotionRequest | YieldRequest) -> None:
         """Ask for a stop and wait for standstill."""

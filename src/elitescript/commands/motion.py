@@ -68,7 +68,7 @@ def movej(
     robot.move(MoveJ(q, a or default_a, v or default_v, t, blend_radius(robot, r)))
 
 
-@command(family="motion", manual="2.1.3", spellings={"pose": "p"}, waits=True, works_in_sec=False)
+@command(family="motion", manual="2.1.3", waits=True, works_in_sec=False)
 def movel(
     robot: Robot,
     p: Pose,

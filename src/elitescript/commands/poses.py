@@ -88,7 +88,7 @@ def pose_sub(p_to: Pose, p_from: Pose) -> Pose:
     return algebra.pose_sub(p_to, p_from)
 
 
-@command(family="math", manual="2.2.29", spellings={"p_fom": "p_from"})
+@command(family="math", manual="2.2.29")
 def pose_trans(p_from: Pose, p_from_to: Pose) -> Pose:
     """Chain two poses: T(p_from) T(p_from_to).
 

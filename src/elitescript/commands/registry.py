@@ -59,6 +59,23 @@ class Param:
         return repr(self.default)
 
 
+SPELLINGS: Final = {
+    "addr": ("address",),
+    "address": ("addr",),
+    "p": ("pose",),
+    "p_from": ("p_fom",),
+    "pose": ("p",),
+    "qNear": ("qnear",),
+    "qnear": ("qNear",),
+    "signal_name": ("singal_name", "ignal_name"),
+    "signal_type": ("singal_type",),
+    "time_out": ("timeout",),
+    "timeout": ("time_out",),
+    "update_frequency": ("update_freqency",),
+}
+"""How the manuals spell one parameter from command to command, misprints included: every command takes all of them."""
+
+
 class Command:
     """One name of the catalogue; see `command` for the fields.
 
@@ -120,7 +137,7 @@ class Command:
         """Whether arguments beyond the signature are passed on as they are."""
         self._details: _Details | None = None
 
-    def renamed(self, name: str, since: str = "", evidence: str = "") -> Command:
+    def renamed(self, name: str, since: str = "", evidence: str = "", *, is_simulated: bool | None = None) -> Command:
         """The same command under another name."""
         return Command(
             self.function,
@@ -131,7 +148,7 @@ class Command:
             evidence or self.evidence,
             self.waits,
             self.works_in_sec,
-            self.is_simulated,
+            self.is_simulated if is_simulated is None else is_simulated,
             self.manual,
             name,
             self.name,
@@ -267,6 +284,7 @@ class _Details:
                 raise InternalError(f"{command.name}: parameter {name!r} lacks a quantity or its line under Args")
             default = defaults[index - first_default] if index >= first_default else REQUIRED
             spellings = tuple(other for other, own in command.spellings.items() if own == name)
+            spellings += tuple(other for other in SPELLINGS.get(name, ()) if other not in names)
             params.append(Param(name, quantity, default, spellings, doc.args[name]))
         self.params = tuple(params)
         self.returns = _quantity(function, "return") or Anything("None")

@@ -21,6 +21,7 @@ from elitescript.messages.motion import (
     SpeedL,
     TrackRequest,
 )
+from elitescript.messages.path_offset import PathOffsetRequest
 from elitescript.messages.profile import Profile
 from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.alarms import without_addresses
@@ -243,6 +244,13 @@ class Context:
     def track(self, request: TrackRequest) -> None:
         """Begin to go along with a conveyor, or ask for the end of that and wait for standstill."""
         self._wait_for_move(request, "standstill")
+
+    def shift(self, request: PathOffsetRequest) -> None:
+        """Shift the motion by an offset, or set how that is done; returns at once."""
+        strand = self.strand
+        if strand.is_dying:
+            raise Stopped
+        self.machine.request_path_offset(request, strand.line, strand.name)
 
     def stop_motion(self, request: MotionRequest | YieldRequest) -> None:
         """Ask for a stop and wait for standstill."""
