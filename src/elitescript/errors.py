@@ -58,6 +58,15 @@ _ROWS: Final = (
     Code("W213", "warning", "module that is not available"),
     Code("W214", "warning", "program that is defined but never called"),
     Code("W215", "warning", "command without its parentheses"),
+    # What is legal, but hardly meant: units and targets; see `commands.plausibility`.
+    Code("W230", "warning", "angle that looks like degrees"),
+    Code("W231", "warning", "length that looks like millimetres"),
+    Code("W232", "warning", "speed or acceleration that looks like degrees or millimetres"),
+    Code("W233", "warning", "payload above what the arm carries"),
+    Code("W234", "warning", "analog level outside 0 to 1"),
+    Code("W235", "warning", "blend radius longer than half of the move"),
+    Code("W236", "warning", "target that the arm cannot reach"),
+    Code("W237", "warning", "joint positions where a pose belongs, or the reverse"),
     # What contradicts the command catalogue: `check` fails, `run` warns.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),

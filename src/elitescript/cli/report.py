@@ -128,7 +128,11 @@ def _popup_record(event: Any) -> dict[str, Any]:
 
 
 def _warning_record(event: Any) -> dict[str, Any]:
-    return {"type": "warning", "t": seconds(event.tick), "text": event.text, "thread": event.thread, "line": event.line}
+    record = {"type": "warning", "t": seconds(event.tick), "text": event.text}
+    record.update(thread=event.thread, line=event.line)
+    if event.code:
+        record.update(code=event.code, hint=event.hint)
+    return record
 
 
 def _device_record(event: Any) -> dict[str, Any]:
@@ -172,9 +176,12 @@ class TextReport:
         self._out = out
         self._err = err
         self._start_s = 0.0
+        self._said: set[tuple[str, int]] = set()
+        """Code and line of what was found before the run, which the run need not repeat."""
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         for problem in problems:
+            self._said.add((problem.code, problem.line))
             print(str(problem) if source is None else render(problem, source), file=self._err)
 
     def start(self, robot: VirtualRobot, path: Path) -> None:
@@ -189,8 +196,7 @@ class TextReport:
             note = " (confirmed at once: nobody is there to press the button)" if event.is_confirmed_at_once else ""
             self._line(event.tick, f"[popup, {event.level}] {event.title}: {event.text}{note}")
         elif isinstance(event, Warned):
-            where = f"line {event.line}: " if event.line else ""
-            self._problem(event.tick, f"warning: {where}{event.text}")
+            self._warned(event)
         elif isinstance(event, DeviceNoted) and event.is_warning:
             self._problem(event.tick, f"warning: {event.device}: {event.text}")
         elif isinstance(event, DeviceNoted):
@@ -199,6 +205,15 @@ class TextReport:
             self._problem(event.tick, f"safety: {event.mode.name}" + (f": {event.reason}" if event.reason else ""))
         elif isinstance(event, Alarm):
             self._alarm(event)
+
+    def _warned(self, event: Warned) -> None:
+        if (event.code, event.line) in self._said:
+            return
+        code = f" {event.code}" if event.code else ""
+        where = f"line {event.line}: " if event.line else ""
+        self._problem(event.tick, f"warning{code}: {where}{event.text}")
+        if event.hint:
+            print(f"{'':14}hint: {event.hint}", file=self._err)
 
     def _line(self, tick: int, text: str) -> None:
         print(f"{seconds(tick):10.3f} s  {text}", file=self._out)
