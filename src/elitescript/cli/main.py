@@ -210,7 +210,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Report every problem with its place, code, text and hint. Exit code 3 if there are errors.",
     )
     check.add_argument("files", nargs="+", metavar="FILE")
-    check.add_argument("--robot", metavar="MODEL", help="arm that the programs are for: its limits, reach and payload count")
+    check.add_argument("--robot", metavar="MODEL", help="arm that the programs are for, with its limits and its reach")
     check.add_argument("--world", metavar="FILE", help="what is around the robot: the joint ranges of its safety count")
 
     plot = subparsers.add_parser(

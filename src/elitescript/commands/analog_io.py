@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from elitescript.commands.context import Robot
 
 _Level = Annotated[float, Number("A or V")]
+_Fraction = Annotated[float, Number(meaning="fraction")]
 _Domain = Annotated[int, Choice(0, 1)]
 
 
@@ -46,7 +47,11 @@ def get_standard_analog_out(robot: Robot, n: Annotated[int, signal_index("standa
 
 
 @command(family="io", manual="3.12")
-def set_standard_analog_out(robot: Robot, n: Annotated[int, signal_index("standard_analog_out")], f: Annotated[float, Number(meaning="fraction")]) -> None:
+def set_standard_analog_out(
+    robot: Robot,
+    n: Annotated[int, signal_index("standard_analog_out")],
+    f: _Fraction,
+) -> None:
     """Set an analog output of the control box to a fraction of its range.
 
     What lies outside 0 to 1 is set to the nearer end, as the manual says, with a warning (W234) for each line.

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 GRAVITY_RANGE: Final = (9.6, 10.0)
 """What `set_gravity` is given on earth, m/s^2; anything else is carried out, with a warning."""
 
-CentreOfGravity = Annotated[tuple[float, float, float], Vector(Number(), 3, "m", "[CoGx, CoGy, CoGz]", meaning="centre of gravity")]
+CentreOfGravity = Annotated[
+    tuple[float, float, float], Vector(Number(), 3, "m", "[CoGx, CoGy, CoGz]", meaning="centre of gravity")
+]
 
 
 @command(family="motion", manual="2.1.19")

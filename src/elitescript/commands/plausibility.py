@@ -64,13 +64,13 @@ class Doubt(NamedTuple):
         code: row of `errors.CODES`.
         text: what it is, with value and unit; follows command and parameter.
         hint: what to do about it.
-        index: element of the list that is meant; None for the whole value.
+        element: index of the element that is meant; None for the whole value.
     """
 
     code: str
     text: str
     hint: str
-    index: int | None = None
+    element: int | None = None
 
 
 class ArmFacts(Protocol):

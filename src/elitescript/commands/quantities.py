@@ -336,9 +336,7 @@ Pose = Annotated[Six, POSE]
 Frame = Annotated[Six, Vector(Number(), 6, "m, rad", _POSE_NAMES)]
 """Any transform; programs also compute with such lists in other units, or with other lists of six numbers."""
 TcpOffset = Annotated[Six, TCP]
-TcpSpeed = Annotated[
-    Six, Vector(Number(), 6, "m/s, rad/s", "[Vx, Vy, Vz, RVx, RVy, RVz]", meaning="tool velocity")
-]
+TcpSpeed = Annotated[Six, Vector(Number(), 6, "m/s, rad/s", "[Vx, Vy, Vz, RVx, RVy, RVz]", meaning="tool velocity")]
 OptionalJoints = Annotated[Six | None, Optionally(JOINTS)]
 OptionalTcp = Annotated[Six | None, Optionally(TCP, "active tcp")]
 

@@ -18,6 +18,9 @@ from elitescript.messages.motion import SpeedJ, SpeedL
 if TYPE_CHECKING:
     from elitescript.commands.context import Robot
 
+_TurnAcceleration = Annotated[
+    float | None, Optionally(Number("rad/s^2", 0.0, is_low_open=True, meaning="joint acceleration"), "a")
+]
 _LeastTime = Annotated[float | None, Optionally(Number("s", 0.0, is_low_open=True), None)]
 
 
@@ -55,7 +58,7 @@ def speedl(
     xd: TcpSpeed,
     a: ToolDeceleration,
     t: _LeastTime = None,
-    aRot: Annotated[float | None, Optionally(Number("rad/s^2", 0.0, is_low_open=True, meaning="joint acceleration"), "a")] = None,
+    aRot: _TurnAcceleration = None,
 ) -> None:
     """Accelerate the TCP to the velocity `xd` and go on moving after the call returned.
 

@@ -14,7 +14,7 @@ from elitescript.controller.sources import NEVER, Chain, Move, Source
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, pose_from_transform
-from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveML, MoveP, MoveRequest, Six
+from elitescript.messages.motion import BLEND_SHARE, MoveC, MoveJ, MoveL, MoveML, MoveP, MoveRequest, Six
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.blending import blended
 from elitescript.motion.limits import MotionLimits
@@ -22,7 +22,6 @@ from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import BlendedSegment
 from elitescript.motion.timescale import TimeScale
 from elitescript.motion.track import JointTrack
-from elitescript.messages.motion import BLEND_SHARE
 
 NOTEWORTHY: Final = 1e-3
 """A waypoint that is passed more slowly than asked for by a smaller share needs no warning."""

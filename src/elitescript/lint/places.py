@@ -51,7 +51,7 @@ class Places:
         A program that sets none has its TCP at the flange, as every program that `run` begins with.
         """
         program = self._program
-        if any(isinstance(node, ast.Name) and node.id == _SETS_TCP for node in self._passed_on):
+        if any(node.id == _SETS_TCP for node in self._passed_on):
             return ()
         found: dict[Six, None] = {}
         for place, called in enumerate(program.command_calls):

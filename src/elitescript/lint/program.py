@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Final, NamedTuple, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.plausibility import JUDGES, KINDS, ArmFacts, mistaken
 from elitescript.commands.registry import Command
 from elitescript.language.hooks import HOOKS
 from elitescript.language.kinds import SECONDARY
@@ -17,7 +18,6 @@ from elitescript.language.nodes import Census
 from elitescript.language.parser import Parsed
 from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
-from elitescript.commands.plausibility import JUDGES, KINDS, ArmFacts, mistaken
 from elitescript.lint.arguments import Arguments, arrange
 from elitescript.lint.constants import Constants
 from elitescript.lint.doubts import Doubted, element
@@ -272,5 +272,5 @@ class Program:
                     told += [] if other is None else [other]
                 for doubt in told:
                     text = f"{called.command.name}: {param.name}{doubt.text}"
-                    found.append(Doubted(element(node, doubt.index), doubt._replace(text=text)))
+                    found.append(Doubted(element(node, doubt.element), doubt._replace(text=text)))
         return tuple(found)

@@ -64,7 +64,9 @@ def _block_findings(
         place = calls.get(call) if isinstance(call, ast.Call) else None
         if place is None:
             # A plain assignment moves nothing.
-            if not (isinstance(statement, ast.Assign) and not any(isinstance(n, ast.Call) for n in ast.walk(statement))):
+            if not (
+                isinstance(statement, ast.Assign) and not any(isinstance(n, ast.Call) for n in ast.walk(statement))
+            ):
                 start = None
             continue
         if _name(program, place) in _MOVES:

@@ -6,7 +6,7 @@ program expects the refusal.
 
     def job():
       movej([0, -1.57, 6.6, 0, 0, 0])              # W236
-      movel([1.2, 0, 0.3, 3.14, 0, 0])             # W236 with --robot CS66
+      movel([1.2, 0, 0.3, 3.14, 0, 0])             # out of reach, with --robot CS66
     end
 """
 
@@ -33,11 +33,14 @@ def unreachable_target(program: Program) -> Iterator[Finding]:
     """Report targets outside the joint limits, or out of reach."""
     places = Places(program)
     doubted = {node for node, doubt in program.doubts if doubt.code in _TARGETS}
+    refused = {refusal.node for refusal in program.refusals}
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):
         name = called.command.alias_of or called.command.name
         if name not in (*_JOINT_MOVES, *_POSE_MOVES) or not arguments.given or program.is_tried(called.call):
             continue
         param, node = arguments.given[0]
+        if node in refused:
+            continue
         value = program.constants.value(node, called.scope)
         if any(element(node, index) in doubted for index in (None, *range(6))):
             continue
@@ -49,7 +52,8 @@ def unreachable_target(program: Program) -> Iterator[Finding]:
                 low, high = ranges[index]
                 if isinstance(number, (int, float)) and not low <= number <= high:
                     whose = "of every arm" if program.arm is None else f"of joint {_JOINT_NAMES[index]}"
-                    text = f"{what}[{index}] is {number:.6g} rad, outside the range {whose}, {low:.4g} to {high:.4g} rad"
+                    bounds = f"{low:.4g} to {high:.4g} rad"
+                    text = f"{what}[{index}] is {number:.6g} rad, outside the range {whose}, {bounds}"
                     hint = "choose a target inside the range; a full turn less is the same direction"
                     yield Finding(element(node, index), text, hint, is_error=program.is_strict)
                     break
