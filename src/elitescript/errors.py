@@ -65,6 +65,15 @@ _ROWS: Final = (
     Code("W219", "warning", "result that is not used"),
     Code("W220", "warning", "`return` that is missing on one path"),
     Code("W221", "warning", "reading that a secondary program does not wait for"),
+    # What is legal, but hardly meant: units and targets; see `commands.plausibility`.
+    Code("W230", "warning", "angle that looks like degrees"),
+    Code("W231", "warning", "length that looks like millimetres"),
+    Code("W232", "warning", "speed or acceleration that looks like degrees or millimetres"),
+    Code("W233", "warning", "payload above what the arm carries"),
+    Code("W234", "warning", "analog level outside 0 to 1"),
+    Code("W235", "warning", "blend radius longer than half of the move"),
+    Code("W236", "warning", "target that the arm cannot reach"),
+    Code("W237", "warning", "joint positions where a pose belongs, or the reverse"),
     Code("W260", "warning", "write to an address that mirrors the robot"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),

@@ -11,6 +11,7 @@ import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.context import Rule
+from elitescript.commands.plausibility import mistaken
 from elitescript.errors import InvalidValueError, ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import compose, pose_from_transform, transform_from_pose
@@ -247,6 +248,9 @@ class FakeRobot:
         self.sockets = FakeSockets()
         self.lines = FakeLines()
         self.modbus = FakeModbus()
+        self.kinds: dict[Any, str] = {}
+        self.doubts: list[Any] = []
+        self.told: list[tuple[str, str, str]] = []
         self._random = random.Random(7)
 
     def _ask(self, *what: Any) -> None:
@@ -301,6 +305,19 @@ class FakeRobot:
 
     def warn_once(self, key: str, text: str) -> None:
         self._ask("warn_once", key, text)
+
+    def mistaken(self, meaning: str, value: Any) -> Any:
+        return mistaken(meaning, self.kinds.get(value, ""))
+
+    def remember(self, kind: str, value: Any) -> None:
+        self.kinds[value] = kind
+
+    def hold_doubts(self, doubts: Any) -> None:
+        self.doubts = list(doubts)
+
+    def tell_doubts(self) -> None:
+        self.told += [(doubt.code, doubt.text, doubt.hint) for doubt in self.doubts]
+        self.doubts = []
 
     def random(self) -> float:
         return self._random.random()

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.cli import jsonlines
+from elitescript.commands.plausibility import ArmFacts
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, Severity, render, to_json
 from elitescript.language.source import SourceFile
@@ -21,8 +22,9 @@ FOUND_ERRORS: Final = 3
 def check(options: argparse.Namespace) -> int:
     """Check the files of the command line; return the exit code."""
     errors = warnings = 0
+    arm = _arm(options.robot, options.world)
     for name in options.files:
-        source, problems = check_file(Path(name), options.firmware, options.strict)
+        source, problems = check_file(Path(name), options.firmware, options.strict, arm)
         for problem in problems:
             if options.json:
                 print(jsonlines.line({"file": name, **to_json(problem)}))
@@ -36,8 +38,29 @@ def check(options: argparse.Namespace) -> int:
     return FOUND_ERRORS if errors else 0
 
 
-def check_file(path: Path, firmware: str, strict: bool) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
+def _arm(robot: str | None, world: str | None) -> ArmFacts | None:
+    """What is known of the arm; None if nothing is, which spares loading a model.
+
+    Raises:
+        UsageError: no such arm, or a world file that makes no sense.
+    """
+    if robot is None and world is None:
+        return None
+    from elitescript.cli.arm_facts import arm_facts
+
+    return arm_facts(robot, world)
+
+
+def check_file(
+    path: Path, firmware: str, strict: bool, arm: ArmFacts | None = None
+) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
     """The problems of one file, in the order of its lines.
+
+    Args:
+        path: of the file.
+        firmware: that it is for.
+        strict: what only this implementation accepts is an error.
+        arm: that it is for; None leaves out what depends on it.
 
     Raises:
         UsageError: the file cannot be read.
@@ -50,7 +73,7 @@ def check_file(path: Path, firmware: str, strict: bool) -> tuple[SourceFile, tup
         source = SourceFile.from_bytes(str(path), data)
     except ProgramError as error:
         return SourceFile(str(path), data.decode("utf-8", "replace")), error.problems
-    return source, check_source(source, profile(firmware), strict=strict)
+    return source, check_source(source, profile(firmware), strict=strict, arm=arm)
 
 
 def _count(number: int, noun: str) -> str:

@@ -254,6 +254,8 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
         description="Report every problem with its place, code, text and hint. Exit code 3 if there are errors.",
     )
     check.add_argument("files", nargs="+", metavar="FILE")
+    check.add_argument("--robot", metavar="MODEL", help="arm that the programs are for, with its limits and its reach")
+    check.add_argument("--world", metavar="FILE", help="what is around the robot: the joint ranges of its safety count")
 
     plot = subparsers.add_parser(
         "plot",

@@ -133,9 +133,12 @@ class TextReport:
         self._out = out
         self._err = err
         self._start_s = 0.0
+        self._said: set[tuple[str, int]] = set()
+        """Code and line of what was found before the run, which the run need not repeat."""
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         for problem in problems:
+            self._said.add((problem.code, problem.line))
             print(str(problem) if source is None else render(problem, source), file=self._err)
 
     def start(self, robot: VirtualRobot, path: Path) -> None:
@@ -150,8 +153,7 @@ class TextReport:
             note = " (confirmed at once: nobody is there to press the button)" if event.is_confirmed_at_once else ""
             self._line(event.tick, f"[popup, {event.level}] {event.title}: {event.text}{note}")
         elif isinstance(event, Warned):
-            where = f"line {event.line}: " if event.line else ""
-            self._problem(event.tick, f"warning: {where}{event.text}")
+            self._warned(event)
         elif isinstance(event, DeviceNoted) and event.is_warning:
             self._problem(event.tick, f"warning: {event.device}: {event.text}")
         elif isinstance(event, DeviceNoted):
@@ -168,6 +170,15 @@ class TextReport:
             data = f" {event.data!r}" if event.data else ""
             where = f" (line {event.line})" if event.line else ""
             self._line(event.tick, f"[{event.kind} {event.channel!r}] {event.what}{data}{where}")
+
+    def _warned(self, event: Warned) -> None:
+        if (event.code, event.line) in self._said:
+            return
+        code = f" {event.code}" if event.code else ""
+        where = f"line {event.line}: " if event.line else ""
+        self._problem(event.tick, f"warning{code}: {where}{event.text}")
+        if event.hint:
+            print(f"{'':14}hint: {event.hint}", file=self._err)
 
     def _line(self, tick: int, text: str) -> None:
         print(f"{seconds(tick):10.3f} s  {text}", file=self._out)

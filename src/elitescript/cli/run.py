@@ -131,7 +131,7 @@ def _find_problems(
 
     from elitescript.lint.engine import check_source
 
-    problems = check_source(source, robot.profile, strict=strict, presets=presets)
+    problems = check_source(source, robot.profile, strict=strict, presets=presets, arm=robot.model)
     if strict:
         return problems
     return tuple(

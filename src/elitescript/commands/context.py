@@ -8,7 +8,7 @@ runtime the second; a test needs neither.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.events import Event
@@ -20,6 +20,9 @@ from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.yielding import YieldRequest
+
+if TYPE_CHECKING:
+    from elitescript.commands.plausibility import Doubt
 
 
 class Machine(Protocol):
@@ -386,6 +389,23 @@ class Robot(Protocol):
 
     def warn_once(self, key: str, text: str) -> None:
         """Record a warning, the first time in this program that `key` comes by."""
+
+    def mistaken(self, meaning: str, value: Six) -> Doubt | None:
+        """The doubt about joint positions where a pose belongs, or the reverse: a command has returned these numbers.
+
+        Args:
+            meaning: of the parameter.
+            value: what it gets.
+        """
+
+    def remember(self, kind: str, value: Six) -> None:
+        """Keep what a command returns, `joints` or a `pose`, so that `mistaken` knows it again."""
+
+    def hold_doubts(self, doubts: Sequence[Doubt]) -> None:
+        """Keep doubts about the call that is made now until it is accepted; none of them when it is refused."""
+
+    def tell_doubts(self) -> None:
+        """Record the doubts that are held as warnings, each once for a line."""
 
     def random(self) -> float:
         """Next number in [0, 1) of the program's seeded generator."""

@@ -6,17 +6,18 @@ anything moves. How the arm gets to its target is the business of the motion pac
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from elitescript.commands.quantities import (
     BlendRadius,
     JointAcceleration,
+    JointDeceleration,
     JointPositions,
     JointSpeed,
-    Number,
     Pose,
     Seconds,
     ToolAcceleration,
+    ToolDeceleration,
     ToolSpeed,
     Whole,
 )
@@ -135,7 +136,7 @@ def movec(
 
 
 @command(family="motion", manual="2.1.27", waits=True, works_in_sec=False)
-def stopj(robot: Robot, a: Annotated[float, Number("rad/s^2", 0.0, is_low_open=True)]) -> None:
+def stopj(robot: Robot, a: JointDeceleration) -> None:
     """Brake all joints to standstill; return when the arm stands.
 
     Does nothing when the arm stands already.
@@ -147,7 +148,7 @@ def stopj(robot: Robot, a: Annotated[float, Number("rad/s^2", 0.0, is_low_open=T
 
 
 @command(family="motion", manual="2.1.28", waits=True, works_in_sec=False)
-def stopl(robot: Robot, a: Annotated[float, Number("m/s^2", 0.0, is_low_open=True)]) -> None:
+def stopl(robot: Robot, a: ToolDeceleration) -> None:
     """Brake the tool along its path to standstill; return when the arm stands.
 
     Does nothing when the arm stands already.

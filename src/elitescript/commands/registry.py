@@ -8,11 +8,14 @@ use few commands and all of them start often.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, Final, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
 
 from elitescript.commands.quantities import Anything, Optionally, Quantity, shown
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
 from elitescript.messages.profile import release_of
+
+if TYPE_CHECKING:
+    from elitescript.commands.plausibility import Doubt, Judge
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -20,6 +23,10 @@ REQUIRED: Final = object()
 """Default of a parameter that has none."""
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
+
+_TARGET_REFUSALS: Final = ("R102", "R110", "R111")
+_TARGET_DOUBTS: Final = ("W230", "W231", "W233", "W237")
+"""Refusals of a target or load, and the doubts that can explain them."""
 
 _OMITTED: Final = object()
 _VARIADIC: Final = 0x04
@@ -213,14 +220,42 @@ class Command:
             text = f"{self.name} moves or waits, which a secondary program (sec) may not do"
             raise ScriptStateError(text, code="R120", command=self.name)
         values = self.bind(args, kwargs)
+        details = self.details
+        doubts = self._doubts(robot, values) if details.judged and robot is not None else None
         try:
+            if doubts:
+                robot.hold_doubts(doubts)
             result = self.function(robot, *values) if self.takes_robot else self.function(*values)
         except ScriptError as error:
             if error.command is None:
                 error.command = self.name
                 error.args = (f"{self.name}: {error.args[0]}",)
+            if doubts:
+                # One finding about one argument: the refusal, with what the doubt knows to do.
+                robot.hold_doubts(())
+                if error.code in _TARGET_REFUSALS:
+                    error.hint = next((doubt.hint for doubt in doubts if doubt.code in _TARGET_DOUBTS), error.hint)
             raise
+        if doubts:
+            robot.tell_doubts()
+        if details.kind and robot is not None:
+            robot.remember(details.kind, result)
         return _as_script_value(result)
+
+    def _doubts(self, robot: Any, values: list[Any]) -> list[Doubt]:
+        """What is legal in these values, but hardly meant; with command and parameter in the text."""
+        found = []
+        for index, param, judge, is_kind in self.details.judged:
+            value = values[index]
+            if value is None or value is param.default_value:
+                continue
+            for doubt in judge(value, robot.machine):
+                found.append(doubt._replace(text=f"{self.name}: {param.name}{doubt.text}"))
+            if is_kind:
+                other = robot.mistaken(param.quantity.meaning, value)
+                if other is not None:
+                    found.append(other._replace(text=f"{self.name}: {param.name}{other.text}"))
+        return found
 
     def _arrange(self, values: list[Any], kwargs: dict[str, Any]) -> None:
         """Bring keyword arguments into place behind the positional ones; mark what is missing."""
@@ -261,7 +296,7 @@ def _as_script_value(result: Any) -> Any:
 class _Details:
     """What the function's own text says about a command."""
 
-    __slots__ = ("behaviour", "params", "raises", "returns", "returns_text", "summary")
+    __slots__ = ("behaviour", "judged", "kind", "params", "raises", "returns", "returns_text", "summary")
 
     def __init__(self, command: Command) -> None:
         from elitescript.commands.docstring import read_docstring
@@ -288,6 +323,22 @@ class _Details:
             params.append(Param(name, quantity, default, spellings, doc.args[name]))
         self.params = tuple(params)
         self.returns = _quantity(function, "return") or Anything("None")
+        self.judged = _judged(self.params)
+        """Index, parameter, judge, and whether joints and poses are taken for each other there; see `plausibility`."""
+        self.kind = self.returns.meaning if self.returns.meaning in ("joints", "pose") else ""
+        """What a returned list is: `joints`, `pose` or nothing that is followed."""
+
+
+def _judged(params: tuple[Param, ...]) -> tuple[tuple[int, Param, Judge, bool], ...]:
+    if not any(param.quantity.meaning for param in params):
+        return ()
+    from elitescript.commands.plausibility import JUDGES, KINDS
+
+    return tuple(
+        (index, param, JUDGES[param.quantity.meaning], param.quantity.meaning in KINDS)
+        for index, param in enumerate(params)
+        if param.quantity.meaning
+    )
 
 
 def _quantity(function: Callable[..., Any], name: str) -> Quantity | None:

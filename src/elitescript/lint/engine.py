@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
+from elitescript.commands.plausibility import ArmFacts
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import compile_parsed
 from elitescript.language.diagnostics import Diagnostic, Severity, diagnostic, in_order
@@ -21,7 +22,12 @@ _BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")
 
 
 def check_source(
-    source: SourceFile, profile: Profile, *, strict: bool = False, presets: Collection[str] = ()
+    source: SourceFile,
+    profile: Profile,
+    *,
+    strict: bool = False,
+    presets: Collection[str] = (),
+    arm: ArmFacts | None = None,
 ) -> tuple[Diagnostic, ...]:
     """All problems of a text, in its order: what keeps it from starting, and what the rules find.
 
@@ -33,15 +39,18 @@ def check_source(
         profile: the firmware that it is for.
         strict: what only this implementation accepts is an error, and what cannot be meant.
         presets: names of globals that have a value before the program begins.
+        arm: the arm that it is for, a `RobotModel`; None leaves out what depends on it.
     """
     parsed = parse(source, Options(strict=strict))
-    problems = [] if not parsed.is_complete else _findings(parsed, profile, strict, presets)
+    problems = [] if not parsed.is_complete else _findings(parsed, profile, strict, presets, arm)
     problems += _compile_problems(parsed)
     return in_order(_merged(without_suppressed(problems, parsed.source)))
 
 
-def _findings(parsed: Parsed, profile: Profile, strict: bool, presets: Collection[str]) -> list[Diagnostic]:
-    program = Program(parsed, profile, is_strict=strict, presets=presets)
+def _findings(
+    parsed: Parsed, profile: Profile, strict: bool, presets: Collection[str], arm: ArmFacts | None
+) -> list[Diagnostic]:
+    program = Program(parsed, profile, is_strict=strict, presets=presets, arm=arm)
     found = []
     for rule in all_rules():
         if not (rule.needs_all_lines and parsed.has_errors):
