@@ -5,7 +5,7 @@ only the user can enter; elsewhere a TCP port of this computer, whose number and
 
 A request is `{"verb": …, "arguments": […], "values": {…}}` (on TCP also `"token"`), its answer
 `{"ok": true, "text": …, "result": {…}}` or `{"ok": false, "error": …}`. Requests of one connection are answered in
-their order; an order is answered when the robot has done or refused it.
+their order; an order is answered when the robot has done or refused it. A web browser is not answered.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from typing import Any, Final
 from elitescript.errors import UsageError
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S
+from elitescript.protocol.browsers import is_web_request
 from elitescript.services.control_verbs import VERBS, Request, Verb, outcome_text
 from elitescript.services.station import Station
 
@@ -120,6 +121,8 @@ class ControlChannel:
         try:
             while line := await reader.readline():
                 number += 1
+                if number == 1 and is_web_request(line):
+                    break
                 writer.write(json.dumps(await self._answer(f"{origin}/{number}", line)).encode() + b"\n")
                 await writer.drain()
         except (ConnectionError, ValueError, asyncio.CancelledError):
