@@ -24,6 +24,9 @@ CONNECT_TICKS: Final = 2 * TICKS_PER_S
 CONNECTIONS_MAX: Final = 64
 """Names that one program may have in use (*assumed*)."""
 
+_SHOWN: Final = 253
+"""Characters of an address in a warning: those of a host name."""
+
 NO_NETWORK: Final = "this run has no network"
 
 
@@ -81,7 +84,8 @@ class Sockets:
                 connection.close("its thread was stopped")
         if connection is None or not connection.is_open:
             reason = NO_NETWORK if connection is None else connection.reason or "closed at once"
-            self._warn_once(f"socket {name} {reason}", f"socket {name!r} cannot connect to {address}:{port}: {reason}")
+            shown = address if len(address) <= _SHOWN else f"{address[:_SHOWN]}..."
+            self._warn_once(f"socket {name} {reason}", f"socket {name!r} cannot connect to {shown}:{port}: {reason}")
             return False
         return True
 

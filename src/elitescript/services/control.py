@@ -84,6 +84,11 @@ class ControlChannel:
         """Path of the socket, or of the file that tells port and secret."""
         return str(self._path)
 
+    @property
+    def port(self) -> int:
+        """Number of the TCP port; 0 if it is a socket in a folder."""
+        return 0 if _HAS_UNIX or self._server is None else int(self._server.sockets[0].getsockname()[1])
+
     async def open(self) -> None:
         """Listen. If another living robot has the address, take one of our own beside it."""
         if await _is_alive(self._path):
