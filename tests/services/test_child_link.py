@@ -237,7 +237,7 @@ class TestLink:
             await link.tick(())
             assert not children[0].is_asked
 
-        with_link(body, files=MemoryFiles({"long.script": "x" * (1 << 18)}))
+        with_link(body, files=MemoryFiles({"long.script": b"x" * (1 << 18)}))
 
     @pytest.mark.parametrize("lasts_s, is_given_up", [(9.0, False), (12.0, True)])
     def test_a_loop_over_files_is_no_hang_until_it_lasts_too_long(self, children, clock, lasts_s, is_given_up):

@@ -3,7 +3,7 @@
 The robot asks by channel requests and hears by channel events; it never has a socket. Everything is bounded: channels,
 attempts to connect, and the bytes that are on their way in either direction (`messages.outputs.CHANNEL_WINDOW`). A
 program that does not read stops its peer; a peer that does not read stops the program, by the credit that it misses.
-Programs reach the addresses that the user allows (`connect_policy`); what is bound to a serial port the user has chosen.
+Programs reach the addresses that the user allows (`connect_policy`); what is bound to a serial port the user chose.
 
 A peer that ends its own half of a connection has ended it for the program: what it sent before can be read, what the
 program sent before still arrives, more cannot be sent (*assumed*; servers of the vendor's client end both at once).

@@ -12,7 +12,7 @@ import asyncio
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from elitescript.errors import ElitescriptError, UsageError
@@ -26,7 +26,7 @@ from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.world import Files, FilesRefused
-from elitescript.services import frames
+from elitescript.services import frames, output_changes
 from elitescript.services.child_process import ChildProcess
 from elitescript.services.config_codec import full_codec
 from elitescript.services.cycle import CATCH_UP_TICKS
@@ -57,6 +57,10 @@ READING_KEPT: Final = 0.99
 BOOT_S: Final = 20.0
 UNANSWERED_MAX: Final = 6000
 """Ticks that may wait for an answer; more than `COMPILE_MAX_S` has."""
+BOOTS_FROM_PICTURE: Final = 3
+"""From so many of them on, one begins as the first did: perhaps nobody can go on from the last picture."""
+FAILURE_MAX: Final = 8000
+"""Characters of the reason that a child gives for its end."""
 BOOTS_MAX: Final = 5
 """Children that may end one after the other before they have answered a tick."""
 CALM_TICKS: Final = 10 * TICKS_PER_S
@@ -115,6 +119,7 @@ class ChildLink:
         "_held",
         "_input_shape",
         "_is_catching_up",
+        "_is_described",
         "_is_describing",
         "_is_jailed",
         "_is_locked_in",
@@ -163,7 +168,7 @@ class ChildLink:
         self._held = HeldInputs()
         self._changed: asyncio.Future[None] | None = None
         self._is_locked_in = False
-        self._is_describing = False
+        self._is_describing = self._is_described = False
         self._is_catching_up = False
         self._end_reason = ""
         self._failure = ""
@@ -267,7 +272,7 @@ class ChildLink:
     # ---------------------------------------------------------------- down
 
     def _start_child(self) -> None:
-        self._is_locked_in = self._is_describing = False
+        self._is_locked_in = self._is_describing = self._is_described = False
         self._end_reason = self._failure = ""
         self._given_up_s = self._reading_s = 0.0
         self._boots += 1
@@ -285,9 +290,12 @@ class ChildLink:
         self._child.send(frames.BEGIN, to_text(self._codec.shape(KernelConfig).encode(config)))
 
     def _go_on(self, tick: int) -> None:
-        """Have a fresh child go on at this tick from the last picture."""
+        """Have a fresh child go on at this tick from the last picture; as at first, if others could not."""
         last = self._outputs.newest
         assert last is not None
+        if self._boots >= BOOTS_FROM_PICTURE:
+            self._begin(replace(self._config, first_tick=tick))
+            return
         self._begin(restored_config(self._config, self.description, last, tick))
         self._held.put_first(restored_inputs(last))
         if self._journal is not None:
@@ -321,24 +329,34 @@ class ChildLink:
     # ---------------------------------------------------------------- up
 
     def _message(self, letter: str, text: bytes) -> None:
-        """A message of the child; what makes no sense ends it."""
+        """A message of the child; what makes no sense ends it, and nothing more of it is read."""
+        if self._end_reason:
+            return
         try:
             if letter in (frames.OUTPUT, frames.OUTPUT_CHANGES):
                 self._take_output(letter, text)
             elif letter == frames.QUESTION:
                 self._take_question(text)
             elif letter == frames.LOCKED_IN and not self._is_locked_in:
+                output_changes.check_values(text)
                 self.layers = tuple(Layer(str(name), active is True, str(why)) for name, active, why in from_text(text))
                 self._is_locked_in = True
-            elif letter == frames.DESCRIBED:
+            elif letter == frames.DESCRIBED and self._is_describing and not self._is_described:
+                self._is_described = True
+                output_changes.check_values(text)
                 self._description = self._codec.shape(RobotDescription).decode(from_text(text))
             elif letter == frames.FAILED:
-                kind, why = map(str, from_text(text))
+                output_changes.check_values(text)
+                kind, why = (str(part)[:FAILURE_MAX] for part in from_text(text))
                 self._failure = why if kind == "usage" else f"a mistake of ours, please report it:\n{why}"
+                self._ended("it has ended")
             else:
                 raise CodecError(f"a message {letter!r} that was not asked for")
-        except (CodecError, ValueError, TypeError) as error:
+        except CodecError as error:
             self._ended(f"what it says makes no sense: {error}")
+        except Exception as error:
+            # No message of a child may end this process, whatever we have not thought of.
+            self._ended(f"what it says makes no sense: {type(error).__name__}: {error}")
         self._wake()
 
     def _take_output(self, letter: str, text: bytes) -> None:
