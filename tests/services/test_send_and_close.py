@@ -8,6 +8,7 @@ import struct
 import pytest
 
 from elitescript.messages.inputs import Interpret, RunUnit
+from elitescript.services.tcp import Client
 from tests.services.served import Scene, run, serving
 
 LINES = 4000
@@ -90,5 +91,16 @@ def test_others_keep_their_stream_meanwhile() -> None:
             before = scene.station.output.tick
             await scene.until(lambda: not scene.station.listeners["primary"].clients)
             assert scene.station.output.tick - before > sent // 100_000, "it was read over many ticks"
+
+    run(test())
+
+
+def test_a_tick_before_the_connection_is_made_does_not_lose_the_greeting() -> None:
+    async def test() -> None:
+        async with serving() as scene:
+            listener = scene.station.listeners["dashboard"]
+            client = Client(scene.station, listener.service, listener.connect("dashboard#9"), str.upper, str.upper)
+            client.publish(scene.station.output)
+            assert client.connection.take()
 
     run(test())

@@ -366,8 +366,9 @@ class Client(asyncio.BufferedProtocol):
     def _write(self) -> None:
         connection, transport = self.connection, self._transport
         if transport is None:
-            # Nobody is there to hear it.
-            connection.take()
+            if self._left is not None:
+                # Nobody is there to hear it. Before the connection is made, what is queued is still to be sent.
+                connection.take()
             return
         is_sample = self._service.is_sample
         for message in connection.take():
