@@ -27,6 +27,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
+from elitescript.services.connect_policy import ConnectPolicy
 from elitescript.services.jail import is_complete
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.robots import numbered_path, probe_jail, robot_link
@@ -98,6 +99,7 @@ async def _serve(
     on_signals: Callable[[asyncio.Event], None],
 ) -> None:
     lines = line_bindings(options.serial, len(configs))
+    policy = ConnectPolicy(options.allow_connect)
     stop = asyncio.Event()
     on_signals(stop)
     is_lockstep = options.lockstep is not None
@@ -110,13 +112,14 @@ async def _serve(
             lines=lines,
             world=worlds[index],
             keeper=keeper,
+            policy=policy,
         )
         for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
     ]
     server = Server(stations, options.host, numbers, options.instance, spares)
     await server.open()
     try:
-        log.ready(options.host, server, configs)
+        log.ready(options.host, server, configs, policy.text)
         await server.run(stop)
     finally:
         await server.close()
@@ -366,24 +369,25 @@ class Log:
                 tag = f"{name}: " if self._are_several else ""
                 self._reports[name] = TextReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
 
-    def ready(self, host: str, server: Server, configs: list[KernelConfig]) -> None:
-        """Every port is open; say so, and then what has happened before."""
-        self._say_ready(host, server, configs)
+    def ready(self, host: str, server: Server, configs: list[KernelConfig], reach: str) -> None:
+        """Every port is open; say so with what programs reach, and then what has happened before."""
+        self._say_ready(host, server, configs, reach)
         held, self._held = self._held or [], None
         for station, what in held:
             self.take(station, what)
 
-    def _say_ready(self, host: str, server: Server, configs: list[KernelConfig]) -> None:
+    def _say_ready(self, host: str, server: Server, configs: list[KernelConfig], reach: str) -> None:
         if self._is_json:
             robots = [
                 {"robot": config.robot_id, "model": config.model, "ports": station.ports, "ctl": address}
                 for config, station, address in zip(configs, server.stations, server.control_addresses, strict=True)
             ]
-            self._record({"type": "ready", "host": host, "robots": robots})
+            self._record({"type": "ready", "host": host, "robots": robots, "allow_connect": reach})
             return
         robots_text = "; ".join(_ports_text(station) for station in server.stations)
         self._out.write(f"ready on {host}: {robots_text}\n")
         self._out.write(f"ctl at {', '.join(server.control_addresses)}\n")
+        self._out.write(f"programs reach {reach}\n")
         for address, usual in zip(server.control_addresses, server.usual_addresses, strict=True):
             if address != usual:
                 self._err.write(

@@ -104,6 +104,15 @@ def add_serve(
     serve.add_argument("--world", metavar="FILE.toml", help="what is around each robot, as for run")
     serve.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
     add_connections(serve)
+    serve.add_argument(
+        "--allow-connect",
+        action="append",
+        default=[],
+        metavar="WHAT",
+        help="what programs reach: HOST[:PORT], a network such as 192.168.1.0/24, own-ports (of these robots, besides "
+        "what else is allowed), any, none, default (every address except link-local ones and these robots' own ports); "
+        "may be repeated (default: default)",
+    )
     serve.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
     serve.add_argument(
         "--no-jail",

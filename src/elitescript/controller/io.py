@@ -33,7 +33,7 @@ from elitescript.messages.signals import (
 
 TOOL_PIN_OUT: Final = "tool_digital_out"
 TOOL_PIN_IN: Final = "tool_digital_in"
-_ANALOG: Final = ("standard_analog_in", "standard_analog_out", "tool_analog_in", "tool_analog_out")
+_ANALOG: Final = tuple(name for name, row in SIGNALS.items() if row.has_domain)
 _DEFAULT_TOOL_PINS: Final = tuple(
     SetToolPin(index, ToolPinMode.PNP, is_enabled=True, is_output=index < 2) for index in range(4)
 )

@@ -27,6 +27,8 @@ CONNECTIONS_MAX: Final = 64
 """Names that one program may have in use (*assumed*)."""
 
 _READ_LINE_END: Final = 'read it away with socket_read_string(suffix="\\n"), or let the sender leave it out'
+_SHOWN: Final = 253
+"""Characters of an address in a warning: those of a host name."""
 
 NO_NETWORK: Final = "this run has no network"
 
@@ -88,7 +90,8 @@ class Sockets:
                 connection.close("its thread was stopped")
         if connection is None or not connection.is_open:
             reason = NO_NETWORK if connection is None else connection.reason or "closed at once"
-            self._warn_once(f"socket {name} {reason}", f"socket {name!r} cannot connect to {address}:{port}: {reason}")
+            shown = address if len(address) <= _SHOWN else f"{address[:_SHOWN]}..."
+            self._warn_once(f"socket {name} {reason}", f"socket {name!r} cannot connect to {shown}:{port}: {reason}")
             return False
         return True
 

@@ -23,6 +23,7 @@ from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.services.binding import bind_one
 from elitescript.services.broker import Broker
+from elitescript.services.connect_policy import ConnectPolicy
 from elitescript.services.cycle import Cycle
 from elitescript.services.inbox import WAITING_MAX, Inbox
 from elitescript.services.listener import Listener
@@ -77,6 +78,7 @@ class Station:
         lines: what is on the robot's serial ports; see `worlds.line_bindings`.
         world: virtual devices beside the robot.
         keeper: remembers what the robot keeps; nobody does if None.
+        policy: what programs may reach.
     """
 
     __slots__ = (
@@ -116,12 +118,13 @@ class Station:
         lines: Mapping[str, str] | None = None,
         world: World | None = None,
         keeper: StateKeeper | None = None,
+        policy: ConnectPolicy | None = None,
     ) -> None:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
         self._by_urgency: list[Listener] = []
-        self.broker = Broker(self.post, lines)
+        self.broker = Broker(self.post, lines, policy)
         self.output: Output
         self.shares = Shares()
         self.waits_for = ""
