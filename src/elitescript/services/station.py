@@ -49,7 +49,8 @@ BUSY_STEPS: Final = 64
 """Ticks in lockstep after which everybody else is served."""
 
 
-_ALL_BUT_OVERRUNS: Final = attrgetter(*list(Snapshot.__dataclass_fields__)[:-1])
+_ALL_FIELDS: Final = attrgetter(*Snapshot.__dataclass_fields__)
+_OVERRUNS_AT: Final = list(Snapshot.__dataclass_fields__).index("overruns")
 
 
 @dataclass(frozen=True, slots=True)
@@ -453,5 +454,6 @@ class Station:
 
 def _counted(snapshot: Snapshot, overruns: int) -> Snapshot:
     """A snapshot with that many overruns. `dataclasses.replace` takes some times as long."""
-    fields: tuple[Any, ...] = (*_ALL_BUT_OVERRUNS(snapshot), overruns)
+    fields = list(_ALL_FIELDS(snapshot))
+    fields[_OVERRUNS_AT] = overruns
     return Snapshot(*fields)
