@@ -13,6 +13,7 @@ from elitescript.messages.outputs import Reply
 from elitescript.protocol import interpreter
 from elitescript.protocol.interpreter import LINE_LIMIT, LINES_PER_TICK, REASONS, WORDS, InterpreterConnection
 from tests.protocol.line_peer import Peer
+from tests.protocol.snapshots import description, output
 
 DOCUMENTED_WORDS = [
     "skipbuffer",

@@ -166,7 +166,7 @@ class InterpreterConnection(Connection):
     def _inputs(self, lines: list[Line]) -> list[Input]:
         inputs: list[Input] = []
         for line in lines:
-            if self._block or BLOCK_HEADER.fullmatch(line.text):
+            if self._block or (not line.problem and BLOCK_HEADER.fullmatch(line.text)):
                 inputs += self._in_block(line)
                 continue
             text = line.text.strip()
