@@ -230,6 +230,7 @@ the change on.
 ```toml
 [safety]
 tcp_speed = 1.0                 # m/s
+operational_mode = "automatic"  # or "manual"; shown by the primary port, which reports none without it
 tcp_force = 250                 # N
 joint_speed_deg = 120           # deg/s, one number or six; joint_speed in rad/s
 joint_range_deg = [[-180, 180], [-200, 20], [-160, 160], [-270, 90], [-180, 180], [-360, 360]]

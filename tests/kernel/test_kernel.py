@@ -170,6 +170,13 @@ class TestUnits:
         (warning,) = session.of(Warned)
         assert warning.text.startswith("[SEC] Exception: SyntaxError")
 
+    def test_every_error_of_a_broken_secondary_program_has_the_prefix(self):
+        session = Session()
+        session.send(RunUnit("primary#1", "secondary", "sec s():\n  x = 1 +\n  y = = 2\nend\n"))
+        first, second = session.of(Warned)
+        assert (first.line, second.line) == (2, 3)
+        assert second.text.startswith("[SEC] Exception: SyntaxError: ")
+
     def test_what_the_compiler_warns_of_names_its_line_once(self):
         session = Session()
         session.send(RunUnit("primary#1", "program", 'def p():\n  print "a"\nend\n'))

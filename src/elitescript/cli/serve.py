@@ -29,6 +29,7 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
 from elitescript.services.connect_policy import ConnectPolicy
 from elitescript.services.jail import is_complete
+from elitescript.services.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.robots import numbered_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
@@ -58,6 +59,7 @@ def serve(options: argparse.Namespace) -> int:
     numbers = [port_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
     spares = [spare_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
     _check_host(options)
+    _lockstep_timeout_s(options)
     if not is_in_process(options):
         return _run(options, configs, worlds, numbers, spares, _on_signals)
     # Programs run in this process, and may keep it from hearing signals.
@@ -102,13 +104,13 @@ async def _serve(
     policy = ConnectPolicy(options.allow_connect)
     stop = asyncio.Event()
     on_signals(stop)
-    is_lockstep = options.lockstep is not None
     stations = [
         Station(
             config.robot_id,
             make_link(options, config, index),
             log.take,
-            is_lockstep=is_lockstep,
+            is_lockstep=options.lockstep is not None,
+            lockstep_timeout_s=_lockstep_timeout_s(options),
             lines=lines,
             world=worlds[index],
             keeper=keeper,
@@ -162,6 +164,22 @@ def _remembering(config: KernelConfig, keeper: StateKeeper | None) -> KernelConf
 def is_in_process(options: argparse.Namespace) -> bool:
     """Whether the robots are in this process: asked for, needed for lockstep, or the only way on this system."""
     return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
+
+
+def _lockstep_timeout_s(options: argparse.Namespace) -> float:
+    """How long robot time waits for a client in lockstep, s.
+
+    Raises:
+        UsageError: the time makes no sense, or there is no lockstep.
+    """
+    timeout_s: float | None = options.lockstep_timeout
+    if timeout_s is None:
+        return LOCKSTEP_TIMEOUT_S
+    if options.lockstep is None:
+        raise UsageError("--lockstep-timeout needs --lockstep rtsi")
+    if not timeout_s > 0.0:
+        raise UsageError(f"--lockstep-timeout must be more than 0 s, or inf for no limit; got {timeout_s:g}")
+    return timeout_s
 
 
 def _check_world_place(options: argparse.Namespace) -> None:

@@ -130,6 +130,13 @@ def add_serve(
         choices=["rtsi"],
         help="robot time goes on only when the RTSI clients have answered their packages (implies --in-process)",
     )
+    serve.add_argument(
+        "--lockstep-timeout",
+        type=float,
+        metavar="SECONDS",
+        help="how long robot time waits for the answer of a client in lockstep before it goes on without it; inf for "
+        "no limit (default 0.5)",
+    )
 
 
 def add_ctl(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

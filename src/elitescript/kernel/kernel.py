@@ -36,6 +36,7 @@ from elitescript.messages.inputs import (
     Input,
     Interpret,
     InterpreterWord,
+    Lag,
     LoadConfiguration,
     LoadTask,
     PlayTask,
@@ -238,6 +239,9 @@ class Kernel:
     def _arrived(self, item: VariablesArrived) -> None:
         self._host.watchdogs.arrived(item.names, self._controller.tick)
 
+    def _lag(self, item: Lag) -> None:
+        self._host.set_lag(item.ticks)
+
     def _add_fault(self, item: AddFault) -> None:
         try:
             if item.text:
@@ -303,6 +307,7 @@ HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
     InterpreterWord: lambda kernel, item: kernel._conversations.word(item),
     Query: lambda kernel, item: kernel._conversations.query(item),
     VariablesArrived: Kernel._arrived,
+    Lag: Kernel._lag,
     ShowPopup: Kernel._show_popup,
     ClosePopup: Kernel._close_popup,
     AddFault: Kernel._add_fault,

@@ -106,7 +106,9 @@ class Programs:
             hint = {"hint": first.hint} if first.hint else {}
             self._alarm(first.code, "SyntaxError", first.text, first.line, first.column, origin, "", hint)
         for problem in () if kind == LINE else problems[1 : PROBLEMS_MAX + 1]:
-            self._warn(_told(problem), problem.line)
+            is_exception = kind == SECONDARY and problem.is_error
+            text = f"{SECONDARY_WARNING}SyntaxError: {problem.text}" if is_exception else _told(problem)
+            self._warn(text, problem.line)
 
     def _missing_name(self, text: str) -> str:
         """The name that a line calls, if there is nothing of that name."""

@@ -312,6 +312,10 @@ class ScriptHost:
         if (connection := self.connections.get(event.channel)) is not None:
             connection.take(event)
 
+    def set_lag(self, ticks: int) -> None:
+        """Robot time is that many ticks behind the wall clock from now on."""
+        self._scheduler.lag_ticks = ticks
+
     def _settle(self) -> bool:
         """Do what must be done between two strands; whether there was anything."""
         scheduler = self._scheduler

@@ -51,7 +51,7 @@ LINE_TIMEOUT_S: Final = 2.0
 LINGER_S: Final = 5.0
 """How long a connection that is closed has to get rid of what was sent before."""
 
-Post = Callable[[list[Input]], None]
+Post = Callable[[list[Input]], object]
 
 
 class Broker:

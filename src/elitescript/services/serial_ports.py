@@ -29,7 +29,7 @@ class SerialPorts:
 
     __slots__ = ("_leaving", "_open", "_post", "_timer")
 
-    def __init__(self, post: Callable[[list[Input]], None]) -> None:
+    def __init__(self, post: Callable[[list[Input]], object]) -> None:
         self._post = post
         self._open: dict[int, SerialChannel] = {}
         self._leaving: list[tuple[float, SerialChannel]] = []

@@ -53,8 +53,8 @@ class Hub(Protocol):
     shares: Shares
     """The time that clients have."""
 
-    def post(self, inputs: list[Input]) -> None:
-        """Take inputs for the next tick."""
+    def post(self, inputs: list[Input]) -> int:
+        """Take inputs for the next tick that begins; return its number."""
 
     def waiting_of(self, origin: str) -> int:
         """Inputs of a client that could not go in at the last tick."""
@@ -185,7 +185,7 @@ class Client(asyncio.BufferedProtocol):
             self._fail()
             return
         if inputs:
-            hub.post(inputs)
+            connection.posted(hub.post(inputs))
             if self.owes_input and any(isinstance(item, VariablesArrived) for item in inputs):
                 self.owes_input = False
         self._write()
