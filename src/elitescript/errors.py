@@ -58,7 +58,7 @@ _ROWS: Final = (
     Code("W213", "warning", "module that is not available"),
     Code("W214", "warning", "program that is defined but never called"),
     Code("W215", "warning", "command without its parentheses"),
-    # What contradicts the command catalogue: `check` fails, `run` warns.
+    # What contradicts the command catalogue; a program may catch it, so it starts unless it is strict.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),
     Code("E303", "error", "wrong number or names of arguments"),

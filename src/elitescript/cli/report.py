@@ -33,6 +33,9 @@ class Report(Protocol):
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         """What was found before the run."""
 
+    def goes_on(self, errors: int) -> None:
+        """Say that the program starts though `errors` of its problems are errors."""
+
     def start(self, robot: VirtualRobot, path: Path) -> None:
         """The run begins."""
 
@@ -65,6 +68,9 @@ class JsonReport:
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         for problem in problems:
             self._write(to_json(problem))
+
+    def goes_on(self, errors: int) -> None:
+        print(_why_it_runs(errors), file=sys.stderr)
 
     def start(self, robot: VirtualRobot, path: Path) -> None:
         pass
@@ -128,7 +134,19 @@ def _popup_record(event: Any) -> dict[str, Any]:
 
 
 def _warning_record(event: Any) -> dict[str, Any]:
-    return {"type": "warning", "t": seconds(event.tick), "text": event.text, "thread": event.thread, "line": event.line}
+    record = {
+        "type": "warning",
+        "t": seconds(event.tick),
+        "text": event.text,
+        "thread": event.thread,
+        "line": event.line,
+    }
+    for name in ("code", "hint", "column"):
+        if value := getattr(event, name):
+            record[name] = value
+    if event.code:
+        record["severity"] = event.severity
+    return record
 
 
 def _device_record(event: Any) -> dict[str, Any]:
@@ -177,6 +195,9 @@ class TextReport:
         for problem in problems:
             print(str(problem) if source is None else render(problem, source), file=self._err)
 
+    def goes_on(self, errors: int) -> None:
+        print(_why_it_runs(errors), file=self._err)
+
     def start(self, robot: VirtualRobot, path: Path) -> None:
         self._start_s = time.perf_counter()
 
@@ -189,8 +210,11 @@ class TextReport:
             note = " (confirmed at once: nobody is there to press the button)" if event.is_confirmed_at_once else ""
             self._line(event.tick, f"[popup, {event.level}] {event.title}: {event.text}{note}")
         elif isinstance(event, Warned):
+            kind = f"{event.severity} {event.code}".rstrip()
             where = f"line {event.line}: " if event.line else ""
-            self._problem(event.tick, f"warning: {where}{event.text}")
+            self._problem(event.tick, f"{kind}: {where}{event.text}")
+            if event.hint:
+                print(f"{'':14}hint: {event.hint}", file=self._err)
         elif isinstance(event, DeviceNoted) and event.is_warning:
             self._problem(event.tick, f"warning: {event.device}: {event.text}")
         elif isinstance(event, DeviceNoted):
@@ -241,6 +265,11 @@ class TextReport:
                 print(f"{'':14}{thread.name}: line {thread.line}, {thread.doing}", file=self._err)
         late = f"; {overruns} ticks began late" if overruns else ""
         print(f"{run.time_s:10.3f} s  {words[run.state]} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
+
+
+def _why_it_runs(errors: int) -> str:
+    found = "1 error: its line raises an exception" if errors == 1 else f"{errors} errors: their lines raise exceptions"
+    return f"{found}, which the program may catch, so it runs anyway; --strict refuses it"
 
 
 def _where(robot: VirtualRobot, wall_s: float) -> str:

@@ -129,7 +129,7 @@ class Kernel:
         self._logs = None if world is None else InterpreterLogs(world.files)
         self._conversations = Conversations(self._host, self._reply, self._logs)
         self._pictures = Pictures(self._controller)
-        self._programs = Programs(self._controller, self._host, is_strict=config.strict)
+        self._programs = Programs(self._controller, self._host, firmware, is_strict=config.strict)
         self._tasks = Tasks(
             self._controller, self._host, self._programs, outside.files, outside.channels, config.configuration
         )

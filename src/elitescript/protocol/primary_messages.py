@@ -265,7 +265,8 @@ def _alarm(event: Alarm, terminator: bytes) -> Note:
 
 def _warned(event: Warned, terminator: bytes) -> Note:
     is_exception = event.text.startswith(SECONDARY_PREFIX)
-    return error_note(event.tick, WARNING, event.text, terminator=terminator, is_vital=is_exception)
+    text = event.text if is_exception or not event.code else str(event)
+    return error_note(event.tick, WARNING, text, terminator=terminator, is_vital=is_exception)
 
 
 def _text_message(event: TextMessage, terminator: bytes) -> Note:

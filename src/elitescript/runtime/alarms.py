@@ -21,6 +21,7 @@ from elitescript.messages.profile import Profile, release_of
 from elitescript.runtime.strand import INNER_TEXTS, Strand
 
 UNCAUGHT: Final = "R100"
+_MISCALLED: Final = ("R101", "R102", "R103")
 
 
 class Place(NamedTuple):
@@ -80,6 +81,9 @@ def alarm_of(
         # A program can extend the class and set what it likes.
         code = error.code if type(error.code) is str and error.code in CODES else UNCAUGHT
         details = details_of(error)
+        command = catalogue.get(error.command) if type(error.command) is str else None
+        if command is not None and code in _MISCALLED and "hint" not in details:
+            details["hint"] = command.call_hint
     elif type(error) is NameError and type(error.name) is str and text.endswith("is not defined"):
         code, class_name, text, details = _unknown_name(error.name, text, place, known, catalogue, profile)
     elif type(error).__module__ == "builtins":

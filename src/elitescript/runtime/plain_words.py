@@ -395,6 +395,8 @@ def _out_of_range(found: re.Match[str], scene: Scene) -> Words:
             return Words(f"{which} is out of range: `{name}` is empty")
         has = f"`{name}` has {count} {noun}{'' if count == 1 else 's'}"
         hint = f"indices go from 0 to {count - 1}, or from -{count} to -1 counted from the end"
+        if count == 1:
+            hint = "its only index is 0"
         if found[0].startswith("list assignment"):
             hint += f"; `{name}.append(x)` adds an element"
         return Words(f"{which} is out of range: {has}", hint)
