@@ -21,22 +21,35 @@ class Code(NamedTuple):
     severity: str
     """`error` or `warning`; an alarm at run time is an error."""
     title: str
+    is_tolerated: bool = False
+    """A warning unless strictness is asked for, and then an error, whatever `severity` says."""
+
+    @property
+    def default_severity(self) -> str:
+        """Without `--strict`."""
+        return "warning" if self.is_tolerated else self.severity
+
+    @property
+    def strict_severity(self) -> str:
+        """With `--strict`."""
+        return "error" if self.is_tolerated else self.severity
 
 
 _ROWS: Final = (
     # What keeps a program from starting.
     Code("E001", "error", "Python syntax"),
     Code("E002", "error", "the text is not UTF-8"),
+    Code("E003", "error", "the file cannot be read"),
     Code("E101", "error", "`end` that closes nothing"),
     Code("E102", "error", "program unit without its closing `end`"),
     Code("E103", "error", "clause after the `end` of its statement"),
     Code("E104", "error", "empty block"),
     Code("E105", "error", "`sec` inside a block"),
-    Code("E106", "error", "print statement of Python 2"),
+    Code("E106", "error", "print statement of Python 2", is_tolerated=True),
     Code("E107", "error", "program parameter without a default"),
     Code("E108", "error", "`global` with an assignment"),
-    Code("E109", "error", "`global` after the name was used"),
-    Code("E110", "error", "long-integer suffix of Python 2"),
+    Code("E109", "error", "`global` after the name was used", is_tolerated=True),
+    Code("E110", "error", "long-integer suffix of Python 2", is_tolerated=True),
     Code("E111", "error", "`<>` or backquotes of Python 2"),
     Code("E112", "error", "statement form of Python 2"),
     Code("E113", "error", "operator of C"),
@@ -51,13 +64,14 @@ _ROWS: Final = (
     Code("W206", "warning", "`global` that is never assigned"),
     Code("W207", "warning", "code that is never reached"),
     Code("W208", "warning", "use of the program's own name"),
-    Code("W209", "warning", "name of Python 2"),
+    Code("W209", "warning", "name of Python 2", is_tolerated=True),
     Code("W210", "warning", "escape sequence that Python does not have"),
     Code("W211", "warning", "pose literal of URScript"),
     Code("W212", "warning", "syntax newer than the robot's Python"),
     Code("W213", "warning", "module that is not available"),
     Code("W214", "warning", "program that is defined but never called"),
     Code("W215", "warning", "command without its parentheses"),
+    Code("W250", "warning", "negative blend radius"),
     # What contradicts the command catalogue; a program may catch it, so it starts unless it is strict.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),

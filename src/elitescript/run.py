@@ -38,7 +38,8 @@ class Run:
         globals: the variable monitor at the end: names declared `global` and their values.
         log: texts of `textmsg`, in order.
         printed: texts of `print`, in order.
-        warnings: texts of warnings, those of the compiler and of virtual devices included.
+        warnings: texts of warnings, those of the compiler and of virtual devices included. Of one kind there are at
+            most ten, and then their number, here and in `events`.
         alarms: what stopped the program.
         events: everything that happened, in order; of a very long run the last `RECORDS_MAX`. So it is with the texts.
         events_dropped: how many events have gone, so that a run of days does not fill the memory.
