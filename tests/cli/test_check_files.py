@@ -1,6 +1,6 @@
 import io
 import json
-import os
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -41,7 +41,7 @@ class TestWhatIsChecked:
         assert main(["check", "--json", "."]) == 3
         captured = capsys.readouterr()
         files = [json.loads(line)["file"] for line in captured.out.splitlines()]
-        assert files == ["c.script", os.path.join("z", "a.script"), os.path.join("z", "b.script")]
+        assert [Path(file).as_posix() for file in files] == ["c.script", "z/a.script", "z/b.script"]
         assert captured.err == "3 files checked: 3 errors, 0 warnings\n"
 
     def test_each_file_once(self, folder, capsys):

@@ -7,7 +7,7 @@ from elitescript.commands.catalogue import CATALOGUE
 from elitescript.errors import CODES
 from elitescript.lint import rules
 from elitescript.lint.explanations import body, explanation, markdown
-from tests.lint.checking import found
+from tests.lint.checking import problems
 
 LEAST = 80
 """Characters that say something."""
@@ -51,8 +51,8 @@ def test_markdown_fences_the_example():
 )
 def test_the_severities_in_the_table_are_those_of_the_checker(code, text):
     row = CODES[code]
-    (usual,) = {problem.severity for problem in found(text) if problem.code == code}
-    (strict,) = {problem.severity for problem in found(text, strict=True) if problem.code == code}
+    (usual,) = {problem.severity for problem in problems(text) if problem.code == code}
+    (strict,) = {problem.severity for problem in problems(text, strict=True) if problem.code == code}
     assert (usual, strict) == (row.default_severity, row.strict_severity)
 
 

@@ -20,7 +20,7 @@ def test_a_mistyped_file_is_no_program_text(folder, name):
 
 @pytest.mark.parametrize("name", ["jobs/cell.script", "jobs/cell", "my jobs/cell", "nothing.like.it", "../x/y"])
 def test_a_path_to_nothing_is_refused_too(folder, name):
-    with pytest.raises(UsageError, match="^cannot read "):
+    with pytest.raises(UsageError, match=r"^cannot read "):
         source_of(name)
 
 

@@ -66,6 +66,7 @@ def check(options: argparse.Namespace) -> int:
         report.file(checked)
         if text.data is None and text.is_named:
             code = NOT_FOUND
+            print(f"elitescript check: {text.why_not}", file=sys.stderr)
         elif code == 0 and any(problem.is_error for problem in checked.problems):
             code = FOUND_ERRORS
     report.end()

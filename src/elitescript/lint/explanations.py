@@ -123,7 +123,8 @@ _TEXTS: Final[dict[str, str]] = {
             end
         """,
     "E104": """
-        A block without a statement. A comment is none.
+        A block without a statement; a comment is none. Python cannot tell whether something was forgotten, so `pass`
+        says that nothing is meant.
 
             while not get_flag(0):
                                        # E104: write `pass`, or `sync()` to wait
@@ -153,7 +154,8 @@ _TEXTS: Final[dict[str, str]] = {
             end
         """,
     "E108": """
-        An assignment in a `global` statement, which only says that a name is shared.
+        An assignment in a `global` statement, which only says that a name is shared with the rest of the program. The
+        value is given by a statement of its own. `check --fix` separates the two.
 
             global count = 0           # E108: write `global count`, and `count = 0` below
         """,
@@ -172,7 +174,8 @@ _TEXTS: Final[dict[str, str]] = {
             mask = 0xFFFFL             # E110: write 0xFFFF
         """,
     "E111": """
-        `<>` and backquotes of Python 2.
+        `<>` and backquotes of Python 2, which Python 3 cannot read. `check --fix` repairs the first; the second is a
+        call of to_str or repr.
 
             if a <> b:                 # E111: write a != b
               textmsg(`a`)             # E111: write to_str(a)
@@ -185,7 +188,8 @@ _TEXTS: Final[dict[str, str]] = {
             except ValueError, e:      # E112: write `except ValueError as e:`
         """,
     "E113": """
-        An operator of C. Python has words, and no steps.
+        An operator of C: `&&`, `||`, `!`, `++`, `--`, `? :`. Python writes the words `and`, `or`, `not`, and has no
+        steps by one. `check --fix` repairs those whose meaning is certain.
 
             if a && !b:                # E113: write `a and not b`
               n++                      # E113: write `n += 1`
@@ -257,12 +261,14 @@ _TEXTS: Final[dict[str, str]] = {
             end
         """,
     "R110": """
-        A move to joint positions outside the limits of the arm.
+        A move to joint positions outside the limits of the arm. The text names the joint, the value and the limit;
+        often degrees were taken for radians.
 
             movej([7.0, -1.57, 1.57, 0, 1.57, 0])    # R110: base goes up to 6.28 rad: subtract 2 pi
         """,
     "R111": """
-        A pose that the arm cannot reach: too far away, or too near to its own base.
+        A pose that the arm cannot reach: too far away, or too near to its own base. Often millimetres were taken for
+        metres, or the TCP is not the one with which the point was taught.
 
             movel([3.0, 0, 0.5, 3.14, 0, 0])         # R111: are millimetres taken for metres?
         """,
@@ -272,12 +278,14 @@ _TEXTS: Final[dict[str, str]] = {
             movel(BEHIND)              # R112: go there with movej, or by a waypoint beside the axis
         """,
     "R113": """
-        An arc whose three points lie on a line or on each other.
+        An arc whose three points lie on a line or on each other, so that no plane and no radius follow from them. The
+        arc goes from where the arm is, through the first point, to the second.
 
             movec(P1, P1)              # R113: the way point has to stand off the line
         """,
     "R114": """
-        Two threads move the arm at the same time. One arm follows one motion.
+        Two threads move the arm at the same time. One arm follows one motion, so a thread has to wait until the other
+        one's move has ended.
 
             def other():
               movej(AWAY)              # R114 while the program itself moves: guard both with a lock
@@ -295,7 +303,8 @@ _TEXTS: Final[dict[str, str]] = {
             moveml(0)                  # R116: movej to the first of the points before
         """,
     "R117": """
-        Points of a path that lie too far apart to be followed without a jump.
+        Points of a path that lie too far apart to be followed without a jump. Paths of points are followed as they are,
+        without a plan of their own between two of them.
 
             points = [[0, 0, 0, 0, 0, 0], [3, 0, 0, 0, 0, 0]]    # R117: put points between them
         """,
@@ -312,7 +321,8 @@ _TEXTS: Final[dict[str, str]] = {
             end
         """,
     "R121": """
-        More threads than the firmware allows at a time: 15 with 2.10, 20 with 2.14.
+        More threads than the firmware allows at a time: 15 with 2.10, 20 with 2.14. Threads that have ended do not
+        count.
 
             while True:
               start_thread(work, ())   # R121: join or stop threads before the next one begins
@@ -378,7 +388,8 @@ _TEXTS: Final[dict[str, str]] = {
             movej(HOME)                # R141 when the button is pressed: release it, power on, start again
         """,
     "R142": """
-        A violation or fault of the safety system. Only its restart leads back.
+        A violation or fault of the safety system, which takes the power of the arm. Only a restart of the safety system
+        leads back, and the arm has to be powered on again after it.
 
             movej(HOME)                # R142: `elitescript ctl restart`, then power on
         """,

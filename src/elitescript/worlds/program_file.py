@@ -61,7 +61,7 @@ def neighbours(path: Path) -> str:
 def _is_path(text: str) -> bool:
     """Whether a str names a file. No statement is a word alone, and none looks like `cell.scrpt` or `jobs/cell`."""
     line = text.strip()
-    if not line or "\n" in line or "\r" in line:
+    if not line or "\n" in text or "\r" in text:
         return False
     if line.endswith(SUFFIX):
         return True
