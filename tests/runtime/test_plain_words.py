@@ -137,3 +137,8 @@ def test_messages_of_newer_pythons_are_known():
     assert plain_words(
         "TypeError", "argument of type 'int' is not a container or iterable", Scene("", "", {})
     ).text == ("`in` cannot look into an int")
+
+
+def test_a_class_that_is_called_wrongly_is_named_as_it_is_written():
+    lines = ["class Part:", "  def __init__(self, mass):", "    self.mass = mass", "Part()"]
+    assert said(*lines)[0] == "Part() was called without its argument `mass`"

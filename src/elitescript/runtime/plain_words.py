@@ -300,10 +300,15 @@ def _unary(found: re.Match[str], scene: Scene) -> Words:
 # ---------------------------------------------------------------- calls
 
 
-def _function_name(qualified: str) -> tuple[str, int]:
+def _function_name(qualified: str, scene: Scene) -> tuple[str, int]:
     """The name of a function as the program calls it, and how many of its arguments Python passes by itself."""
     name = without_insides(qualified)
-    return (name, 1) if "." in name else (name, 0)
+    holder, _, method = name.rpartition(".")
+    if method == "__call__" and isinstance(scene.node, ast.Call):
+        return ast.unparse(scene.node.func), 1
+    if method in ("__init__", "__call__"):
+        return holder, 1
+    return (name, 1) if holder else (name, 0)
 
 
 def _plural(number: int) -> str:
@@ -328,7 +333,7 @@ def _parameters(function: FunctionType) -> list[str]:
 
 
 def _surplus(found: re.Match[str], scene: Scene) -> Words:
-    name, own = _function_name(found[1])
+    name, own = _function_name(found[1], scene)
     least = f"{int(found[2]) - own} to " if found[2] else ""
     takes, given = int(found[3]) - own, int(found[4]) - own
     allowed = f"{least}{_plural(takes)}" if takes or least else "no arguments"
@@ -336,7 +341,7 @@ def _surplus(found: re.Match[str], scene: Scene) -> Words:
 
 
 def _missing(found: re.Match[str], scene: Scene) -> Words:
-    name, _ = _function_name(found[1])
+    name, _ = _function_name(found[1], scene)
     names = re.findall(r"'(\w+)'", found[2])
     noun = "argument" if len(names) == 1 else "arguments"
     listed = " and ".join(f"`{item}`" for item in names)
@@ -344,12 +349,12 @@ def _missing(found: re.Match[str], scene: Scene) -> Words:
 
 
 def _unexpected(found: re.Match[str], scene: Scene) -> Words:
-    name, _ = _function_name(found[1])
+    name, _ = _function_name(found[1], scene)
     return Words(f"{name}() has no parameter `{found[2]}`", _defined_as(name, scene))
 
 
 def _twice(found: re.Match[str], scene: Scene) -> Words:
-    name, _ = _function_name(found[1])
+    name, _ = _function_name(found[1], scene)
     return Words(f"{name}() gets its argument `{found[2]}` twice", _defined_as(name, scene))
 
 
@@ -358,7 +363,7 @@ def _not_callable(found: re.Match[str], scene: Scene) -> Words:
     if function is None:
         return Words(f"{_kind(found[1])} cannot be called")
     hint = _NO_VALUE if found[1] == "NoneType" else ""
-    if isinstance(function, ast.Name):
+    if isinstance(function, ast.Name) and found[1] in _KINDS:
         name = function.id
         hint = hint or f"write `{name}` to read the variable; if a function of that name is meant, rename the variable"
     elif isinstance(function, (ast.Constant, ast.BinOp, ast.Tuple, ast.List)):
