@@ -15,6 +15,7 @@ from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
 from elitescript.controller.trace_signals import SignalRecord, TraceSignals
+from elitescript.controller.warning_limit import WarningLimit
 from elitescript.errors import UsageError
 from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
 from elitescript.language.options import SECONDARY
@@ -139,6 +140,7 @@ class VirtualRobot:
         self._drain_s = drain_s
         self._drain: Drain | None = None
         self._run: Run | None = None
+        self._limit = WarningLimit()
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
@@ -431,6 +433,8 @@ class VirtualRobot:
         """Program and arm have come to rest, or nobody waits for it: take the last look, once."""
         if run.is_over:
             return
+        for event in self._limit.rest(self.tick):
+            self._pass_on(event)
         if self._trace is not None:
             self._trace.finish(self.controller)
             self._trace = None
@@ -515,6 +519,10 @@ class VirtualRobot:
     def _event(self, event: Event) -> None:
         if isinstance(event, SignalChanged) and self._outside.surroundings is not None:
             self._outside.surroundings.signal_changed(event.name, event.value)
+        if self._run is None or self._run.is_closed or self._limit.takes(event):
+            self._pass_on(event)
+
+    def _pass_on(self, event: Event) -> None:
         if self._run is not None and not self._run.is_closed:
             self._run.add(event)
         if self._on_event is None or self._listener_error is not None:

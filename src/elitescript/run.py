@@ -44,7 +44,8 @@ class Run:
         state: `finished`, `alarm`, `stopped`, `time_limit` or `stuck`; empty while it runs.
         log: texts of `textmsg`, in order.
         printed: texts of `print`, in order.
-        warnings: texts of warnings, those of the compiler and of virtual devices included.
+        warnings: texts of warnings, those of the compiler and of virtual devices included. Of one kind there are at
+            most ten, and then their number, here and in `events`.
         alarms: what stopped the program.
         events: everything that happened, in order, each kind as `docs/reference/events.md` says; of a very long run the
             last `RECORDS_MAX`. So it is with the texts.

@@ -303,7 +303,7 @@ class FakeRobot:
     def popup(self, text: str, title: str, level: str, *, is_blocking: bool) -> None:
         self._ask("popup", text, title, level, is_blocking)
 
-    def warn_once(self, key: str, text: str) -> None:
+    def warn_once(self, key: str, text: str, *, code: str = "", hint: str = "") -> None:
         self._ask("warn_once", key, text)
 
     def mistaken(self, meaning: str, value: Any) -> Any:

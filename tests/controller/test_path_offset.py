@@ -403,7 +403,7 @@ class TestBeginAndEnd:
         move = cell.controller.motion.source.number
         while not cell.controller.is_move_done(move):
             cell.run()
-        cell.controller.task_ended(has_finished=True)
+        cell.controller.task_ended("finished")
         cell.run(300)
         assert not cell.controller.is_moving
         assert_same(cell.pose, cell.beside(0.0, 0.1, 0.01))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import Counter
 from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any, Final, Protocol
@@ -11,6 +12,7 @@ from typing import Any, Final, Protocol
 from elitescript.cli import jsonlines
 from elitescript.cli.event_records import record_of
 from elitescript.cli.writable import Writable
+from elitescript.controller.warning_limit import MOST
 from elitescript.errors import UsageError
 from elitescript.language.diagnostics import Diagnostic, render, to_json
 from elitescript.language.source import SourceFile
@@ -52,6 +54,9 @@ class Report(Protocol):
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         """What was found before the run."""
 
+    def goes_on(self, errors: int) -> None:
+        """Say that the program starts though `errors` of its problems are errors."""
+
     def start(self, robot: VirtualRobot, path: Path) -> None:
         """The run begins."""
 
@@ -76,6 +81,8 @@ class JsonReport:
 
     def __init__(self, out: Writable) -> None:
         self._out = out
+        self._said: set[tuple[str, int]] = set()
+        """Code and line of what was found before the run, which the run need not repeat."""
 
     def _write(self, record: dict[str, Any]) -> None:
         self._out.write(jsonlines.line(record) + "\n")
@@ -83,13 +90,18 @@ class JsonReport:
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         for problem in problems:
+            self._said.add((problem.code, problem.line))
             self._write(to_json(problem))
+
+    def goes_on(self, errors: int) -> None:
+        print(_why_it_runs(errors), file=sys.stderr)
 
     def start(self, robot: VirtualRobot, path: Path) -> None:
         pass
 
     def event(self, event: Event) -> None:
-        record = record_of(event)
+        is_said = isinstance(event, Warned) and (event.code, event.line) in self._said
+        record = None if is_said else record_of(event)
         if record is not None:
             self._write(record)
 
@@ -137,9 +149,18 @@ class TextReport:
         """Code and line of what was found before the run, which the run need not repeat."""
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
+        counts: Counter[str] = Counter()
         for problem in problems:
             self._said.add((problem.code, problem.line))
-            print(str(problem) if source is None else render(problem, source), file=self._err)
+            counts[problem.code] += not problem.is_error
+            if counts[problem.code] <= MOST:
+                print(str(problem) if source is None else render(problem, source), file=self._err)
+        for code, count in counts.items():
+            if count > MOST:
+                print(f"… {count - MOST:,} more {code}: `elitescript check` shows all of them", file=self._err)
+
+    def goes_on(self, errors: int) -> None:
+        print(_why_it_runs(errors), file=self._err)
 
     def start(self, robot: VirtualRobot, path: Path) -> None:
         self._start_s = time.perf_counter()
@@ -174,9 +195,9 @@ class TextReport:
     def _warned(self, event: Warned) -> None:
         if (event.code, event.line) in self._said:
             return
-        code = f" {event.code}" if event.code else ""
+        kind = f"{event.severity} {event.code}".rstrip()
         where = f"line {event.line}: " if event.line else ""
-        self._problem(event.tick, f"warning{code}: {where}{event.text}")
+        self._problem(event.tick, f"{kind}: {where}{event.text}")
         if event.hint:
             print(f"{'':14}hint: {event.hint}", file=self._err)
 
@@ -221,6 +242,11 @@ class TextReport:
                 print(f"{'':14}{thread.name}: line {thread.line}, {thread.doing}", file=self._err)
         late = f"; {overruns} ticks began late" if overruns else ""
         print(f"{run.time_s:10.3f} s  {words[run.state]} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
+
+
+def _why_it_runs(errors: int) -> str:
+    found = "1 error: its line raises an exception" if errors == 1 else f"{errors} errors: their lines raise exceptions"
+    return f"{found}, which the program may catch, so it runs anyway; --strict refuses it"
 
 
 def _where(robot: VirtualRobot, wall_s: float) -> str:

@@ -387,7 +387,7 @@ class Robot(Protocol):
     def popup(self, text: str, title: str, level: str, *, is_blocking: bool) -> None:
         """Show a message window; wait for its confirmation when it blocks."""
 
-    def warn_once(self, key: str, text: str) -> None:
+    def warn_once(self, key: str, text: str, *, code: str = "", hint: str = "") -> None:
         """Record a warning, the first time in this program that `key` comes by."""
 
     def mistaken(self, meaning: str, value: Six) -> Doubt | None:

@@ -84,4 +84,5 @@ def _write(robot: Robot, name: str, request: WritePortCoils | WritePortRegisters
     try:
         robot.request(request)
     except MirroredAddressError as error:
-        robot.warn_once(f"{name} {request.first}", f"{name}: {error}; nothing changes")
+        hint = "docs/reference/modbus.md lists what can be set"
+        robot.warn_once(f"{name} {request.first}", f"{name}: {error}; nothing changes", code="W260", hint=hint)

@@ -31,9 +31,17 @@ if TYPE_CHECKING:
 def blend_radius(robot: Robot, r: float) -> float:
     """Return the radius that an argument r stands for, m: below 0 there is none, and a warning says so once."""
     if r < 0.0:
-        robot.warn_once("negative radius", f"r = {r:g} m is taken for 0: the arm stops at the waypoint")
+        robot.warn_once("negative radius", negative_radius_text(r), code="W250", hint=NEGATIVE_RADIUS_HINT)
         return 0.0
     return r
+
+
+def negative_radius_text(r: float) -> str:
+    """What is said about a blend radius below 0, before and during the run."""
+    return f"r = {r:g} m is taken for 0: the arm stops at the waypoint"
+
+
+NEGATIVE_RADIUS_HINT = "write r=0 to stop there"
 
 
 @command(family="motion", manual="2.1.1", waits=True, works_in_sec=False)

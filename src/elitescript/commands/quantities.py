@@ -62,9 +62,8 @@ class Quantity:
     def wrong_type(self, value: Any, wanted: str = "") -> ScriptError:
         """The error for a value of another type."""
         wanted = wanted or self.type_name
-        return ArgumentTypeError(
-            f"must be {wanted}, not {type(value).__name__} {shown(value)}", value=value, limit=wanted, unit=self.unit
-        )
+        given = "None" if value is None else f"{type(value).__name__} {shown(value)}"
+        return ArgumentTypeError(f"must be {wanted}, not {given}", value=value, limit=wanted, unit=self.unit)
 
     def out_of_range(self, value: Any, limit: str = "") -> ScriptError:
         """The error for a value outside its range, or outside `limit` when that says it better."""

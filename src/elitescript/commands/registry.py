@@ -186,6 +186,35 @@ class Command:
             parts.append(param.name if param.is_required else f"{param.name}={param.default_text}")
         return f"{self.name}({', '.join(parts)})"
 
+    # What is wrong with a call, in the words of both the checker and the run.
+
+    @property
+    def call_hint(self) -> str:
+        """What to do about a wrong call."""
+        return f"it is called as {self.signature}"
+
+    def surplus_text(self, given: int) -> str:
+        """Too many arguments."""
+        most = len(self.params)
+        if not most:
+            return f"{self.name} takes no arguments, got {given}"
+        at_most = "" if all(param.is_required for param in self.params) else "at most "
+        return f"{self.name} takes {at_most}{most} argument{'' if most == 1 else 's'}, got {given}"
+
+    def unknown_argument_text(self, keyword: str) -> str:
+        """An argument of a name that the command does not have."""
+        names = ", ".join(param.name for param in self.params) or "none"
+        return f"{self.name} has no argument `{keyword}`; its arguments: {names}"
+
+    def twice_text(self, name: str) -> str:
+        """One argument by place and by name, or under two names."""
+        return f"{self.name} gets the argument `{name}` twice"
+
+    def missing_text(self, names: list[str]) -> str:
+        """Arguments that the call must pass."""
+        listed = ", ".join(f"`{name}`" for name in names)
+        return f"{self.name} misses the argument{'' if len(names) == 1 else 's'} {listed}"
+
     def bind(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Put arguments in order, fill in defaults, coerce and check.
 
@@ -262,28 +291,26 @@ class Command:
         params = self.params
         positional = len(values)
         if positional > len(params) and not self.takes_more:
-            raise self._count_error(f"takes {_arguments(len(params))}, got {positional}: {self.signature}")
+            raise self._count_error(self.surplus_text(positional))
         for keyword in kwargs:
             if not any(keyword == param.name or keyword in param.spellings for param in params):
-                names = ", ".join(param.name for param in params) or "none"
-                raise self._count_error(f"has no argument {keyword!r}; its arguments: {names}")
+                raise self._count_error(self.unknown_argument_text(keyword))
+        missing = []
         for index, param in enumerate(params):
             given = [spelling for spelling in (param.name, *param.spellings) if spelling in kwargs]
             if len(given) + (index < positional) > 1:
-                raise self._count_error(f"got the argument {param.name!r} twice")
+                raise self._count_error(self.twice_text(param.name))
             if given:
                 values.append(kwargs[given[0]])
             elif index >= positional:
                 if param.is_required:
-                    raise self._count_error(f"misses the argument {param.name!r}; it is called as {self.signature}")
+                    missing.append(param.name)
                 values.append(_OMITTED)
+        if missing:
+            raise self._count_error(self.missing_text(missing))
 
     def _count_error(self, text: str) -> ScriptError:
-        return ArgumentCountError(f"{self.name} {text}", command=self.name)
-
-
-def _arguments(count: int) -> str:
-    return "no arguments" if count == 0 else "1 argument" if count == 1 else f"at most {count} arguments"
+        return ArgumentCountError(text, command=self.name, hint=self.call_hint)
 
 
 def _as_script_value(result: Any) -> Any:

@@ -31,4 +31,4 @@ def findings(program: Program, code: str) -> Iterator[Finding]:
     """The findings of the rule for one code."""
     for node, doubt in program.doubts:
         if doubt.code == code:
-            yield Finding(node, doubt.text, doubt.hint, is_error=program.is_strict)
+            yield Finding(node, doubt.text, doubt.hint)

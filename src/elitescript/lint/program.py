@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import ast
-import builtins
 import re
 from collections.abc import Collection, Iterator
 from functools import cached_property
-from typing import Final, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.plausibility import JUDGES, KINDS, ArmFacts, mistaken
 from elitescript.commands.registry import Command
-from elitescript.language.hooks import HOOKS
 from elitescript.language.kinds import SECONDARY
 from elitescript.language.nodes import Census
 from elitescript.language.parser import Parsed
 from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
+from elitescript.language.unknown_names import KNOWN
 from elitescript.lint.arguments import Arguments, arrange
 from elitescript.lint.constants import Constants
 from elitescript.lint.doubts import Doubted, element
@@ -27,12 +26,6 @@ from elitescript.lint.registry import Span
 from elitescript.messages.profile import Profile, release_of
 
 _Node = TypeVar("_Node", bound=ast.AST)
-
-PRELOADED: Final = frozenset(("copy", "elicopy", "exit", "long", "quit", "unichr"))
-"""Names that programs find besides commands and Python's own built-ins."""
-
-KNOWN: Final = frozenset(dir(builtins)) | PRELOADED | frozenset(HOOKS)
-"""Every name that is there without a definition, but for the commands."""
 
 
 class Use(NamedTuple):

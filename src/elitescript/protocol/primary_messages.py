@@ -276,7 +276,8 @@ def _warned(event: Warned, terminator: bytes) -> Note:
     if is_exception or not (event.line or event.thread or event.code):
         return error_note(event.tick, WARNING, event.text, terminator=terminator, is_vital=is_exception)
     place = f"line {event.line}: " if event.line else ""
-    return Note(TEXT.pack(event.tick, (), f"warning: {place}{event.text}", terminator=terminator), is_vital=False)
+    text = str(event) if event.code else f"warning: {place}{event.text}"
+    return Note(TEXT.pack(event.tick, (), text, terminator=terminator), is_vital=False)
 
 
 def _text_message(event: TextMessage, terminator: bytes) -> Note:

@@ -400,17 +400,17 @@ class Context:
         if is_blocking and not is_confirmed:
             self.scheduler.wait(POPUP)
 
-    def warn(self, text: str, code: str = "", hint: str = "") -> None:
-        """Record a warning."""
+    def warn(self, text: str, *, code: str = "", hint: str = "") -> None:
+        """Record a warning; `code` and `hint` are those of `check`, if it knows the same finding."""
         strand = self.scheduler.current
         name, line = ("", 0) if strand is None else (strand.name, strand.line)
         self.machine.emit(Warned(self.machine.tick, text, name, line, code, hint))
 
-    def warn_once(self, key: str, text: str, code: str = "", hint: str = "") -> None:
+    def warn_once(self, key: str, text: str, *, code: str = "", hint: str = "") -> None:
         """Record a warning, the first time in this program that `key` comes by."""
         if key not in self._warned:
             self._warned.add(key)
-            self.warn(text, code, hint)
+            self.warn(text, code=code, hint=hint)
 
     # ---------------------------------------------------------------- doubts about values
 

@@ -188,7 +188,7 @@ class Sockets:
                 text = (
                     f"the text read from socket {name!r} begins with the line end that socket_read_ascii_float has left"
                 )
-                self._warn_once(f"line end {name}", text, "W272", _READ_LINE_END)
+                self._warn_once(f"line end {name}", text, code="W272", hint=_READ_LINE_END)
             return value, used
 
         return looking

@@ -19,7 +19,7 @@ def test_inputs_states_and_reserved_addresses_mirror_the_robot(call):
     assert [finding.split()[0] for finding in body(call)] == ["W260"]
 
 
-@pytest.mark.parametrize("call", ["write_port_bit(60, 1)", "write_port_register(256, 3)", "read_port_bit(5)"])
+@pytest.mark.parametrize("call", ["write_port_bit(60, 1)", "write_port_register(256, 3)", "level = read_port_bit(5)"])
 def test_what_can_be_set_and_what_is_read_is_fine(call):
     assert body(call) == []
 

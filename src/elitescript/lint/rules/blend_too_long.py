@@ -86,7 +86,7 @@ def _judged(program: Program, places: Places, start: int, place: int) -> Iterato
     most = _most(places, program, start, place)
     if most is not None and most > 0.0 and most < r * (1.0 - _ROOM):
         text = RADIUS_SHORTENED.format(r=float(r), most=most)
-        yield Finding(node, text, RADIUS_HINT.format(most=most), is_error=program.is_strict)
+        yield Finding(node, text, RADIUS_HINT.format(most=most))
 
 
 def _most(places: Places, program: Program, start: int, place: int) -> float | None:

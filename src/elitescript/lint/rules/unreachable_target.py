@@ -55,11 +55,11 @@ def unreachable_target(program: Program) -> Iterator[Finding]:
                     bounds = f"{low:.4g} to {high:.4g} rad"
                     text = f"{what}[{index}] is {number:.6g} rad, outside the range {whose}, {bounds}"
                     hint = "choose a target inside the range; a full turn less is the same direction"
-                    yield Finding(element(node, index), text, hint, is_error=program.is_strict)
+                    yield Finding(element(node, index), text, hint)
                     break
             continue
         p = six(value)
         reason = "" if p is None or program.arm is None else places.unreachable(program.arm, p)
         if reason:
             text = f"{what} is out of reach: {reason}"
-            yield Finding(node, text, "keep the whole path inside the workspace", is_error=program.is_strict)
+            yield Finding(node, text, "keep the whole path inside the workspace")
