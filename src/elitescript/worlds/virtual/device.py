@@ -89,6 +89,14 @@ class Device:
         return self.name or type(self).__name__
 
     @property
+    def driven_inputs(self) -> list[str]:
+        """Inputs of the robot that its settings name; for faults of what it sets."""
+        from elitescript.worlds.virtual.faults import INPUTS
+
+        values = [getattr(self, name) for name in setting_names(type(self))]
+        return [value for value in values if isinstance(value, str) and value.partition("[")[0] in INPUTS]
+
+    @property
     def author(self) -> Device:
         """Whose code ran last on its behalf; for messages about what went wrong."""
         return self

@@ -66,6 +66,10 @@ class Wire(Device):
     def title(self) -> str:
         return self.name or f"wire to {self.then}"
 
+    @property
+    def driven_inputs(self) -> list[str]:
+        return [self.then]
+
     def check(self) -> None:
         _check_given("then", self.then)
         try:
@@ -100,9 +104,9 @@ class Wire(Device):
         for name in self._expression.signals:
             self.cell.watch(name, self._look)
         self._last = self._level()
-        if self.edge == "both" and not self.pulse_s and self.cell.read(self.then) != self._given(self._last):
+        if self.edge == "both" and not self.pulse_s:
             # The cell was at rest before the robot's time began.
-            self._put(self._last, 0.0)
+            self.cell.apply(self.then, self._given(self._last))
 
     def _level(self) -> Any:
         return self._expression.value(self.cell.read)
