@@ -314,7 +314,7 @@ class Fault:
         row = TABLE.get(kind) if isinstance(kind, str) else None
         if row is None:
             near = did_you_mean(kind, TABLE) if isinstance(kind, str) else ""
-            raise UsageError(f"kind: there is no fault {self.kind!r}{near}; there are {', '.join(TABLE)}")
+            raise UsageError(f"kind: there is no fault {self.kind!r}; there are {', '.join(TABLE)}{near}")
         channel, _, _ = place_of(self.on)
         if channel != DEVICE:
             effect = row.effect(channel)
@@ -404,7 +404,7 @@ class Fault:
         form = FORMS.get(given or "text") if isinstance(given, str) else None
         if form is None:
             near = did_you_mean(given, FORMS) if isinstance(given, str) else ""
-            raise UsageError(f"form: there is no {self.form!r}{near}; there are {', '.join(FORMS)}")
+            raise UsageError(f"form: there is no {self.form!r}; there are {', '.join(FORMS)}{near}")
         effect = form.line if channel == LINE else form.tcp
         if not effect.is_possible:
             raise UsageError(f"form: {form.name} on {self.on!r}: {effect.text}")
@@ -507,7 +507,7 @@ def fault_from(settings: Mapping[str, Any]) -> Fault:
     for key in settings:
         if key not in known:
             near = did_you_mean(str(key), known)
-            raise UsageError(f"{key}: is not known{near}; there are {', '.join(known)}")
+            raise UsageError(f"{key}: is not known; there are {', '.join(known)}{near}")
     for key in ("kind", "on"):
         if key not in settings:
             raise UsageError(f"{key}: is missing")

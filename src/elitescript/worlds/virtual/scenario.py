@@ -12,9 +12,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.worlds.surroundings import REAL, VIRTUAL
-from elitescript.worlds.virtual.device import Device
+from elitescript.worlds.virtual.device import Device, TakenError
 from elitescript.worlds.virtual.faults import Fault, check_together, fault_from
 from elitescript.worlds.virtual.world import World
 
@@ -70,6 +70,8 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "") -
         raise UsageError(f"[world] {error}") from None
     files: dict[Path, Any] = {}
     faults: list[Fault] = []
+    places: dict[object, str] = {}
+    """Of devices, and of the names that the file gives them."""
     for section, rows in tables.items():
         if section == "world":
             continue
@@ -81,18 +83,28 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "") -
                 if isinstance(made, Fault):
                     faults.append(made)
                 else:
+                    name = row.get("name")
+                    if name and name in places:
+                        raise UsageError(f"name: {name!r} is the name of another one already, see {places[name]}")
                     world.add(made)
+                    places[made] = f"[[{section}]] {number}"
+                    if name:
+                        places[name] = places[made]
+            except TakenError as error:
+                raise UsageError(f"[[{section}]] {number}: {error}, see {places.get(error.other, '')}") from error
             except UsageError as error:
                 raise UsageError(f"[[{section}]] {number}: {error}") from error
+    for number, fault in enumerate(faults, 1):
+        try:
+            faults[number - 1] = world.check_fault(fault)
+        except UsageError as error:
+            raise UsageError(f"[[fault]] {number}: {error}") from None
     try:
         check_together(faults)
     except UsageError as error:
         raise UsageError(f"[[fault]] {error}") from None
-    for number, fault in enumerate(faults, 1):
-        try:
-            world.add_fault(fault)
-        except UsageError as error:
-            raise UsageError(f"[[fault]] {number}: {error}") from None
+    for fault in faults:
+        world.add_fault(fault)
     return world
 
 
@@ -101,7 +113,8 @@ def _empty_world(options: object, tables: Mapping[str, Any], network: str) -> Wo
         raise UsageError("must be a table")
     for key in options:
         if key not in WORLD_KEYS:
-            raise UsageError(f"{key}: is not known; there are {', '.join(WORLD_KEYS)}")
+            near = did_you_mean(key, WORLD_KEYS)
+            raise UsageError(f"{key}: is not known; there are {', '.join(WORLD_KEYS)}{near}")
     is_reachable = any(KINDS[section].is_reachable for section in tables if section in KINDS)
     usual = network or (VIRTUAL if is_reachable else REAL)
     return World(seed=options.get("seed", 0), network=options.get("network", usual))
