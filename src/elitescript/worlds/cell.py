@@ -9,7 +9,7 @@ the robot, `[[tcp]]`, `[[wire]]` and so on, is read by `virtual.scenario`.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -92,6 +92,9 @@ def load_cell(path: str | Path, *, network: str = "") -> Cell:
         hint = '; names with an index stand in quotes: "standard_digital_in[3]" = true' if _has_bare_index(text) else ""
         line = _line_of_refusal(text, error)
         raise UsageError(f"{file}:{line}: the world file is not TOML: {error}{hint}") from error
+    if (huge := _huge(tables, ())) is not None:
+        line = nearest(lines_of(text), huge)
+        raise UsageError(f"{file}:{line}: {huge[-1]}: whole numbers of TOML are within 64 bits")
     cell = Cell()
     beside: dict[str, Any] = {}
     for section, table in tables.items():
@@ -112,6 +115,18 @@ def load_cell(path: str | Path, *, network: str = "") -> Cell:
             raise _located(file, text, section, tables.get(section), error) from error
         cell.world.cell = cell
     return cell
+
+
+def _huge(value: object, path: TomlPath) -> TomlPath | None:
+    """Path of a whole number that no float and no TOML of other readers has; None if there is none."""
+    if isinstance(value, int):
+        return None if -(2**63) <= value < 2**63 else path
+    items: Iterable[tuple[str | int, object]] = ()
+    if isinstance(value, Mapping):
+        items = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    return next((found for key, item in items if (found := _huge(item, (*path, key))) is not None), None)
 
 
 def _located(file: Path, text: str, section: str, table: object, error: UsageError) -> UsageError:
@@ -168,7 +183,7 @@ def line_of(text: str, section: str, table: object, message: str) -> int:
         if part:
             path = (*path, part)
     path = (*path, number - 1) if (*path, number - 1) in lines else path
-    for word in words:
+    for before, word in zip(["", *words], words, strict=False):
         key = word.partition("[")[0]
         index = word[len(key) + 1 : -1]
         for step in ((*path, word), (*path, key, int(index) if index.isdecimal() else index), (*path, key)):
@@ -176,7 +191,7 @@ def line_of(text: str, section: str, table: object, message: str) -> int:
                 path = step
                 break
         else:
-            if word.isdecimal() and (*path, int(word) - 1) in lines:
+            if before == "row" and word.isdecimal() and (*path, int(word) - 1) in lines:
                 path = (*path, int(word) - 1)
             elif word != "row":
                 break

@@ -16,7 +16,7 @@ from elitescript.errors import UsageError, did_you_mean
 from elitescript.worlds.surroundings import REAL, VIRTUAL
 from elitescript.worlds.virtual.device import Device, TakenError
 from elitescript.worlds.virtual.faults import Fault, check_together, fault_from
-from elitescript.worlds.virtual.world import World
+from elitescript.worlds.virtual.world import World, place_in
 
 WORLD_KEYS: Final = ("seed", "network")
 
@@ -135,6 +135,8 @@ def _made(section: str, number: int, row: Mapping[str, Any], folder: Path, files
         found = _loaded(kind.declared)
     if kind.declared == FAULT:
         return fault_from(settings)
+    if not isinstance(row.get("name", ""), str):
+        raise UsageError(f"name: must be a text, got {row['name']!r:.60}")
     if named is None and kind.is_reachable:
         settings.setdefault("name", f"{section} {number}")
     try:
@@ -142,7 +144,12 @@ def _made(section: str, number: int, row: Mapping[str, Any], folder: Path, files
     except UsageError:
         raise
     except Exception as error:
-        raise UsageError(f"{CLASS_KEY}: {named} cannot be made: {type(error).__name__}: {error}") from error
+        if named is None:
+            raise UsageError(f"the settings do not go together: {type(error).__name__}: {error}") from error
+        place = _python_place(error)
+        where = f" ({place})" if place else ""
+        text = f"{named} cannot be made: {type(error).__name__}: {error}{where}"
+        raise UsageError(f"{CLASS_KEY}: {text}") from error
 
 
 def _loaded(name: str) -> Any:
@@ -177,7 +184,14 @@ def _imported(path: Path) -> Any:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        from elitescript.worlds.virtual.world import place_in
-
-        raise UsageError(f"{CLASS_KEY}: {place_in(error) or path}: {type(error).__name__}: {error}") from error
+        place = _python_place(error) or path
+        text = error.msg if isinstance(error, SyntaxError) else str(error)
+        raise UsageError(f"{CLASS_KEY}: {place}: {type(error).__name__}: {text}") from error
     return module
+
+
+def _python_place(error: Exception) -> str:
+    """File and line of a mistake in a Python file, as `cell.py:12`; empty if it is not in one."""
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{error.filename}:{error.lineno}"
+    return place_in(error)
