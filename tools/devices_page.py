@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import Any
 
 from elitescript.worlds.virtual.device import setting_names
-from elitescript.worlds.virtual.faults import FORMS, TABLE, Effect, Fault
+from elitescript.worlds.virtual.faults import FORMS, INPUTS, TABLE, Effect, Fault
 from elitescript.worlds.virtual.scenario import KINDS
 from tools.markdown import NOTICE, cell
 
@@ -40,13 +40,23 @@ def devices_page() -> str:
             lines += ["", 'With `class = "cell.py:Name"` the other keys are settings of that class.']
     head = "on a TCP connection | on a serial line | keys of its own |"
     lines += ["", "## Faults", "", f"| kind | {head}", "|---|---|---|---|"]
-    lines += [_row(row.name, row.tcp, row.line, row.takes) for row in TABLE.values()]
+    lines += [_row(row.name, row.tcp, row.line, row.takes) for row in TABLE.values() if not row.is_of_inputs]
     lines += ["", f"| `form` of `wrong_reply` | {head}", "|---|---|---|---|"]
     lines += [_row(form.name, form.tcp, form.line, form.takes) for form in FORMS.values()]
     lines += [
         "",
         "A reply that is wrong in the way of a protocol is refused where the device speaks another one.",
         "What each command returns with each fault: [faults.md](faults.md).",
+        "",
+        f"Inputs that can be disturbed: {', '.join(f'`{name}`' for name in INPUTS)}.",
+        "",
+        "| kind | at a digital input | at an analog input | keys of its own |",
+        "|---|---|---|---|",
+        *(_row(row.name, row.digital, row.analog, row.takes) for row in TABLE.values() if row.is_of_inputs),
+        "",
+        "The level that is applied is kept: it is read again when the fault is over. Which changes are put down to a",
+        "fault, and what an input reads tick by tick, is in [faults.md](faults.md#inputs). What real inputs do is",
+        "*assumed*.",
     ]
     return "\n".join(lines) + "\n"
 

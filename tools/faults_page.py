@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
 from itertools import groupby
+from pathlib import Path
 from typing import Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
@@ -10,6 +12,8 @@ from elitescript.commands.page import CHAPTERS
 from elitescript.worlds.virtual.faults import FORMS, TABLE, Effect
 from tests.faults.table import Row, load
 from tools.markdown import NOTICE, cell
+
+INPUTS: Final = Path(__file__).resolve().parent.parent / "tests" / "faults" / "inputs.toml"
 
 _REMARKS: Final = {
     "good": ", as without",
@@ -57,7 +61,39 @@ def faults_page() -> str:
         lines += ["| command | returns | with |", "|---|---|---|"]
         for row in chapter:
             lines += _command_rows(row, nowhere)
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *_inputs()]) + "\n"
+
+
+def _inputs() -> list[str]:
+    """What inputs read, from the table that the tests read."""
+    lines = [
+        "",
+        "## Inputs",
+        "",
+        "What an input reads while something goes wrong with it. Devices, wires, schedules, clients, `--set` and",
+        "Python set the level that is *applied*; programs and clients read another one while a fault acts. A fault",
+        "begins before what is applied in its first control period, and ends before what is applied in the period",
+        "after its last. A change is put down to the fault (`by` is `fault`) if the level is not the applied one, or",
+        "comes back to it without anything new being applied. Several faults of one input act one after the other.",
+        "",
+        "Every line is a test. Numbers are control periods of 4 ms; the fault acts from 10 to 29, unless it has",
+        "a `for_s` of its own.",
+        "",
+        "| case | fault | applied | reads |",
+        "|---|---|---|---|",
+    ]
+    for title, case in tomllib.loads(INPUTS.read_text(encoding="utf-8")).items():
+        fault = ", ".join(f"{key}={value!r}" for key, value in case["fault"].items())
+        applied = "; ".join(f"{tick}: {_level(value)}" for tick, value in case["applied"])
+        reads = "; ".join(
+            f"{tick}: {_level(value)}{' (fault)' if by == 'fault' else ''}" for tick, value, by in case["reads"]
+        )
+        lines.append(f"| {cell(title)} | `{cell(fault)}` | {applied} | {reads} |")
+    return lines
+
+
+def _level(value: bool | float) -> str:
+    return ("low", "high")[value] if isinstance(value, bool) else f"{value:g}"
 
 
 def _family(row: Row) -> str:

@@ -151,6 +151,8 @@ class VirtualRobot:
             from elitescript.kernel.own_ports import OwnPorts
 
             self._outside.surroundings.begin(OwnPorts(self.controller, self._host, self.model, self.profile))
+            for request in self._outside.surroundings.input_faults:
+                self.controller.put(0, request, "fault")
 
     # ---------------------------------------------------------------- reading
 
@@ -212,12 +214,16 @@ class VirtualRobot:
         self.controller.request(StopTask())
 
     def fault(self, kind: str, on: int | str, **settings: Any) -> None:
-        """Let something go wrong on a connection or serial line, from now on; see `elitescript.testing.world.Fault`.
+        """Let something go wrong on a connection, a serial line or at an input, from now on.
+
+        What can go wrong, and where, is in `elitescript.testing.world.Fault`.
 
         Raises:
             UsageError: there is no such fault, or it makes no sense there.
         """
-        self._outside.fault(self.tick, kind, on, settings)
+        request = self._outside.fault(self.tick, kind, on, settings)
+        if request is not None:
+            self.controller.put(self.tick, request, "fault")
 
     def protective_stop(self, reason: str = "") -> None:
         """Stop the arm as the safety system does; the program ends with an alarm."""

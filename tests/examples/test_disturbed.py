@@ -75,3 +75,13 @@ def test_rings_are_counted_right_over_a_bad_line(kind):
     robot.fault(kind, on="tool", share=0.15)
     run = finished(robot, "electric_gripper")
     assert (run.globals["rings"], run.globals["empty"], run.globals["lost"]) == (2, 1, 1)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_parts_are_counted_once_whatever_the_contact_does(seed):
+    robot = robot_with("part_counter")
+    robot.fault("bouncing", on="switch", settle_s=0.035, bounces=4, seed=seed, at_s=4.0, for_s=4.0)
+    robot.fault("noisy", on="standard_digital_in[3]", rate_hz=5, seed=seed)
+    run = finished(robot, "part_counter")
+    assert run.globals["parts"] == 5
+    assert run.globals["edges"] > 70

@@ -68,7 +68,11 @@ def shown(answer: dict[str, Any]) -> list[str]:
 def help_text() -> str:
     """All verbs."""
     width = max(len(verb.usage) for verb in VERBS.values())
-    return "\n".join(f"{verb.usage:<{width}}  {verb.summary}" for verb in VERBS.values())
+    lines = []
+    for verb in VERBS.values():
+        lines.append(f"{verb.usage:<{width}}  {verb.summary}")
+        lines += [f"{'':<{width}}  {line}" for line in verb.details()]
+    return "\n".join(lines)
 
 
 def _check_count(usage: str, argument: str, given: list[str]) -> None:

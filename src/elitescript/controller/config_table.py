@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import isfinite, sqrt
 from typing import Any
 
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 
 
 class ConfigTable:
@@ -86,7 +86,8 @@ class ConfigTable:
         """Refuse keys that nobody has asked for."""
         for key in self._table:
             if key not in self._asked:
-                raise UsageError(f"{self.where} {key} is not known; there are {', '.join(self._asked)}")
+                near = did_you_mean(str(key), self._asked)
+                raise UsageError(f"{self.where} {key} is not known; there are {', '.join(self._asked)}{near}")
 
     def _number(self, key: str, value: object, unit: str, is_positive: bool) -> float:
         parts = ("a number", "> 0" if is_positive else "", f"in {unit}" if unit else "")

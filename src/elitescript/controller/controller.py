@@ -12,7 +12,7 @@ from typing import Final
 from elitescript.controller.arm_state import ArmState, Correction
 from elitescript.controller.contact import ContactConfig
 from elitescript.controller.conveyor import Tracking
-from elitescript.controller.handlers import HANDLERS
+from elitescript.controller.handlers import HANDLERS, guide_by_input
 from elitescript.controller.inbox import Inbox
 from elitescript.controller.io import SignalImage
 from elitescript.controller.joint_encoders import JointEncoders
@@ -34,7 +34,7 @@ from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
-from elitescript.messages.machine import MachineRequest
+from elitescript.messages.machine import DisturbInput, MachineRequest
 from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
 from elitescript.messages.path_offset import OffsetFrame, PathOffsetRequest
 from elitescript.messages.plant import PlantConfig
@@ -47,7 +47,10 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.speed import SpeedProfile
 
 PROGRAM: Final = "program"
-"""`SignalChanged.by` of what is not asked for from outside."""
+"""`SignalChanged.by` of what the program does, and of what is not asked for from outside."""
+
+FAULT: Final = "fault"
+"""`SignalChanged.by` of what an input reads because of a fault."""
 
 STOPS: Final = (StopJ, StopL, StopTracking, EndForceMode, EndFreedrive)
 """Requests that only end something: an arm that rests without power takes them too."""
@@ -171,6 +174,9 @@ class Controller:
             take: called in the inbox phase, after what was `put` for this tick.
         """
         self.arm_state.settle(self._tick)
+        faults = self.signals.faults
+        if faults is not None and faults.run_tick(self._tick):
+            guide_by_input(self)
         self._inbox.deliver(self._tick, self.request_from, self.emit)
         take()
         self.safety.check(self._tick)
@@ -183,14 +189,19 @@ class Controller:
         """The next tick at which anything is due; None when nothing will ever happen by itself."""
         tick, arm, program = self._tick, self.arm_state, self.program
         due = (program.next_tick(tick), arm.next_tick, self._inbox.next_tick, self.safety.next_tick(tick))
-        ticks = [at for at in (*due, self.power.next_tick) if at is not None]
+        ticks = [at for at in (*due, self.power.next_tick, self._fault_tick) if at is not None]
         return max(min(ticks), tick + 1) if ticks else None
 
     @property
     def is_idle(self) -> bool:
         """Whether nothing is due but an arm that stands; see `ArmState.is_standing`."""
-        others = self.program.next_tick(self._tick), self._inbox.next_tick
-        return others == (None, None) and self.arm_state.is_standing
+        others = self.program.next_tick(self._tick), self._inbox.next_tick, self._fault_tick
+        return others == (None, None, None) and self.arm_state.is_standing
+
+    @property
+    def _fault_tick(self) -> int | None:
+        """The next tick at which a fault of an input does something."""
+        return None if self.signals.faults is None else self.signals.faults.next_tick
 
     def leap(self, tick: int) -> None:
         """Go to a tick that is not later than the next one at which anything is due."""
@@ -522,6 +533,22 @@ class Controller:
         thread, line = self.program.caller
         hint = "set_runstate_…_to_value with runstate 0 unties it"
         self.emit(Warned(self._tick, text, thread, line, "W271", hint))
+
+    def disturb_input(self, request: DisturbInput) -> None:
+        """Let an input read something else than what is applied to it; see `input_faults`."""
+        if self.signals.faults is None:
+            # Few robots have such faults; the others need not pay for the import.
+            from elitescript.controller.input_faults import InputFaults
+
+            self.signals.faults = InputFaults(lambda: self._tick, self.signals.highest, self._show_input)
+        self.signals.faults.add(request, self.signals.physical(request.name, request.index))
+
+    def _show_input(self, name: str, index: int, value: Value, is_fault: bool) -> None:
+        before = self._by
+        if is_fault:
+            self._by = FAULT
+        self.signals.show(name, index, value)
+        self._by = before
 
     def mark(self, number: int, label: str) -> None:
         """The program has reached a node of its tree."""

@@ -11,7 +11,15 @@ from elitescript.controller.modes import WHY_NOT_READY
 from elitescript.controller.setup import SETUP_HANDLERS
 from elitescript.controller.task_requests import TASK_HANDLERS
 from elitescript.controller.yield_control import YIELD_SETTINGS
-from elitescript.messages.machine import AskSafety, SetLineMark, SetSpeedScale, WritePortCoils, WritePortRegisters
+from elitescript.messages.machine import (
+    AskSafety,
+    DisturbInput,
+    EndInputFaults,
+    SetLineMark,
+    SetSpeedScale,
+    WritePortCoils,
+    WritePortRegisters,
+)
 
 if TYPE_CHECKING:
     from elitescript.controller.controller import Controller
@@ -32,8 +40,24 @@ def _declare(controller: Controller, request: Any) -> None:
 
 def _set_signal(controller: Controller, request: Any) -> None:
     SIGNAL_SETTINGS[type(request)](controller.signals, request)
+    guide_by_input(controller)
+
+
+def guide_by_input(controller: Controller) -> None:
+    """Begin or end hand guiding as the inputs ask for it, when one may have changed."""
     why_not = WHY_NOT_READY.get(controller.power.mode) or controller.safety.refusal("move")
     controller.yielding.guide_by_input(why_not, controller.arm_state, controller.tick)
+
+
+def _disturb_input(controller: Controller, request: DisturbInput) -> None:
+    controller.disturb_input(request)
+    guide_by_input(controller)
+
+
+def _end_input_faults(controller: Controller, _request: EndInputFaults) -> None:
+    if controller.signals.faults is not None:
+        controller.signals.faults.end()
+        guide_by_input(controller)
 
 
 def _set_encoder(controller: Controller, request: Any) -> None:
@@ -59,6 +83,8 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     SetLineMark: lambda controller, request: controller.mark(request.number, request.label),
     AskSafety: _ask_safety,
     **dict.fromkeys((WritePortCoils, WritePortRegisters), _write_port),
+    DisturbInput: _disturb_input,
+    EndInputFaults: _end_input_faults,
     **TASK_HANDLERS,
     **dict.fromkeys(SIGNAL_SETTINGS, _set_signal),
     **dict.fromkeys(SETUP_HANDLERS, _declare),

@@ -9,7 +9,7 @@ manual says of the ES series).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import ArgumentRangeError, ScriptStateError
 from elitescript.messages.enums import AnalogDomain, RunstateChoice, ToolPinMode
@@ -31,6 +31,9 @@ from elitescript.messages.signals import (
     signal_name,
 )
 
+if TYPE_CHECKING:
+    from elitescript.controller.input_faults import InputFaults
+
 TOOL_PIN_OUT: Final = "tool_digital_out"
 TOOL_PIN_IN: Final = "tool_digital_in"
 _ANALOG: Final = tuple(name for name, row in SIGNALS.items() if row.has_domain)
@@ -50,6 +53,11 @@ class SignalImage:
         on_change: called with family, index and value of every point that changes.
         on_override: called with family, index and level of an output that was written to without effect, as it is tied
             to whether a program runs; once for each output and program.
+
+    Attributes:
+        faults: of inputs; None if there has never been one.
+        tool_pins: how the digital pins of the tool are used.
+        tool_analog_mode: what the shared pins of the tool do.
     """
 
     __slots__ = (
@@ -64,6 +72,7 @@ class SignalImage:
         "_runstate",
         "_stale",
         "_values",
+        "faults",
         "tool_analog_mode",
         "tool_pins",
     )
@@ -85,12 +94,22 @@ class SignalImage:
         self._is_running = False
         self._image: dict[str, tuple[Value, ...]] = {name: tuple(values) for name, values in self._values.items()}
         self._stale: set[str] = set()
+        self.faults: InputFaults | None = None
         self.tool_pins: list[SetToolPin] = list(_DEFAULT_TOOL_PINS)
         self.tool_analog_mode = _DEFAULT_TOOL_ANALOG_MODE
 
     def read(self, name: str, index: int = 0) -> Value:
         """The level of one point."""
         return self._values[name][index]
+
+    def physical(self, name: str, index: int) -> Value:
+        """The level that is applied to an input, which a fault may hide from the robot; of others what `read` says."""
+        applied = None if self.faults is None else self.faults.physical(name, index)
+        return self._values[name][index] if applied is None else applied
+
+    def highest(self, name: str, index: int) -> float:
+        """The highest level that an analog channel can have in its domain, V or A; 1 of a digital one."""
+        return _RANGES[self.domain(name, index)][1] if name in _ANALOG else 1.0
 
     def levels(self, name: str) -> Sequence[Value]:
         """The levels of one family."""
@@ -191,7 +210,7 @@ class SignalImage:
         self._domains[key] = request.domain
         self._domain_image = None
         is_input = SIGNALS[request.name].is_input
-        level = float(self._values[request.name][request.index])
+        level = float(self.physical(*key) if is_input else self._values[request.name][request.index])
         if is_input and low <= level <= high:
             return
         fraction = min(1.0, max(0.0, (level - old_low) / (old_high - old_low)))
@@ -278,6 +297,11 @@ class SignalImage:
         return _RANGES[self.domain(name, index)][side]
 
     def _store(self, name: str, index: int, value: Value) -> None:
+        if self.faults is None or not self.faults.take(name, index, value):
+            self.show(name, index, value)
+
+    def show(self, name: str, index: int, value: Value) -> None:
+        """Let a point read a level, whatever is applied to it."""
         values = self._values[name]
         if values[index] != value:
             values[index] = value

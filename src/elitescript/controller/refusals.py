@@ -7,6 +7,8 @@ from typing import Final
 from elitescript.messages.machine import (
     AskSafety,
     DecodePulses,
+    DisturbInput,
+    EndInputFaults,
     MachineRequest,
     PauseTask,
     PowerDown,
@@ -70,6 +72,8 @@ ACTIONS: Final[dict[type, str]] = {
     SetForceDamping: "set the damping of force control to {0.damping:g}",
     ZeroForceSensor: "zero the force sensor",
     SetClientSensor: "change the force sensor",
+    DisturbInput: "disturb {0.name}[{0.index}]",
+    EndInputFaults: "end the faults of inputs",
     AskSafety: "change the state of the safety system",
 }
 """What each request asks for, as it follows `cannot`; a format text that is given the request."""

@@ -55,6 +55,13 @@ def signal_write(name: str, value: object) -> WriteSignal:
         if value not in (True, False):
             raise UsageError(f"{name} takes True or False, not {value!r}")
         return WriteSignal(signal.name, index, bool(value))
-    if not isinstance(value, (int, float)) or not isfinite(value) or (signal.kind == "int" and int(value) != value):
+    if not isinstance(value, (int, float)) or not _is_finite(value) or (signal.kind == "int" and int(value) != value):
         raise UsageError(f"{name} takes {'an int' if signal.kind == 'int' else 'a number'}, not {value!r}")
     return WriteSignal(signal.name, index, int(value) if signal.kind == "int" else float(value))
+
+
+def _is_finite(value: float) -> bool:
+    try:
+        return isfinite(value)
+    except OverflowError:
+        return False  # an int beyond all floats

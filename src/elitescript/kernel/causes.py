@@ -10,7 +10,7 @@ WORLD: Final = "world"
 RESTART: Final = "restart"
 """Origin of the inputs that give a fresh robot the state of the one before it."""
 
-_BESIDE: Final = {f"{WORLD}:{by}": by for by in ("device", "wire", "schedule")}
+_BESIDE: Final = {f"{WORLD}:{by}": by for by in ("device", "wire", "schedule", "fault")}
 
 
 def cause_of(origin: str) -> str:

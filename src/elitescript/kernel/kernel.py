@@ -49,7 +49,7 @@ from elitescript.messages.inputs import (
     ShowPopup,
     VariablesArrived,
 )
-from elitescript.messages.machine import AskSafety, MachineRequest, PowerOff, StopTask
+from elitescript.messages.machine import AskSafety, EndInputFaults, MachineRequest, PowerOff, StopTask
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
@@ -59,7 +59,7 @@ from elitescript.runtime.line import close_lines
 from elitescript.runtime.world import FilesRefused, World
 from elitescript.wiring import Fittings, assemble
 from elitescript.worlds.request_channels import FaultyWorld, RequestWorld
-from elitescript.worlds.virtual.faults import fault_of
+from elitescript.worlds.virtual.faults import Fault, fault_of, input_request, is_of_input
 from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 
 
@@ -102,9 +102,9 @@ class Kernel:
     def __init__(self, config: KernelConfig, world: World | None = None) -> None:
         model, firmware = configured_model(config), profile(config.firmware)
         requests = RequestWorld(FilesRefused() if world is None else world.files)
-        self._faulty = FaultyChannels(
-            requests.channels, map(fault_of, config.faults), seed=config.seed, say=self._note_fault
-        )
+        faults = [fault_of(text) for text in config.faults]
+        of_channels = [fault for fault in faults if not is_of_input(fault)]
+        self._faulty = FaultyChannels(requests.channels, of_channels, seed=config.seed, say=self._note_fault)
         outside = FaultyWorld(requests.files, self._faulty)
         self.description = describe(config, model, firmware)
         self.overruns = 0
@@ -142,6 +142,9 @@ class Kernel:
         start = Signals(self._controller, "schedule")
         for name, value in config.signals:
             start[name] = value
+        for fault in faults:
+            if is_of_input(fault):
+                self._controller.put(self._controller.tick, input_request(fault), "fault")
 
     @property
     def next_tick(self) -> int:
@@ -248,14 +251,21 @@ class Kernel:
     def _add_fault(self, item: AddFault) -> None:
         try:
             if item.text:
-                self._faulty.add(fault_of(item.text))
+                self._disturb(fault_of(item.text))
             else:
                 self._faulty.clear()
+                self._controller.request_from(EndInputFaults(), "fault")
         except UsageError as error:
             self._emit(Warned(self._controller.tick, f"fault refused: {error}"))
             self._reply(item.origin, refused(str(error)))
         else:
             self._reply(item.origin, done())
+
+    def _disturb(self, fault: Fault) -> None:
+        if is_of_input(fault):
+            self._controller.request_from(input_request(fault, self._controller.tick), "fault")
+        else:
+            self._faulty.add(fault)
 
     def _note_fault(self, text: str) -> None:
         self._emit(DeviceNoted(self._controller.tick, "fault", text))

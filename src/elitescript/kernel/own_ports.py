@@ -18,7 +18,7 @@ from elitescript.kernel.causes import cause_of
 from elitescript.kernel.config import DEFAULT_CONFIGURATION, KernelConfig, describe
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Do, Input, VariablesArrived
-from elitescript.messages.machine import WriteSignal
+from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
@@ -70,6 +70,10 @@ class OwnPorts:
     def write(self, request: WriteSignal, by: str) -> None:
         """See `RobotPort.write`."""
         self._controller.put(self._controller.tick, request, by)
+
+    def disturb(self, request: DisturbInput | EndInputFaults) -> None:
+        """See `RobotPort.disturb`."""
+        self._controller.put(self._controller.tick, request, "fault")
 
     def emit(self, event: Event) -> None:
         """See `RobotPort.emit`."""

@@ -246,6 +246,42 @@ class AskSafety:
     reason: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class DisturbInput:
+    """Let a digital or analog input read something else than what is applied to it, for a time.
+
+    Attributes:
+        kind: `stuck`, `inverted`, `bouncing`, `open_wire`, `drifting`, `noisy` or `late`.
+        name: family of the input.
+        index: within the family.
+        begin_tick: the first tick with it; one that is over begins at once.
+        ticks: so many ticks; to the end if None.
+        value: what `stuck` and `open_wire` read; the present level or what the kind says if None.
+        span_ticks: settling time of `bouncing`, delay of `late`, period of `drifting` and `noisy`.
+        bounces: of `bouncing`, after each edge.
+        amount: V/s or A/s of `drifting`; standard deviation, V or A, or flips a second of `noisy`.
+        bound: largest deviation of `drifting`, V or A; without a limit if None.
+        seed: of what is drawn.
+    """
+
+    kind: str
+    name: str
+    index: int
+    begin_tick: int = 0
+    ticks: int | None = None
+    value: bool | float | None = None
+    span_ticks: int = 1
+    bounces: int = 1
+    amount: float = 0.0
+    bound: float | None = None
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class EndInputFaults:
+    """Let every input read again what is applied to it."""
+
+
 MachineRequest = (
     WriteSignal
     | WritePortCoils
@@ -278,6 +314,8 @@ MachineRequest = (
     | SetForceDamping
     | ZeroForceSensor
     | SetClientSensor
+    | DisturbInput
+    | EndInputFaults
 )
 
 Request = MotionRequest | MachineRequest

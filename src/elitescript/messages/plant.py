@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from math import isfinite
 from typing import Final
 
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 
 LAG_MIN_S: Final = 0.001
 """A shorter lag is over long before the period ends: none at all."""
@@ -65,7 +65,8 @@ class PlantConfig:
         known = [field.name for field in fields(cls)]
         for name in table:
             if name not in known:
-                raise UsageError(f"plant.{name}: unknown key (known: {', '.join(known)})")
+                near = did_you_mean(name, known)
+                raise UsageError(f"plant.{name}: unknown key (known: {', '.join(known)}){near}")
         try:
             return cls(**table)  # type: ignore[arg-type]
         except UsageError as error:

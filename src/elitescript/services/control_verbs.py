@@ -82,6 +82,8 @@ class Verb(NamedTuple):
     """None if it only reads, see `tell`."""
     tell: Callable[[Request, Output], dict[str, Any]] | None = None
     """What it shows, from the tick at which it is done."""
+    details: Callable[[], tuple[str, ...]] = tuple
+    """Further lines of its help."""
 
     @property
     def usage(self) -> str:
@@ -199,7 +201,7 @@ def _disturb(request: Request) -> Order:
     """`disturb KIND on=PLACE NAME=VALUE...`, or `disturb end`."""
     from ast import literal_eval
 
-    from elitescript.worlds.virtual.faults import fault_from, fault_text
+    from elitescript.worlds.virtual.faults import DEVICE, fault_from, fault_text, nowhere, place_of
 
     kind, *words = request.arguments
     if kind == "end" and not words:
@@ -215,8 +217,23 @@ def _disturb(request: Request) -> Order:
             settings[name] = text
     fault = fault_from(settings)
     if request.world is not None:
-        request.world.check_fault(fault)
+        fault = request.world.check_fault(fault)
+    elif place_of(fault.on)[0] == DEVICE:
+        raise nowhere(fault.on, ())
     return Order((AddFault(request.origin, fault_text(fault)),), str(fault), failure="disturb")
+
+
+def _fault_kinds() -> tuple[str, ...]:
+    """What `help` says of `disturb` besides."""
+    from elitescript.worlds.virtual.faults import TABLE
+
+    channels = ", ".join(name for name, row in TABLE.items() if not row.is_of_inputs)
+    inputs = ", ".join(name for name, row in TABLE.items() if row.is_of_inputs)
+    return (
+        "PLACE is a port, a serial line, an input such as standard_digital_in[3], or the name of a device;",
+        f"KIND of a port or line: {channels};",
+        f"KIND of an input: {inputs}",
+    )
 
 
 def _control(word: str) -> Callable[[Request], Order]:
@@ -275,7 +292,13 @@ _ROWS: Final = (
     Verb("unlock", "", "End a protective stop.", _safety("unlock_protective_stop", "protective stop unlocked")),
     Verb("violation", "[REASON]", "Break a safety limit.", _safety("violate", "safety violation")),
     Verb("fault", "[REASON]", "Have the safety system fail.", _safety("fail", "safety fault")),
-    Verb("disturb", "KIND on=PLACE...|end", "Let something go wrong on a connection or serial line.", _disturb),
+    Verb(
+        "disturb",
+        "KIND on=PLACE...|end",
+        "Let something go wrong on a connection, a serial line or at an input.",
+        _disturb,
+        details=_fault_kinds,
+    ),
     Verb(
         "restart",
         "",

@@ -18,7 +18,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.events import DeviceNoted, Event
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened, Input
 from elitescript.messages.line import LineSettings
-from elitescript.messages.machine import WriteSignal
+from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
 from elitescript.messages.outputs import CHANNEL_WINDOW, Output
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.protocol.connection import Connection
@@ -86,6 +86,11 @@ class DeviceServer:
             self._values[name] = request.value
             self._world.signal_changed(name, request.value)
 
+    def disturb(self, request: DisturbInput | EndInputFaults) -> None:
+        """There is no robot that could read anything else."""
+        if isinstance(request, DisturbInput):
+            self._say(f"{request.kind} on {request.name}[{request.index}]: there is no robot here that reads it", True)
+
     def connect(self, service: str, origin: str) -> Connection:
         """There is no robot."""
         raise UsageError(f"service: there is no robot here whose port {service} could be reached")
@@ -124,6 +129,8 @@ class DeviceServer:
                 self.write(signal_write(name, value), "schedule")
         self._is_ready = True
         self._world.begin(self)
+        for request in self._world.input_faults:
+            self.disturb(request)
 
     async def run(self) -> None:
         """Let time pass until cancelled."""

@@ -2,7 +2,7 @@
 
 They live in the serving process. Before each tick they are asked what happens in it, after each tick they are shown its
 signals. What programs ask of connections goes to them if they have the port or the line, else to the broker. Faults of
-channels are not here: the robot itself has them, so that a session can be replayed.
+channels and inputs are not here: the robot itself has them, so that a session can be replayed.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from elitescript.errors import UsageError
 from elitescript.kernel.causes import WORLD
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelEvent, ChannelOpened, Do, Input
-from elitescript.messages.machine import WriteSignal
+from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
 from elitescript.messages.outputs import (
     CHANNEL_WINDOW,
     ChannelRequest,
@@ -119,6 +119,10 @@ class ServedWorld:
         """Set a point in the next tick."""
         self._inputs.append(Do(f"{WORLD}:{by}", request))
 
+    def disturb(self, request: DisturbInput | EndInputFaults) -> None:
+        """Let an input read something else from the next tick on."""
+        self._inputs.append(Do(f"{WORLD}:fault", request))
+
     def connect(self, service: str, origin: str) -> Connection:
         """A connection to a port of the robot."""
         return self._connect(service, origin)
@@ -142,9 +146,9 @@ class ServedWorld:
 
     # ---------------------------------------------------------------- what the station asks
 
-    def check_fault(self, fault: Fault) -> None:
+    def check_fault(self, fault: Fault) -> Fault:
         """See `World.check_fault`."""
-        self._world.check_fault(fault)
+        return self._world.check_fault(fault)
 
     def begin(self, output: Output) -> None:
         """The robot is up."""

@@ -8,13 +8,16 @@ the robot, `[[tcp]]`, `[[wire]]` and so on, is read by `virtual.scenario`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.signals import Value
+from elitescript.worlds.toml_lines import Path as TomlPath
+from elitescript.worlds.toml_lines import lines_of, nearest
 
 if TYPE_CHECKING:
     from elitescript.worlds.virtual.world import World
@@ -79,12 +82,19 @@ def load_cell(path: str | Path, *, network: str = "") -> Cell:
     except OSError as error:
         raise UsageError(f"world file {file}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
-        raise UsageError(f"world file {file} is not UTF-8: {error.reason} at byte {error.start}") from error
+        line = error.object[: error.start].count(b"\n") + 1
+        raise UsageError(f"{file}:{line}: the world file is not UTF-8: {error.reason} at byte {error.start}") from error
     try:
         tables = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise UsageError(f"{file}:{_line_of_refusal(text, RecursionError())}: it is nested too deeply") from None
+    except ValueError as error:  # a TOMLDecodeError, or what a number of thousands of digits gives
         hint = '; names with an index stand in quotes: "standard_digital_in[3]" = true' if _has_bare_index(text) else ""
-        raise UsageError(f"world file {file} is not TOML: {error}{hint}") from error
+        line = _line_of_refusal(text, error)
+        raise UsageError(f"{file}:{line}: the world file is not TOML: {error}{hint}") from error
+    if (huge := _huge(tables, ())) is not None:
+        line = nearest(lines_of(text), huge)
+        raise UsageError(f"{file}:{line}: {huge[-1]}: whole numbers of TOML are within 64 bits")
     cell = Cell()
     beside: dict[str, Any] = {}
     for section, table in tables.items():
@@ -107,16 +117,34 @@ def load_cell(path: str | Path, *, network: str = "") -> Cell:
     return cell
 
 
+def _huge(value: object, path: TomlPath) -> TomlPath | None:
+    """Path of a whole number that no float and no TOML of other readers has; None if there is none."""
+    if isinstance(value, int):
+        return None if -(2**63) <= value < 2**63 else path
+    items: Iterable[tuple[str | int, object]] = ()
+    if isinstance(value, Mapping):
+        items = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    return next((found for key, item in items if (found := _huge(item, (*path, key))) is not None), None)
+
+
 def _located(file: Path, text: str, section: str, table: object, error: UsageError) -> UsageError:
-    line = line_of(text, section, table, str(error))
-    return UsageError(f"{file}:{line}: {error}" if line else f"{file}: {error}")
+    lines = lines_of(text)
+
+    def line(found: re.Match[str]) -> str:
+        return f"see line {nearest(lines, (found[1], int(found[2]) - 1))}"
+
+    words = re.sub(r"see \[\[(\w+)\]\] (\d+)", line, str(error))
+    return UsageError(f"{file}:{line_of(text, section, table, str(error))}: {words}")
 
 
 def _read_section(cell: Cell, section: str, table: object) -> None:
     if section != SIGNALS_SECTION and section not in SECTIONS:
         known = [f"[{name}]" for name in (*SECTIONS, SIGNALS_SECTION, WORLD_SECTIONS[0])]
         known += [f"[[{name}]]" for name in WORLD_SECTIONS[1:]]
-        raise UsageError(f"[{section}] is not known; there are {', '.join(known)}")
+        near = did_you_mean(section, (*SECTIONS, SIGNALS_SECTION, *WORLD_SECTIONS))
+        raise UsageError(f"[{section}] is not known; there are {', '.join(known)}{near}")
     if not isinstance(table, Mapping):
         raise UsageError(f"[{section}] must be a table: write [{section}] on a line of its own, its keys below")
     if section == SIGNALS_SECTION:
@@ -138,51 +166,61 @@ def _signals(table: Mapping[str, Any]) -> dict[str, Value]:
 
 
 def line_of(text: str, section: str, table: object, message: str) -> int:
-    """The line, from 1, that a message is about; 0 if it does not tell.
+    """The line, from 1, that a message is about; the nearest one that is known.
 
-    The message names a table as `[section]`, `[section.part]` or `[[section.part]] 2:` and then a key; if it does not,
-    the key of the section that it names first counts, and without one the section itself.
+    The message names a table as `[section]`, `[section.part]` or `[[section.part]] 2:` and then a key, perhaps followed
+    by `row 3:` and further keys; if it does not, the key of the section that it names first counts, and without one
+    the section itself.
     """
-    place, number, key = _place_in(message)
+    lines = lines_of(text)
+    place, number, words = _place_in(message)
     if not place.startswith(section):
         place, number = section, 1
         named = [name for name in table if name in message] if isinstance(table, Mapping) else []
-        key = min(named, key=lambda name: (message.find(name), -len(name)), default="")
-    line = _line_in(text, place, number, key)
-    if not line and "." in place:
-        # A table within a line of its parent.
-        parent, _, child = place.rpartition(".")
-        line = _line_in(text, parent, 1, child)
-    return line or _line_in(text, "", 1, section)
+        words = [min(named, key=lambda name: (message.find(name), -len(name)), default="")]
+    path: TomlPath = (section,)
+    for part in place[len(section) :].strip(".").split("."):
+        if part:
+            path = (*path, part)
+    path = (*path, number - 1) if (*path, number - 1) in lines else path
+    for before, word in zip(["", *words], words, strict=False):
+        key = word.partition("[")[0]
+        index = word[len(key) + 1 : -1]
+        for step in ((*path, word), (*path, key, int(index) if index.isdecimal() else index), (*path, key)):
+            if step in lines:
+                path = step
+                break
+        else:
+            if before == "row" and word.isdecimal() and (*path, int(word) - 1) in lines:
+                path = (*path, int(word) - 1)
+            elif word != "row":
+                break
+    row = re.search(r"\(row (\d+)\)$", message)
+    return nearest(lines, (*path, int(row[1]) - 1) if row else path)
 
 
-def _line_in(text: str, place: str, number: int, key: str) -> int:
-    """Line of a key in the table of that name, or in that one of several; of its header if the key is not there."""
-    current, counts, start = "", {"": 1}, 0
-    for line, content in enumerate(text.splitlines(), 1):
-        stripped = content.strip()
-        if stripped.startswith("["):
-            current = stripped.partition("#")[0].strip().strip("[]").replace('"', "").replace(" ", "")
-            counts[current] = counts.get(current, 0) + 1
-            if current == place and counts[current] == number:
-                start = line
-        elif key and current == place and counts[current] == number:
-            name = stripped.partition("=")[0].strip().strip("\"'")
-            if name in (key, key.partition("[")[0]) or name.startswith(f"{key}."):
-                return line
-    return start
-
-
-def _place_in(message: str) -> tuple[str, int, str]:
-    """Table, its number in a list of tables, and key."""
+def _place_in(message: str) -> tuple[str, int, list[str]]:
+    """Table, its number in a list of tables, and the words that may be keys."""
     place, bracket, rest = message.lstrip("[").partition("]")
     if not message.startswith("[") or not bracket:
-        return "", 1, ""
-    words = rest.lstrip("]").split()
+        return "", 1, []
+    words = [word.rstrip(":").strip("\"'") for word in rest.lstrip("]").split()[:8]]
     number = 1
-    if message.startswith("[[") and words and words[0].rstrip(":").isdecimal():
-        number = int(words.pop(0).rstrip(":"))
-    return place, number, words[0].rstrip(":") if words else ""
+    if message.startswith("[[") and words and words[0].isdecimal():
+        number = int(words.pop(0))
+    return place, number, words
+
+
+def _line_of_refusal(text: str, error: Exception) -> int:
+    """The line at which `tomllib` gave up."""
+    found = re.search(r"\(at line (\d+)", str(error))
+    if found:
+        return int(found[1])
+    if "end of document" in str(error):
+        return max(1, len(text.splitlines()))
+    # A number with too many digits, or too many brackets: the line that has most of them.
+    numbered = enumerate(text.splitlines(), 1)
+    return max(numbered, key=lambda row: len(re.sub(r"[^0-9\[{]", "", row[1])), default=(1, ""))[0]
 
 
 def _has_bare_index(text: str) -> bool:

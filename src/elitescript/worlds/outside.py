@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from elitescript.errors import UsageError
+from elitescript.messages.machine import DisturbInput
 from elitescript.messages.timing import seconds
 from elitescript.runtime.world import Channels, World
 from elitescript.worlds.cell import Cell, load_cell
@@ -78,19 +79,26 @@ class Outside:
 
         return RealWorld(folder, self.channels)
 
-    def fault(self, tick: int, kind: str, on: int | str, settings: Mapping[str, Any]) -> None:
+    def fault(self, tick: int, kind: str, on: int | str, settings: Mapping[str, Any]) -> DisturbInput | None:
         """Let something go wrong on channels, from a tick on or later; see `worlds.virtual.faults.Fault`.
+
+        Returns:
+            What to ask of the robot, if it is a fault of an input and there is no `World` that asks.
 
         Raises:
             UsageError: there is no such fault, or it makes no sense there; or no fault can be added any more.
         """
         if self.surroundings is not None:
             self.surroundings.fault(kind, on, **settings)
-            return
-        from elitescript.worlds.virtual.faults import Fault
+            return None
+        from elitescript.worlds.virtual.faults import DEVICE, Fault, input_request, is_of_input, nowhere, place_of
         from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 
         fault = Fault(kind, on, **settings)
+        if place_of(fault.on)[0] == DEVICE:
+            raise nowhere(fault.on, ())
+        if is_of_input(fault):
+            return input_request(fault, tick)
         fault = replace(fault, at_s=max(fault.at_s, seconds(tick)))
         if not isinstance(self.channels, FaultyChannels):
             if tick or self._world is not None:
@@ -100,3 +108,4 @@ class Outside:
                 )
             self.channels = FaultyChannels(self.channels)
         self.channels.add(fault)
+        return None

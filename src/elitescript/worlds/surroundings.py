@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
     from elitescript.messages.events import Event
     from elitescript.messages.inputs import Input
-    from elitescript.messages.machine import WriteSignal
+    from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
     from elitescript.messages.outputs import Output
     from elitescript.messages.signals import Value
     from elitescript.protocol.connection import Connection
@@ -39,6 +39,9 @@ class RobotPort(Protocol):
             request: the point and its level.
             by: `device`, `wire` or `schedule`; see `events.SignalChanged.by`.
         """
+
+    def disturb(self, request: DisturbInput | EndInputFaults) -> None:
+        """Let an input read something else than what is applied to it, from the tick on that is about to run."""
 
     def emit(self, event: Event) -> None:
         """Add to the record of what happens."""
@@ -72,7 +75,12 @@ class Surroundings:
         """Belong to a robot from now on."""
 
     def fault(self, kind: str, on: int | str, **settings: Any) -> None:
-        """Let something go wrong on channels from now on."""
+        """Let something go wrong on channels or at inputs from now on."""
+
+    @property
+    def input_faults(self) -> Sequence[DisturbInput]:
+        """Faults of inputs that the robot has from its start."""
+        return ()
 
     def lead_outside(self, channels: Channels) -> None:
         """Let what is not declared here be reached through other channels."""

@@ -46,7 +46,7 @@ def test_the_table_of_wrong_replies_says_what_is_possible(form, on):
     [
         ({"kind": "explode"}, "kind: there is no fault 'explode'; there are refuse, silence"),
         ({"kind": ["drop"]}, "kind: there is no fault"),
-        ({"on": "camera"}, "on: the robot has no serial port 'camera'; its ports: tool"),
+        ({"on": "standard_digital_out[1]"}, "on: standard_digital_out.1. is an output; inputs that can be disturbed"),
         ({"on": 70_000}, r"on: a port must be in \[1, 65535\], got 70000"),
         ({"on": ""}, "on: write a port"),
         ({"on": True}, "on: write a port"),
@@ -58,7 +58,7 @@ def test_the_table_of_wrong_replies_says_what_is_possible(form, on):
         ({"count": 0}, "count: must be a whole number in"),
         ({"share": 1.5}, "share: must be a number in"),
         ({"direction": "up"}, "direction: must be one of both, to_robot, to_device"),
-        ({"delay_s": 1}, "delay_s: drop has no such setting; delay has"),
+        ({"delay_s": 1}, "delay_s: drop has no such setting; delay, late has"),
         ({"chunk": 2}, "chunk: drop has no such setting; trickle has"),
         ({"kind": "delay"}, "delay_s: must be one control period at least"),
         ({"kind": "refuse", "nth": 2}, "nth: refuse is about the whole channel"),

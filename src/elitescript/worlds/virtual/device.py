@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import ticks_for
 from elitescript.worlds.virtual.signals import RobotSignals
@@ -14,6 +14,19 @@ if TYPE_CHECKING:
     from random import Random
 
     from elitescript.worlds.virtual.world import World
+
+
+class TakenError(UsageError):
+    """Another device has the place already.
+
+    Args:
+        text: what is taken.
+        other: the device that has it.
+    """
+
+    def __init__(self, text: str, other: object) -> None:
+        super().__init__(text)
+        self.other = other
 
 
 _ALIKE: Final = 0.85
@@ -62,7 +75,8 @@ class Device:
         known = setting_names(type(self))
         for key, value in settings.items():
             if key not in known:
-                raise UsageError(f"{key}: is not known; settings are {', '.join(known)}")
+                near = did_you_mean(str(key), known)
+                raise UsageError(f"{key}: is not known; settings are {', '.join(known)}{near}")
             setattr(self, key, value)
         self.check()
 
@@ -87,6 +101,14 @@ class Device:
     def title(self) -> str:
         """What messages call it."""
         return self.name or type(self).__name__
+
+    @property
+    def driven_inputs(self) -> list[str]:
+        """Inputs of the robot that its settings name; for faults of what it sets."""
+        from elitescript.worlds.virtual.faults import INPUTS
+
+        values = [getattr(self, name) for name in setting_names(type(self))]
+        return [value for value in values if isinstance(value, str) and value.partition("[")[0] in INPUTS]
 
     @property
     def author(self) -> Device:

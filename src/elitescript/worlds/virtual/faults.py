@@ -1,21 +1,33 @@
-"""Faults of channels: what there is, on what it makes sense, and one fault as it is asked for.
+"""Faults of channels and inputs: what there is, on what it makes sense, and one fault as it is asked for.
 
-`TABLE` is the one place that says which fault a TCP connection or a serial line can have; what is refused, what the
-documentation prints and what `faulty_channels` does follow it.
+`TABLE` is the one place that says which fault a TCP connection, a serial line, a digital or an analog input can have;
+what is refused, what the documentation prints, and what `faulty_channels` and `controller.input_faults` do follow it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Final, NamedTuple
 
-from elitescript.errors import UsageError
-from elitescript.messages.timing import ticks_for
+from elitescript.errors import UsageError, did_you_mean
+from elitescript.messages.machine import DisturbInput
+from elitescript.messages.signals import ANALOG_VOLTAGE_V, SIGNALS, parse_signal_name
+from elitescript.messages.timing import PERIOD_S, TICKS_PER_S, ticks_for
 from elitescript.worlds.line_bindings import PORTS
 
 TCP: Final = "tcp"
 LINE: Final = "line"
+DIGITAL: Final = "digital"
+ANALOG: Final = "analog"
+DEVICE: Final = "device"
+"""Kinds of places; what the name of a device means is known in a world only."""
+
+INPUTS: Final = {
+    **dict.fromkeys(("standard_digital_in", "configurable_digital_in", "tool_digital_in"), DIGITAL),
+    **dict.fromkeys(("standard_analog_in", "tool_analog_in"), ANALOG),
+}
+"""Families of signals that a wire leads to, each with its kind of place."""
 
 MODBUS: Final = "MODBUS"
 XML_RPC: Final = "XML-RPC"
@@ -28,16 +40,37 @@ class Effect(NamedTuple):
     is_possible: bool = True
 
 
+_OF_INPUTS: Final = "it is a fault of inputs. Take drop, delay, corrupt"
+_OF_CHANNELS: Final = "it is a fault of connections and serial lines. Take stuck, bouncing, open_wire, noisy, late"
+_NO_CHANNEL: Final = Effect(_OF_INPUTS, False)
+_NO_INPUT: Final = Effect(_OF_CHANNELS, False)
+
+
 class Kind(NamedTuple):
     """One row: a kind of fault."""
 
     name: str
-    tcp: Effect
-    line: Effect
+    tcp: Effect = _NO_CHANNEL
+    line: Effect = _NO_CHANNEL
     takes: tuple[str, ...] = ()
     """Settings that it has besides those of all faults."""
     directions: bool = True
     """Whether it can be limited to one direction, and to certain messages."""
+    digital: Effect = _NO_INPUT
+    analog: Effect = _NO_INPUT
+
+    @property
+    def is_of_inputs(self) -> bool:
+        """Whether inputs can have it; then channels cannot."""
+        return self.digital.is_possible or self.analog.is_possible
+
+    def effect(self, channel: str) -> Effect:
+        """What it does at a place of one kind."""
+        return {TCP: self.tcp, LINE: self.line, DIGITAL: self.digital, ANALOG: self.analog}[channel]
+
+
+def _of_inputs(name: str, digital: Effect, analog: Effect, takes: tuple[str, ...] = ()) -> Kind:
+    return Kind(name, takes=takes, directions=False, digital=digital, analog=analog)
 
 
 _ROWS: Final = (
@@ -58,6 +91,8 @@ _ROWS: Final = (
         Effect("the message comes delay_s later; nothing overtakes it"),
         Effect("the message comes delay_s later; nothing overtakes it"),
         ("delay_s",),
+        digital=Effect("it is a fault of connections and serial lines. Take late", False),
+        analog=Effect("it is a fault of connections and serial lines. Take late", False),
     ),
     Kind("duplicate", Effect("the message comes twice"), Effect("the message comes twice")),
     Kind(
@@ -88,6 +123,47 @@ _ROWS: Final = (
         Effect("connecting is possible again after a disconnect"),
         Effect("the plug is in again after a disconnect"),
         directions=False,
+    ),
+    _of_inputs(
+        "stuck",
+        Effect("reads value all the time, or the level that it had"),
+        Effect("reads value all the time, or the level that it had"),
+        ("value",),
+    ),
+    _of_inputs(
+        "inverted",
+        Effect("reads the opposite"),
+        Effect("an analog level has no opposite", False),
+    ),
+    _of_inputs(
+        "bouncing",
+        Effect("after each edge the level goes bounces times to and fro within settle_s, at ticks that are drawn"),
+        Effect("an analog input has no edges. Take noisy", False),
+        ("settle_s", "bounces", "seed"),
+    ),
+    _of_inputs(
+        "open_wire",
+        Effect("reads low, or value"),
+        Effect("reads 0 V, or 0 A, which is below the 4 mA of a sensor; or value"),
+        ("value",),
+    ),
+    _of_inputs(
+        "drifting",
+        Effect("a digital input has two levels only. Take noisy", False),
+        Effect("goes away from what is applied by per_s in a second, by bound at most, in steps every every_s"),
+        ("per_s", "bound", "every_s"),
+    ),
+    _of_inputs(
+        "noisy",
+        Effect("reads the opposite for one control period, rate_hz times a second on average, at ticks that are drawn"),
+        Effect("a normally distributed deviation with the standard deviation sigma is added, a new one every every_s"),
+        ("sigma", "rate_hz", "every_s", "seed"),
+    ),
+    _of_inputs(
+        "late",
+        Effect("every change is read delay_s later"),
+        Effect("every change is read delay_s later"),
+        ("delay_s",),
     ),
 )
 
@@ -158,33 +234,44 @@ TO_DEVICE: Final = "to_device"
 DIRECTIONS: Final = (BOTH, TO_ROBOT, TO_DEVICE)
 
 DELAY_MAX_S: Final = 3600.0
+SETTLE_MAX_S: Final = 60.0
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Something that goes wrong on a channel.
+    """Something that goes wrong on a channel or at an input.
 
     A message is what a program sends with one command, or what arrives from the device in one control period; what
     comes over a serial line without a pause is one message.
 
     Attributes:
         kind: see `TABLE`.
-        on: a TCP port such as `5000`, an address and port such as `"192.168.1.20:5000"`, or a serial line such as
-            `"tool"`.
+        on: a TCP port such as `5000`, an address and port such as `"192.168.1.20:5000"`, a serial line such as
+            `"tool"`, an input such as `"standard_digital_in[3]"`; or the name of a device of the world, for its port,
+            its line or the input that it sets.
         at_s: from then on, in the robot's time.
         for_s: for so long; to the end if None.
         nth: the first message that it meets, counted from `at_s`; the first one is 1.
         count: how many messages it meets; all if None.
         direction: `to_robot`, `to_device` or `both`.
         share: of these messages it meets this share, drawn at random.
-        delay_s: of `delay`.
+        delay_s: of `delay` and `late`.
         chunk: of `trickle`, bytes.
         form: of `wrong_reply`, see `FORMS`.
         reply: of `wrong_reply`.
         code: of `wrong_reply`.
+        value: of `stuck` and `open_wire`, what is read: true or false, V or A.
+        settle_s: of `bouncing`, two control periods for each bounce at least.
+        bounces: of `bouncing`, how often the level goes to and fro after an edge.
+        per_s: of `drifting`, V/s or A/s.
+        bound: of `drifting`, V or A; to the end of the range if None.
+        sigma: of `noisy` at an analog input, V or A.
+        rate_hz: of `noisy` at a digital input, 250 at most.
+        every_s: of `drifting` and `noisy`, how often an analog level changes.
+        seed: of what `bouncing` and `noisy` draw; that of the world if None.
 
     Raises:
-        UsageError: there is no such fault, it makes no sense on that channel, or its settings do not go together.
+        UsageError: there is no such fault, it makes no sense at that place, or its settings do not go together.
 
     Example:
         >>> from elitescript.testing.world import Fault, ModbusDevice, SerialDevice, TcpServer, World
@@ -194,6 +281,8 @@ class Fault:
         ...     Fault("delay", on=5000, delay_s=0.5, at_s=10.0, direction="to_robot"),
         ...     Fault("corrupt", on="tool", nth=3, count=1),
         ...     Fault("wrong_reply", on=502, form="exception", code=6, nth=2, count=1),
+        ...     Fault("bouncing", on="standard_digital_in[3]", settle_s=0.04),
+        ...     Fault("noisy", on="standard_analog_in[0]", sigma=0.02, at_s=5.0, for_s=10.0),
         ... ])
     """
 
@@ -210,16 +299,27 @@ class Fault:
     form: str = ""
     reply: str | bytes | None = None
     code: int | None = None
+    value: bool | float | None = None
+    settle_s: float = 0.02
+    bounces: int = 2
+    per_s: float = 0.0
+    bound: float | None = None
+    sigma: float = 0.0
+    rate_hz: float = 0.0
+    every_s: float = PERIOD_S
+    seed: int | None = None
 
     def __post_init__(self) -> None:
         kind: Any = self.kind
         row = TABLE.get(kind) if isinstance(kind, str) else None
         if row is None:
-            raise UsageError(f"kind: there is no fault {self.kind!r}; there are {', '.join(TABLE)}")
+            near = did_you_mean(kind, TABLE) if isinstance(kind, str) else ""
+            raise UsageError(f"kind: there is no fault {self.kind!r}; there are {', '.join(TABLE)}{near}")
         channel, _, _ = place_of(self.on)
-        effect = row.tcp if channel == TCP else row.line
-        if not effect.is_possible:
-            raise UsageError(f"kind: {self.kind} on {self.on!r}: {effect.text}")
+        if channel != DEVICE:
+            effect = row.effect(channel)
+            if not effect.is_possible:
+                raise UsageError(f"kind: {self.kind} on {self.on!r}: {effect.text}")
         _check_number("at_s", self.at_s, 0.0, 1e12, "s")
         if self.for_s is not None:
             _check_number("for_s", self.for_s, 0.0, 1e12, "s")
@@ -234,30 +334,78 @@ class Fault:
         self._check_settings(row, channel)
 
     def _check_settings(self, row: Kind, channel: str) -> None:
-        defaults = {"delay_s": 0.0, "chunk": 1, "form": "", "reply": None, "code": None}
-        for name, default in defaults.items():
-            if getattr(self, name) != default and name not in row.takes:
+        for name, default in _DEFAULTS.items():
+            # Not `!=`: a list, or a number that is not a number, is no default either.
+            if name not in row.takes and getattr(self, name) is not default and getattr(self, name) != default:
                 owners = ", ".join(other.name for other in TABLE.values() if name in other.takes)
                 raise UsageError(f"{name}: {self.kind} has no such setting; {owners} has")
         if not row.directions:
             for name, plain in (("direction", BOTH), ("nth", 1), ("count", None), ("share", 1.0)):
                 if getattr(self, name) != plain:
-                    raise UsageError(f"{name}: {self.kind} is about the whole channel, not about messages")
+                    what = "an input" if row.is_of_inputs else "the whole channel"
+                    raise UsageError(f"{name}: {self.kind} is about {what}, not about messages")
         if self.kind == "reconnect" and self.for_s is not None:
             raise UsageError("for_s: reconnect happens at a moment; give disconnect a for_s instead")
-        if self.kind == "delay":
+        if "delay_s" in row.takes:
             _check_number("delay_s", self.delay_s, 0.0, DELAY_MAX_S, "s")
             if ticks_for(self.delay_s) < 1:
                 raise UsageError(f"delay_s: must be one control period at least, got {self.delay_s!r} s")
         _check_whole("chunk", self.chunk, 1, 65536)
         if self.kind == "wrong_reply":
             self._check_reply(channel)
+        if row.is_of_inputs:
+            self._check_input(channel)
+
+    def _check_input(self, channel: str) -> None:
+        """Look at the settings of a fault of an input; which kind of input it is, is not known of a device's name."""
+        if self.value is not None:
+            if channel == DIGITAL and not isinstance(self.value, bool):
+                raise UsageError(f"value: {self.on} reads true or false, not {self.value!r}")
+            if channel == ANALOG:
+                _check_number("value", self.value, *ANALOG_VOLTAGE_V, "V or A")
+            elif channel == DEVICE and not isinstance(self.value, bool | int | float):
+                raise UsageError(f"value: must be a level, true or false, V or A, got {self.value!r}")
+        if self.seed is not None:
+            _check_whole("seed", self.seed, -(2**63), 2**63 - 1)
+        if self.kind == "bouncing":
+            _check_whole("bounces", self.bounces, 1, 1000)
+            _check_number("settle_s", self.settle_s, 0.0, SETTLE_MAX_S, "s")
+            if ticks_for(self.settle_s) < 2 * self.bounces:
+                least = 2 * self.bounces * PERIOD_S
+                raise UsageError(
+                    f"settle_s: {self.bounces} bounces need two control periods each, {least:g} s, "
+                    f"got {self.settle_s:g} s"
+                )
+        if self.kind in ("drifting", "noisy"):
+            _check_number("every_s", self.every_s, PERIOD_S, DELAY_MAX_S, "s")
+        if self.kind == "drifting":
+            _check_number("per_s", self.per_s, -1e6, 1e6, "V/s or A/s")
+            if not self.per_s:
+                raise UsageError("per_s: is missing; drifting needs V/s or A/s, such as 0.1")
+            if self.bound is not None:
+                _check_number("bound", self.bound, 0.0, 1e6, "V or A")
+        if self.kind == "noisy":
+            self._check_noise(channel)
+
+    def _check_noise(self, channel: str) -> None:
+        _check_number("rate_hz", self.rate_hz, 0.0, TICKS_PER_S, "1/s")
+        _check_number("sigma", self.sigma, 0.0, 1e6, "V or A")
+        if channel == DIGITAL and (self.sigma or self.every_s != PERIOD_S):
+            raise UsageError(f"{'sigma' if self.sigma else 'every_s'}: a digital input has rate_hz")
+        if channel == ANALOG and self.rate_hz:
+            raise UsageError("rate_hz: an analog input has sigma")
+        if not self.rate_hz and channel in (DIGITAL, DEVICE) and not self.sigma:
+            raise UsageError("rate_hz: is missing; noisy needs flips a second, such as 5")
+        if not self.sigma and channel == ANALOG:
+            raise UsageError("sigma: is missing; noisy needs a standard deviation in V or A, such as 0.02")
 
     def _check_reply(self, channel: str) -> None:
-        form = FORMS.get(self.form or "text")
+        given: Any = self.form
+        form = FORMS.get(given or "text") if isinstance(given, str) else None
         if form is None:
-            raise UsageError(f"form: there is no {self.form!r}; there are {', '.join(FORMS)}")
-        effect = form.tcp if channel == TCP else form.line
+            near = did_you_mean(given, FORMS) if isinstance(given, str) else ""
+            raise UsageError(f"form: there is no {self.form!r}; there are {', '.join(FORMS)}{near}")
+        effect = form.line if channel == LINE else form.tcp
         if not effect.is_possible:
             raise UsageError(f"form: {form.name} on {self.on!r}: {effect.text}")
         if self.direction == TO_DEVICE:
@@ -277,6 +425,40 @@ class Fault:
         return f"{self.kind} on {'port ' if isinstance(self.on, int) else ''}{self.on}"
 
 
+_DEFAULTS: Final[dict[str, Any]] = {
+    field.name: field.default for field in fields(Fault) if any(field.name in row.takes for row in TABLE.values())
+}
+"""Settings of certain kinds only."""
+
+_LATER: Final = frozenset(name for row in TABLE.values() if row.is_of_inputs for name in row.takes if name != "delay_s")
+
+
+def input_request(fault: Fault, tick: int | None = None) -> DisturbInput:
+    """What a robot is asked because of a fault of an input.
+
+    Args:
+        fault: its place is an input.
+        tick: the present one, if the fault is for now or later; None if its time may be over already.
+    """
+    _, name, index = place_of(fault.on)
+    begin = ticks_for(fault.at_s)
+    span_s = {"bouncing": fault.settle_s, "late": fault.delay_s}.get(fault.kind, fault.every_s)
+    value = fault.value
+    return DisturbInput(
+        fault.kind,
+        name,
+        index,
+        begin if tick is None else max(begin, tick),
+        None if fault.for_s is None else ticks_for(fault.for_s),
+        float(value) if value is not None and INPUTS[name] == ANALOG else value,
+        max(1, ticks_for(span_s)),
+        fault.bounces,
+        float(fault.per_s or fault.sigma or fault.rate_hz),
+        None if fault.bound is None else float(fault.bound),
+        0 if fault.seed is None else fault.seed,
+    )
+
+
 def fault_text(fault: Fault) -> str:
     """A fault as one line of text, for `fault_of`.
 
@@ -288,7 +470,14 @@ def fault_text(fault: Fault) -> str:
     if isinstance(fault.reply, bytes):
         raise UsageError("reply: must be a text to be sent to a served robot")
     settings = {field.name: getattr(fault, field.name) for field in fields(Fault)}
-    return json.dumps({name: value for name, value in settings.items() if value is not None})
+    # Settings of other kinds are left out, so that the text of a session does not grow with every kind that there is.
+    return json.dumps(
+        {
+            name: value
+            for name, value in settings.items()
+            if value is not None and (name not in _LATER or value != _DEFAULTS[name])
+        }
+    )
 
 
 def fault_of(text: str) -> Fault:
@@ -317,7 +506,8 @@ def fault_from(settings: Mapping[str, Any]) -> Fault:
     known = [field.name for field in fields(Fault)]
     for key in settings:
         if key not in known:
-            raise UsageError(f"{key}: is not known; there are {', '.join(known)}")
+            near = did_you_mean(str(key), known)
+            raise UsageError(f"{key}: is not known; there are {', '.join(known)}{near}")
     for key in ("kind", "on"):
         if key not in settings:
             raise UsageError(f"{key}: is missing")
@@ -356,7 +546,11 @@ def check_protocol(fault: Fault, devices: Mapping[str, str]) -> None:
 
 
 def place_of(on: object) -> tuple[str, str, int]:
-    """What `on` means: kind of channel, address or line (empty for any address), port (0 for a line).
+    """What `on` means.
+
+    Returns:
+        `TCP`, address (empty for any) and port; `LINE`, device and 0; `DIGITAL` or `ANALOG`, family and index of an
+        input; `DEVICE`, name and 0 for what may be the name of a device.
 
     Raises:
         UsageError: nothing.
@@ -366,15 +560,51 @@ def place_of(on: object) -> tuple[str, str, int]:
     elif isinstance(on, str) and on.strip():
         head, colon, tail = on.strip().rpartition(":")
         if not tail.isdecimal() or (head and not colon):
-            if on.strip() not in PORTS:
-                raise UsageError(f"on: the robot has no serial port {on!r}; its ports: {', '.join(PORTS)}")
-            return LINE, PORTS[on.strip()], 0
+            return _named_place(on.strip())
         address, port = head, int(tail)
     else:
-        raise UsageError(f"on: write a port, such as 5000 or '192.168.1.20:5000', or a serial line, not {on!r}")
+        raise UsageError(
+            "on: write a port, such as 5000 or '192.168.1.20:5000', a serial line, an input or the name of a device, "
+            f"not {on!r}"
+        )
     if not 1 <= port <= 65535:
         raise UsageError(f"on: a port must be in [1, 65535], got {port}")
     return TCP, address, port
+
+
+def _named_place(name: str) -> tuple[str, str, int]:
+    if name in PORTS:
+        return LINE, PORTS[name], 0
+    if name.partition("[")[0].strip() not in SIGNALS and "[" not in name:
+        return DEVICE, name, 0
+    try:
+        row, index = parse_signal_name(name)
+    except UsageError as error:
+        raise UsageError(f"on: {error}") from None
+    if row.name not in INPUTS:
+        what = "an output" if not row.is_input else "no digital or analog input"
+        raise UsageError(f"on: {name} is {what}; inputs that can be disturbed are {', '.join(INPUTS)}")
+    return INPUTS[row.name], row.name, index
+
+
+def is_of_input(fault: Fault) -> bool:
+    """Whether it is about an input."""
+    return TABLE[fault.kind].is_of_inputs
+
+
+def nowhere(on: object, names: Iterable[str]) -> UsageError:
+    """The error for a place that no device, line or signal has.
+
+    Args:
+        on: what was written.
+        names: of the devices that there are.
+    """
+    known = list(names)
+    near = did_you_mean(str(on), [*known, *PORTS, *INPUTS])
+    devices = f"; devices are {', '.join(known)}" if known else ""
+    return UsageError(
+        f"on: there is no device, serial port or input {on!r}{near}; serial ports are {', '.join(PORTS)}{devices}"
+    )
 
 
 def _check_number(name: str, value: object, low: float, high: float, unit: str) -> None:

@@ -126,7 +126,7 @@ class FaultyChannels:
         self._held = 0
         """Counts what was held back."""
         for fault in faults:
-            self._add(fault)
+            self.put(fault)
 
     @property
     def is_real(self) -> bool:
@@ -143,13 +143,14 @@ class FaultyChannels:
             active.fault.kind == "disconnect" and active.place == place_of(fault.on) for active in self._active
         ):
             raise UsageError(f"kind: reconnect on {fault.on!r} has no disconnect before it, at that place")
-        self._add(fault)
+        self.put(fault)
 
     def clear(self) -> None:
         """No fault acts any more."""
         self._active.clear()
 
-    def _add(self, fault: Fault) -> None:
+    def put(self, fault: Fault) -> None:
+        """One more fault, as `add`, but of those that were looked at together."""
         active = _Active(fault, self._faults, self._agenda.tick)
         self._faults += 1
         self._active.append(active)

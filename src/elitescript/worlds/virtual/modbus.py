@@ -49,6 +49,8 @@ class Table:
         self._values: dict[int, int] = {}
         rows: Mapping[Any, Any]
         if isinstance(content, int):
+            if not 0 <= content <= ADDRESSES:
+                raise UsageError(f"{name}: there are {ADDRESSES} addresses at most, not {content!r:.40}")
             rows = dict.fromkeys(range(content), 0)
         elif isinstance(content, Mapping):
             rows = content

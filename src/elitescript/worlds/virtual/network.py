@@ -295,6 +295,14 @@ class VirtualNetwork:
             found = [server for endpoint, server in self.servers.items() if endpoint == port or _is_on(endpoint, port)]
         return [owner for server in found if server is not None and (owner := _owner(server)) is not None]
 
+    def places(self, owner: object) -> list[int | str]:
+        """Ports and lines that a device has, as the places of faults."""
+        found: list[int | str] = []
+        for endpoint, server in self.servers.items():
+            if _owner(server) is owner:
+                found.append(endpoint if isinstance(endpoint, int) else f"{endpoint[0]}:{endpoint[1]}")
+        return [*found, *(line for line, server in self.lines.items() if _owner(server) is owner)]
+
     def connect(self, channel: int, address: str, port: int) -> None:
         """Connect a channel to the server of a port, or refuse."""
         server = self.server(address, port)

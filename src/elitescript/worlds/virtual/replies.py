@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 from elitescript.controller.signal_view import signal_write
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.signals import SIGNALS
 from elitescript.worlds.virtual.device import Device, check_number, check_text
 from elitescript.worlds.virtual.expressions import Expression
@@ -404,4 +404,5 @@ def _check_template(pattern: re.Pattern[str], text: str) -> None:
 def _check_keys(table: Mapping[str, Any], known: Sequence[str]) -> None:
     for key in table:
         if key not in known:
-            raise UsageError(f"{key}: is not known; there are {', '.join(known)}")
+            near = did_you_mean(str(key), known)
+            raise UsageError(f"{key}: is not known; there are {', '.join(known)}{near}")

@@ -12,11 +12,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.worlds.surroundings import REAL, VIRTUAL
-from elitescript.worlds.virtual.device import Device
+from elitescript.worlds.virtual.device import Device, TakenError
 from elitescript.worlds.virtual.faults import Fault, check_together, fault_from
-from elitescript.worlds.virtual.world import World
+from elitescript.worlds.virtual.world import World, place_in
 
 WORLD_KEYS: Final = ("seed", "network")
 
@@ -70,6 +70,8 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "") -
         raise UsageError(f"[world] {error}") from None
     files: dict[Path, Any] = {}
     faults: list[Fault] = []
+    places: dict[object, str] = {}
+    """Of devices, and of the names that the file gives them."""
     for section, rows in tables.items():
         if section == "world":
             continue
@@ -81,18 +83,28 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "") -
                 if isinstance(made, Fault):
                     faults.append(made)
                 else:
+                    name = row.get("name")
+                    if name and name in places:
+                        raise UsageError(f"name: {name!r} is the name of another one already, see {places[name]}")
                     world.add(made)
+                    places[made] = f"[[{section}]] {number}"
+                    if name:
+                        places[name] = places[made]
+            except TakenError as error:
+                raise UsageError(f"[[{section}]] {number}: {error}, see {places.get(error.other, '')}") from error
             except UsageError as error:
                 raise UsageError(f"[[{section}]] {number}: {error}") from error
+    for number, fault in enumerate(faults, 1):
+        try:
+            faults[number - 1] = world.check_fault(fault)
+        except UsageError as error:
+            raise UsageError(f"[[fault]] {number}: {error}") from None
     try:
         check_together(faults)
     except UsageError as error:
         raise UsageError(f"[[fault]] {error}") from None
-    for number, fault in enumerate(faults, 1):
-        try:
-            world.add_fault(fault)
-        except UsageError as error:
-            raise UsageError(f"[[fault]] {number}: {error}") from None
+    for fault in faults:
+        world.add_fault(fault)
     return world
 
 
@@ -101,7 +113,8 @@ def _empty_world(options: object, tables: Mapping[str, Any], network: str) -> Wo
         raise UsageError("must be a table")
     for key in options:
         if key not in WORLD_KEYS:
-            raise UsageError(f"{key}: is not known; there are {', '.join(WORLD_KEYS)}")
+            near = did_you_mean(key, WORLD_KEYS)
+            raise UsageError(f"{key}: is not known; there are {', '.join(WORLD_KEYS)}{near}")
     is_reachable = any(KINDS[section].is_reachable for section in tables if section in KINDS)
     usual = network or (VIRTUAL if is_reachable else REAL)
     return World(seed=options.get("seed", 0), network=options.get("network", usual))
@@ -122,6 +135,8 @@ def _made(section: str, number: int, row: Mapping[str, Any], folder: Path, files
         found = _loaded(kind.declared)
     if kind.declared == FAULT:
         return fault_from(settings)
+    if not isinstance(row.get("name", ""), str):
+        raise UsageError(f"name: must be a text, got {row['name']!r:.60}")
     if named is None and kind.is_reachable:
         settings.setdefault("name", f"{section} {number}")
     try:
@@ -129,7 +144,12 @@ def _made(section: str, number: int, row: Mapping[str, Any], folder: Path, files
     except UsageError:
         raise
     except Exception as error:
-        raise UsageError(f"{CLASS_KEY}: {named} cannot be made: {type(error).__name__}: {error}") from error
+        if named is None:
+            raise UsageError(f"the settings do not go together: {type(error).__name__}: {error}") from error
+        place = _python_place(error)
+        where = f" ({place})" if place else ""
+        text = f"{named} cannot be made: {type(error).__name__}: {error}{where}"
+        raise UsageError(f"{CLASS_KEY}: {text}") from error
 
 
 def _loaded(name: str) -> Any:
@@ -164,7 +184,14 @@ def _imported(path: Path) -> Any:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        from elitescript.worlds.virtual.world import place_in
-
-        raise UsageError(f"{CLASS_KEY}: {place_in(error) or path}: {type(error).__name__}: {error}") from error
+        place = _python_place(error) or path
+        text = error.msg if isinstance(error, SyntaxError) else str(error)
+        raise UsageError(f"{CLASS_KEY}: {place}: {type(error).__name__}: {text}") from error
     return module
+
+
+def _python_place(error: Exception) -> str:
+    """File and line of a mistake in a Python file, as `cell.py:12`; empty if it is not in one."""
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{error.filename}:{error.lineno}"
+    return place_in(error)

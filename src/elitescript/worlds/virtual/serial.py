@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from elitescript.errors import UsageError
 from elitescript.messages.line import LineSettings
 from elitescript.worlds.line_bindings import PORTS
-from elitescript.worlds.virtual.device import Device, check_number, check_text
+from elitescript.worlds.virtual.device import Device, TakenError, check_number, check_text
 from elitescript.worlds.virtual.lines import Answer, LineBuffer, check_lines, encoded
 from elitescript.worlds.virtual.network import Link, Peer
 from elitescript.worlds.virtual.tcp import INCOMPLETE_S, LATENCY_MAX_S
@@ -77,7 +77,8 @@ class LineDevice(Device):
         taken = world.network.lines.get(self.line)
         if taken is not None:
             other = getattr(taken, "__self__", None)
-            raise UsageError(f"line: {self.line} is taken by {getattr(other, 'title', 'another device')} already")
+            text = f"line: {self.line} is taken by {getattr(other, 'title', 'another device')} already"
+            raise TakenError(text, other)
         world.network.lines[self.line] = self.accept
 
     def accept(self, link: Link) -> Peer | None:

@@ -73,6 +73,12 @@ class RobotSignals:
             ticks_for(after_s), lambda: None if hub.robot is None else hub.robot.write(request, by), self._owner
         )
 
+    def apply(self, name: str, value: Value) -> None:
+        """Set a signal, before whatever else is to happen in the tick that is about to run."""
+        robot = self._hub.robot
+        if robot is not None:
+            robot.write(signal_write(name, value), getattr(self._owner, "acts_as", "device"))
+
     def pulse(self, name: str, duration_s: float, after_s: float = 0.0) -> None:
         """Set a digital signal, and clear it again when it has been high for so long."""
         self.set(name, True, after_s)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.timing import ticks_for
-from elitescript.worlds.virtual.device import Device, check_number, check_text
+from elitescript.worlds.virtual.device import Device, TakenError, check_number, check_text
 from elitescript.worlds.virtual.lines import Answer, LineBuffer, check_lines, encoded
 from elitescript.worlds.virtual.network import Endpoint, Link, Peer
 
@@ -213,7 +213,8 @@ class TcpServer(Device):
         taken = world.network.servers.get(self.endpoint)
         if taken is not None:
             other = getattr(taken, "__self__", None)
-            raise UsageError(f"port: {self.port} is taken by {getattr(other, 'title', 'another server')} already")
+            text = f"port: {self.port} is taken by {getattr(other, 'title', 'another server')} already"
+            raise TakenError(text, other)
         world.network.servers[self.endpoint] = self.accept
         self._connections = []
 

@@ -66,6 +66,10 @@ class Wire(Device):
     def title(self) -> str:
         return self.name or f"wire to {self.then}"
 
+    @property
+    def driven_inputs(self) -> list[str]:
+        return [self.then]
+
     def check(self) -> None:
         _check_given("then", self.then)
         try:
@@ -100,9 +104,9 @@ class Wire(Device):
         for name in self._expression.signals:
             self.cell.watch(name, self._look)
         self._last = self._level()
-        if self.edge == "both" and not self.pulse_s and self.cell.read(self.then) != self._given(self._last):
+        if self.edge == "both" and not self.pulse_s:
             # The cell was at rest before the robot's time began.
-            self._put(self._last, 0.0)
+            self.cell.apply(self.then, self._given(self._last))
 
     def _level(self) -> Any:
         return self._expression.value(self.cell.read)
@@ -178,17 +182,25 @@ class Schedule(Device):
         rows: Any = self.at
         if isinstance(rows, str) or not isinstance(rows, Sequence) or not rows:
             raise UsageError(f"at: write rows of time and value, such as [[2.0, true], [5.0, false]], not {rows!r}")
-        for row in rows:
-            if isinstance(row, str) or not isinstance(row, Sequence) or len(row) != 2:
-                raise UsageError(f"at: a row is a time and a value, such as [2.0, true], not {row!r}")
-            limit = self.every_s or TIME_MAX_S
-            check_number("at", row[0], 0.0, limit, "s")
-            if self.every_s and row[0] >= self.every_s:
-                raise UsageError(f"at: a time must be less than every_s, {self.every_s:g} s, got {row[0]:g} s")
+        before = 0.0
+        for number, row in enumerate(rows, 1):
             try:
-                signal_write(self.signal, row[1])
+                self._check_row(row, before)
             except UsageError as error:
-                raise UsageError(f"at: {error}") from None
+                raise UsageError(f"at: {error} (row {number})") from None
+            before = row[0]
+
+    def _check_row(self, row: Any, before: float) -> None:
+        if isinstance(row, str) or not isinstance(row, Sequence) or len(row) != 2:
+            raise UsageError(f"a row is a time and a value, such as [2.0, true], not {row!r}")
+        time_s, limit = row[0], self.every_s or TIME_MAX_S
+        if isinstance(time_s, bool) or not isinstance(time_s, int | float) or not 0.0 <= time_s <= limit:
+            raise UsageError(f"must be in [0, {limit:g}] s, got {time_s!r}")
+        if self.every_s and row[0] >= self.every_s:
+            raise UsageError(f"a time must be less than every_s, {self.every_s:g} s, got {row[0]:g} s")
+        if row[0] < before:
+            raise UsageError(f"{row[0]:g} s is before {before:g} s of the row above; write the rows in order of time")
+        signal_write(self.signal, row[1])
 
     def started(self) -> None:
         for time_s, value in self.at:

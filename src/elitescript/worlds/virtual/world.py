@@ -11,13 +11,24 @@ from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.events import DeviceNoted
+from elitescript.messages.machine import DisturbInput, EndInputFaults
 from elitescript.messages.signals import Value
 from elitescript.runtime.world import Channels
 from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.surroundings import REAL, VIRTUAL, RobotPort, Surroundings
 from elitescript.worlds.virtual.agenda import Agenda, DeviceError
 from elitescript.worlds.virtual.device import Device, misspelt
-from elitescript.worlds.virtual.faults import Fault, check_protocol, check_together, place_of
+from elitescript.worlds.virtual.faults import (
+    DEVICE,
+    TABLE,
+    Fault,
+    check_protocol,
+    check_together,
+    input_request,
+    is_of_input,
+    nowhere,
+    place_of,
+)
 from elitescript.worlds.virtual.faulty_channels import FaultyChannels
 from elitescript.worlds.virtual.network import VirtualNetwork
 from elitescript.worlds.virtual.signals import SignalHub
@@ -39,7 +50,7 @@ class World(Surroundings):
     Args:
         devices: what is there.
         wires: how signals depend on each other; devices as well.
-        faults: what goes wrong on channels.
+        faults: what goes wrong on channels and at inputs.
         seed: of everything that is drawn in it.
         network: `virtual`: there is nothing but the devices; `real`: what is not a device leads to the network and the
             serial ports of this computer, which holds the run back to the wall clock while a connection is open.
@@ -92,9 +103,8 @@ class World(Surroundings):
         self.agenda.on_failure = self._failed
         self.signals = SignalHub(self.agenda)
         self.network = VirtualNetwork(agenda=self.agenda, outside=RealChannels() if network == REAL else None)
-        self._faults = list(faults)
-        check_together(self._faults)
-        self._faulty = FaultyChannels(self.network, self._faults, seed=seed, say=self._note_fault)
+        self._faults: list[Fault] = []
+        self._faulty = FaultyChannels(self.network, seed=seed, say=self._note_fault)
         self.channels: Channels = self._faulty
         self.devices: list[Device] = []
         self._robot: RobotPort | None = None
@@ -104,8 +114,10 @@ class World(Surroundings):
         """Told when the code of a device has failed; as long as it is None the run ends with the error."""
         for device in (*devices, *wires):
             self.add(device)
-        for fault in self._faults:
-            self.check_fault(fault)
+        found = [self.resolved(fault) for fault in faults]
+        check_together(found)
+        for fault in found:
+            self.add_fault(fault)
 
     def add(self, device: Device) -> None:
         """Put one more device there."""
@@ -124,42 +136,87 @@ class World(Surroundings):
         Raises:
             UsageError: there is no such fault, or it makes no sense there.
         """
-        fault = Fault(kind, on, **settings)
+        fault = self.resolved(Fault(kind, on, **settings))
         now = replace(fault, at_s=max(fault.at_s, self.agenda.time_s))
         check_together([*self._faults, now])
         self.add_fault(now)
 
     @property
     def faults(self) -> tuple[Fault, ...]:
-        """What goes wrong, or will."""
+        """What goes wrong, or will; each with the place and the seed that it has."""
         return tuple(self._faults)
+
+    @property
+    def input_faults(self) -> list[DisturbInput]:
+        """The faults of inputs among them, for the robot that has not begun."""
+        return [input_request(fault) for fault in self._faults if is_of_input(fault)]
 
     def add_fault(self, fault: Fault) -> None:
         """Let something go wrong at its time.
 
         Raises:
-            UsageError: it is a wrong reply of a protocol that nobody there speaks.
+            UsageError: it makes no sense with the devices that are there.
         """
-        self.check_fault(fault)
+        fault = self.check_fault(fault)
         self._faults.append(fault)
-        self._faulty.add(fault)
+        if not is_of_input(fault):
+            self._faulty.put(fault)
+        elif self._robot is not None:
+            self._robot.disturb(input_request(fault, self.agenda.tick))
 
-    def check_fault(self, fault: Fault) -> None:
-        """Refuse a fault that makes no sense with the devices that are there.
+    def resolved(self, fault: Fault) -> Fault:
+        """A fault with the port, line or input that its `on` means, and with the seed of this world.
+
+        Raises:
+            UsageError: no device is called so, or it has no place for such a fault, or more than one.
+        """
+        changes: dict[str, Any] = {}
+        kind, name, _ = place_of(fault.on)
+        if kind == DEVICE:
+            changes["on"] = self._place_of_device(name, is_input=is_of_input(fault))
+        if fault.seed is None and "seed" in TABLE[fault.kind].takes:
+            changes["seed"] = self.seed
+        try:
+            return replace(fault, **changes) if changes else fault
+        except UsageError as error:
+            raise UsageError(f"{error} (of {fault.on})" if kind == DEVICE else str(error)) from None
+
+    def _place_of_device(self, name: str, *, is_input: bool) -> int | str:
+        devices = [device for device in self.devices if name in (device.name, device.title)]
+        if not devices:
+            raise nowhere(name, [device.name for device in self.devices if device.name])
+        if len(devices) > 1:
+            raise UsageError(f"on: {len(devices)} devices are called {name}; write a port, a line or an input")
+        places = devices[0].driven_inputs if is_input else self.network.places(devices[0])
+        if len(places) == 1:
+            return places[0]
+        what = "set no input" if is_input else "has no port or line"
+        if not places:
+            raise UsageError(f"on: {name} {what.replace('set ', 'sets ')}; name the place itself")
+        raise UsageError(f"on: {name} sets {', '.join(map(str, places))}; name one of them")
+
+    def check_fault(self, fault: Fault) -> Fault:
+        """Refuse a fault that makes no sense with the devices that are there, else return it as `resolved` does.
 
         Raises:
             UsageError: nobody is at its place, or it is a wrong reply of a protocol that nobody there speaks.
         """
+        fault = self.resolved(fault)
+        if is_of_input(fault):
+            return fault
         owners = self.network.owners(*place_of(fault.on))
         if not owners and self.network.outside is None:
             raise UsageError(f"on: no device of this world is at {fault.on!r}, so nothing could ever go wrong there")
         there = [owner for owner in owners if isinstance(owner, Device)]
         check_protocol(fault, {device.title: device.protocol for device in there})
+        return fault
 
     def end_faults(self) -> None:
         """Nothing goes wrong any more."""
         self._faults.clear()
         self._faulty.clear()
+        if self._robot is not None:
+            self._robot.disturb(EndInputFaults())
 
     # ---------------------------------------------------------------- the robot's side
 
