@@ -54,7 +54,9 @@ def plot(options: argparse.Namespace) -> int:
         recording.state, f", {recording.state}"
     )
     step = "" if recording.step_s <= PERIOD_S else f", a row every {1000.0 * recording.step_s:g} ms"
-    print(f"{target}: {duration_s:.3f} s of {recording.model.name}{ending}{step} ({target.stat().st_size / 1000:.0f} kB)")
+    print(
+        f"{target}: {duration_s:.3f} s of {recording.model.name}{ending}{step} ({target.stat().st_size / 1000:.0f} kB)"
+    )
     return code
 
 

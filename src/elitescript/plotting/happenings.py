@@ -7,7 +7,6 @@ from typing import Any, Final
 
 from elitescript.messages.events import (
     Alarm,
-    ChannelActivity,
     DeviceNoted,
     Event,
     MotionEnded,

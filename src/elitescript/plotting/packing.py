@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Final
 
 TEXT_MAX: Final = 300
@@ -23,6 +23,11 @@ def milliseconds(times: Sequence[float]) -> list[int]:
 def deltas(values: Sequence[int]) -> list[int]:
     """The first value, then the difference of each to the one before."""
     return [values[0], *(later - value for value, later in pairwise(values))] if values else []
+
+
+def undo_deltas(values: Sequence[int]) -> list[int]:
+    """What was packed with `deltas`, as the page unpacks it."""
+    return list(accumulate(values))
 
 
 def shown_text(text: str, longest: int = TEXT_MAX) -> str:

@@ -203,16 +203,16 @@ const timeAxis = (g, w, y) => {
   g.textAlign = "right";
   g.fillText(unit, w - 2, y + 3);
 };
-const cursorLine = (g, w, h) => {
+const cursorLine = (g, w, h, top = 0) => {
   const x = xOf(w);
   if (state.drag?.wide) {
     g.fillStyle = C.accent; g.globalAlpha = 0.15;
-    g.fillRect(x(state.drag.from), 0, x(state.t) - x(state.drag.from), h);
+    g.fillRect(x(state.drag.from), top, x(state.t) - x(state.drag.from), h - top);
     g.globalAlpha = 1;
   }
   if (state.t < state.view[0] - 1e-9 || state.t > state.view[1] + 1e-9) return;
   g.strokeStyle = C.ink; g.globalAlpha = 0.75; g.lineWidth = 1;
-  g.beginPath(); g.moveTo(x(state.t), 0); g.lineTo(x(state.t), h); g.stroke();
+  g.beginPath(); g.moveTo(x(state.t), top); g.lineTo(x(state.t), h); g.stroke();
   g.globalAlpha = 1;
 };
 const lane = (g, y, h, text, { mono = false, colour = C.ink, room = 18, fit = fitText } = {}) => {
@@ -224,7 +224,7 @@ const lane = (g, y, h, text, { mono = false, colour = C.ink, room = 18, fit = fi
 const lanesGroup = (noun, count, shown) => {
   const rest = make("div", { hidden: true }), first = make("div");
   $("timeline").append(first);
-  if (count <= shown) return () => first;
+  if (count <= shown + 2) return () => first;
   const more = count - shown;
   const button = make("button", { className: "more", onclick: () => {
     rest.hidden = !rest.hidden;
@@ -551,7 +551,7 @@ const curveChart = ({ title, unit, factor, series, height, last = false, zeroBas
     }
     if (last) timeAxis(g, w, plotHeight);
   }, (g, w, h) => {
-    cursorLine(g, w, plotHeight);
+    cursorLine(g, w, plotHeight, pad);
     const f = factor(), wide = !isNarrow(), top = wide ? 44 : 36, step = Math.min(18, (plotHeight - top + 8) / series.length);
     g.font = "11px " + SANS; g.fillStyle = C.soft; g.textBaseline = "top"; g.textAlign = "right";
     if (wide) { g.fillText("at cursor", 134, 23); g.fillText("peak/limit", 200, 23); }
@@ -783,6 +783,7 @@ const alarmLines = new Set(alarms.map(mark => mark.line)), warningLines = new Se
 const buildProgram = () => {
   const numbers = Object.keys(D.source).map(Number).sort((a, b) => a - b);
   $("program").parentElement.hidden = !numbers.length;
+  $("program").closest(".pair").classList.toggle("bare", !numbers.length);
   const totals = new Map(table.map(row => [row.line, row.total])), longest = Math.max(...totals.values(), 1e-9);
   const rows = [];
   let last = 0;

@@ -56,9 +56,9 @@ def signal_lanes(events: Sequence[Event], start_s: float) -> dict[str, Any]:
     Returns:
         `lanes`: for each signal `name`, `kind`, `unit`, times `t` (whole ms, each as the difference to the one
         before), levels `v` (None: not finite), `by` (indices into `causes`) and `left_out`, the number of changes
-        that are not among them; terminals first, outputs before inputs. `causes`: pairs of `SignalChanged.by` and line. `others`: names of the
-        signals that have no lane. `other_changes`: time, text and line of theirs. `other_changes_left_out`: how many
-        more there were.
+        that are not among them; terminals first, outputs before inputs. `causes`: pairs of `SignalChanged.by` and
+        line. `others`: names of the signals that have no lane. `other_changes`: time, text and line of theirs.
+        `other_changes_left_out`: how many more there were.
     """
     found: dict[str, _Steps] = {}
     for event in events:
