@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.cli import jsonlines
+from elitescript.cli.screen import palette_of, progress_on, rendered
 from elitescript.errors import ProgramError, UsageError
-from elitescript.language.diagnostics import Diagnostic, Severity, render, to_json
+from elitescript.language.diagnostics import Diagnostic, Severity, to_json
 from elitescript.language.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import profile
@@ -21,13 +22,16 @@ FOUND_ERRORS: Final = 3
 def check(options: argparse.Namespace) -> int:
     """Check the files of the command line; return the exit code."""
     errors = warnings = 0
-    for name in options.files:
+    progress = None if options.json else progress_on(sys.stderr)
+    for number, name in enumerate(options.files):
+        if progress is not None:
+            progress.note(f"{number} of {len(options.files)} files checked; {name}")
         source, problems = check_file(Path(name), options.firmware, options.strict)
         for problem in problems:
             if options.json:
                 print(jsonlines.line({"file": name, **to_json(problem)}))
             else:
-                print(render(problem, source))
+                print(rendered(problem, source, palette_of(sys.stdout)))
             errors += problem.severity is Severity.ERROR
             warnings += problem.severity is not Severity.ERROR
     if not options.json:

@@ -9,9 +9,9 @@ from typing import Final
 
 from elitescript.cli.report import TextReport
 from elitescript.cli.run import DOES_NOT_COMPILE, EXIT_CODES
+from elitescript.cli.screen import palette_of, progress_on, rendered
 from elitescript.cli.settings import parse_joints, parse_settings
 from elitescript.errors import ProgramError, UsageError
-from elitescript.language.diagnostics import render
 from elitescript.language.source import SourceFile
 from elitescript.messages.profile import DEFAULT_FIRMWARE
 from elitescript.messages.timing import PERIOD_S
@@ -87,7 +87,11 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     source = source_of(path)
     sampling, threads = Sampling(), ThreadLines()
 
+    progress = progress_on(sys.stderr, robot.time_s)
+
     def watch(robot: VirtualRobot) -> None:
+        if progress is not None:
+            progress.update(robot.time_s, robot.controller.line)
         threads.record(robot.time_s, [(thread.name, thread.line) for thread in robot.threads()[1:]])
 
     run = robot.run(robot.compile(source), until_s=until_s, presets=presets, trace=sampling, watch=watch)
@@ -107,4 +111,4 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
 def _print_problems(path: Path, error: ProgramError) -> None:
     source = SourceFile(str(path), path.read_bytes().decode("utf-8", "replace"))
     for problem in error.problems:
-        print(render(problem, source), file=sys.stderr)
+        print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)

@@ -10,9 +10,10 @@ from typing import Any, Final, Protocol
 
 from elitescript.cli import jsonlines
 from elitescript.cli.event_records import record_of
+from elitescript.cli.screen import palette_of, rendered
 from elitescript.cli.writable import Writable
 from elitescript.errors import UsageError
-from elitescript.language.diagnostics import Diagnostic, render, to_json
+from elitescript.language.diagnostics import Diagnostic, to_json
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import (
     Alarm,
@@ -130,11 +131,12 @@ class TextReport:
         self._logs = frozenset(logs)
         self._out = out
         self._err = err
+        self._palette = palette_of(err)
         self._start_s = 0.0
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         for problem in problems:
-            print(str(problem) if source is None else render(problem, source), file=self._err)
+            print(rendered(problem, source, self._palette), file=self._err)
 
     def start(self, robot: VirtualRobot, path: Path) -> None:
         self._start_s = time.perf_counter()
@@ -149,13 +151,14 @@ class TextReport:
             self._line(event.tick, f"[popup, {event.level}] {event.title}: {event.text}{note}")
         elif isinstance(event, Warned):
             where = f"line {event.line}: " if event.line else ""
-            self._problem(event.tick, f"warning: {where}{event.text}")
+            self._problem(event.tick, f"{self._palette.paint('warning', 'warning')}: {where}{event.text}")
         elif isinstance(event, DeviceNoted) and event.is_warning:
-            self._problem(event.tick, f"warning: {event.device}: {event.text}")
+            self._problem(event.tick, f"{self._palette.paint('warning', 'warning')}: {event.device}: {event.text}")
         elif isinstance(event, DeviceNoted):
             self._line(event.tick, f"[{event.device}] {event.text}")
         elif isinstance(event, SafetyModeChanged):
-            self._problem(event.tick, f"safety: {event.mode.name}" + (f": {event.reason}" if event.reason else ""))
+            mode = self._palette.paint("warning", event.mode.name)
+            self._problem(event.tick, f"safety: {mode}" + (f": {event.reason}" if event.reason else ""))
         elif isinstance(event, Alarm):
             self._alarm(event)
         elif isinstance(event, SignalChanged):
@@ -177,17 +180,18 @@ class TextReport:
     def _alarm(self, alarm: Alarm) -> None:
         thread = "" if alarm.thread in ("", "main") else f", thread {alarm.thread}"
         where = f" in line {alarm.line}{thread}" if alarm.line else thread
-        self._problem(alarm.tick, f"ALARM {alarm.code}{where}: {alarm.class_name}: {alarm.text}")
+        paint = self._palette.paint
+        self._problem(alarm.tick, f"{paint('alarm', f'ALARM {alarm.code}')}{where}: {alarm.class_name}: {alarm.text}")
         if alarm.source_line.strip():
             text = alarm.source_line.expandtabs(8)
             print(f"{'':14}{alarm.line:>5} | {text}", file=self._err)
             if alarm.column > 0:
                 before = len(alarm.source_line[: alarm.column - 1].expandtabs(8))
-                print(f"{'':14}      | {' ' * before}^", file=self._err)
+                print(f"{'':14}      | {' ' * before}{paint('caret', '^')}", file=self._err)
         if alarm.details.get("hint"):
-            print(f"{'':14}hint: {alarm.details['hint']}", file=self._err)
+            print(paint("hint", f"{'':14}hint: {alarm.details['hint']}"), file=self._err)
         for hint in alarm.details.get("hints", ()):
-            print(f"{'':14}try: {hint}", file=self._err)
+            print(paint("hint", f"{'':14}try: {hint}"), file=self._err)
 
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
         self._out.flush()
@@ -207,7 +211,9 @@ class TextReport:
             for thread in run.threads:
                 print(f"{'':14}{thread.name}: line {thread.line}, {thread.doing}", file=self._err)
         late = f"; {overruns} ticks began late" if overruns else ""
-        print(f"{run.time_s:10.3f} s  {words[run.state]} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
+        role = {"finished": "finished", "alarm": "alarm"}.get(run.state, "warning")
+        state = palette_of(self._out).paint(role, words[run.state])
+        print(f"{run.time_s:10.3f} s  {state} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
 
 
 def _where(robot: VirtualRobot, wall_s: float) -> str:

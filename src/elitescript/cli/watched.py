@@ -42,7 +42,8 @@ def run_watched(command: list[str], environment: dict[str, str], max_wall_s: flo
         child.kill()
         child.wait()
         text = f"no checkpoint within --max-wall {max_wall_s:g} s: a single call does not come back; process ended"
-        print(f"elitescript run: {text}", file=sys.stderr)
+        # The child was killed with its status line on the terminal: the text begins on a line of its own.
+        print(f"{chr(10) if sys.stderr.isatty() else ''}elitescript run: {text}", file=sys.stderr)
         if is_json:
             from elitescript.cli import jsonlines
 
