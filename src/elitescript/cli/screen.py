@@ -26,7 +26,7 @@ FIRST_AFTER_S: Final = 1.0
 INTERVAL_S: Final = 0.1
 """Least wall time from one status line to the next."""
 
-CALLS: Final = 16
+CALLS: Final = 8
 """The clock is read at every so many calls of `Progress`: most ticks cost a subtraction."""
 
 ERASE: Final = "\r\x1b[2K"
