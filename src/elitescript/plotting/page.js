@@ -543,11 +543,13 @@ const curveChart = ({ title, unit, factor, series, height, last = false, zeroBas
       const sizes = [...new Set([...offScale].map(Math.abs))].sort((a, b) => a - b).map(v => +(v * f).toPrecision(4));
       const isBoth = [...offScale].some(v => v < 0) && [...offScale].some(v => v > 0);
       const sign = isBoth ? "±" : [...offScale][0] < 0 ? "−" : "";
-      const text = `limit ${sign}${sizes.length > 1 ? sizes[0] + " to " + sizes.at(-1) : sizes[0]} ${unit()} is off this scale`;
+      const range = sizes.length > 1 ? `${sizes[0]} to ${sizes.at(-1)}` : sizes[0];
+      const text = isNarrow() ? `limit ${sign}${range} is off scale` : `limit ${sign}${range} ${unit()} is off this scale`;
       g.font = "11.5px " + SANS; g.textAlign = "right"; g.textBaseline = "top";
-      const width = g.measureText(text).width;
-      g.fillStyle = C.card; g.globalAlpha = 0.85; g.fillRect(w - RIGHT - width - 14, pad + 3, width + 10, 17); g.globalAlpha = 1;
-      g.fillStyle = C.soft; g.fillText(text, w - RIGHT - 9, pad + 5);
+      // On a narrow page it stands beside the title, where it hides no curve.
+      const width = g.measureText(text).width, top = isNarrow() ? 5 : pad + 5;
+      g.fillStyle = C.card; g.globalAlpha = 0.85; g.fillRect(w - RIGHT - width - 14, top - 2, width + 10, 17); g.globalAlpha = 1;
+      g.fillStyle = C.soft; g.fillText(text, w - RIGHT - 9, top);
     }
     if (last) timeAxis(g, w, plotHeight);
   }, (g, w, h) => {
