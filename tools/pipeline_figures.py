@@ -125,6 +125,61 @@ def _belt_speed(robot: VirtualRobot, counts_per_s: float) -> None:
     robot.signals["encoder_speed[0]"] = counts_per_s
 
 
+def path_offsets() -> str:
+    """A step of an offset, with and without a filter."""
+    steps, speeds = [], []
+    for colour, alpha in enumerate((1.0, 0.1)):
+        rows = traced(
+            program(
+                "path_offset_enable()",
+                f"path_offset_set_alpha_filter({alpha})",
+                "sleep(0.02)",
+                "path_offset_set([0, 0, 0.005, 0, 0, 0], 1)",
+                "sleep(0.3)",
+            )
+        )
+        rows = [row for row in rows if row.t <= 0.25]
+        name, times, start = f"alpha {alpha:g}", times_of(rows), rows[0].tcp_pose[2]
+        steps.append(Curve(name, times, [1e3 * (row.tcp_pose[2] - start) for row in rows], colour))
+        speeds.append(Curve(name, times, tcp_speeds(rows), colour))
+    return drawing(
+        "An offset of 5 mm that is set at 0.02 s",
+        (
+            Panel("mm", tuple(steps), (5.0,), 150, "offset"),
+            Panel("TCP, m/s", tuple(speeds), (), 110),
+        ),
+    )
+
+
+def weaving() -> str:
+    """A thread that weaves across a line."""
+    rows = traced(
+        program(
+            "def weave():",
+            "  k = 0",
+            "  while True:",
+            "    k = k + 1",
+            "    path_offset_set([0, 0.003 * sin(0.04 * k), 0, 0, 0, 0], 3)",
+            "    sync()",
+            "  end",
+            "end",
+            "path_offset_enable()",
+            "p = get_target_tcp_pose()",
+            "p[1] = p[1] + 0.06",
+            "start_thread(weave, ())",
+            "movel(p, a=1.2, v=0.02)",
+        )
+    )
+    times, (x0, y0) = times_of(rows), rows[0].tcp_pose[:2]
+    return drawing(
+        "Weaving by 3 mm across a movel at 0.02 m/s, in the frame of motion",
+        (
+            Panel("along, mm", (Curve("TCP", times, [1e3 * (row.tcp_pose[1] - y0) for row in rows]),), (), 110),
+            Panel("across, mm", (Curve("TCP", times, [1e3 * (x0 - row.tcp_pose[0]) for row in rows]),), (), 110),
+        ),
+    )
+
+
 SURFACE_DEPTH_M: Final = 0.005
 STIFFNESSES: Final = (1e3, 1e4, 1e5)
 PRESS_N: Final = 20.0
@@ -207,6 +262,8 @@ def blend_paths() -> str:
 
 FIGURES: Final[dict[str, Callable[[], str]]] = {
     "belt.svg": belt,
+    "path-offset.svg": path_offsets,
+    "weaving.svg": weaving,
     "force.svg": force,
     "blend-path.svg": blend_paths,
     "blend-speed.svg": blend_speeds,

@@ -8,6 +8,8 @@ from elitescript.services import binding, listener, liveness, shares, tcp
 from elitescript.services.broker import CHANNELS_MAX
 from elitescript.services.control_verbs import VERBS
 from elitescript.services.cycle import CATCH_UP_TICKS
+from elitescript.services.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
+from elitescript.services.lockstep import UNANSWERING_S
 from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
 from tools.markdown import NOTICE, cell
 
@@ -69,13 +71,19 @@ def ports_page() -> str:
         f"were. Ticks that were missed are made up for at once, up to {CATCH_UP_TICKS}; beyond that they are left",
         "out, and a line says so.",
         "",
-        "`--lockstep rtsi`: robot time waits for RTSI clients. A client takes part once it has set up an",
-        "input recipe and started (`S`), until it pauses (`P`) or goes. A tick comes only when every such",
-        "client has answered the last package that it got by an input package (`U`). With a recipe of",
-        "125 Hz two ticks follow each answer. Clients without input recipes only listen, and miss nothing.",
-        "While nobody takes part, time passes as on the wall. The robot is in this process then, without the jail and",
-        "without the protection against calls that do not come back: a program that calls `sum(range(10**12))` holds",
-        "up the whole `serve`.",
+        "`--lockstep rtsi`: robot time waits for RTSI clients. A client that has set up an output recipe takes part",
+        "from its first input package (`U`) after the start (`S`) on, until it pauses (`P`) or goes. A tick comes",
+        "only when every such client has answered the last package that it got by an input package. With a recipe",
+        "of 125 Hz two ticks follow each answer. Clients that have sent no input only listen, and miss nothing.",
+        f"A client that has not answered for {LOCKSTEP_TIMEOUT_S:g} s of wall time (*assumed*) is let go with a line",
+        "in the log: time goes on without it, and it takes part again from its next input package on. The same holds",
+        "for one that does not read its packages, until it reads again. `--lockstep-timeout SECONDS` sets another",
+        "bound, `inf` none. One that was let go without having answered a single package is let go after",
+        f"{UNANSWERING_S:g} s from then on, until it answers one: the vendor's `RtsiIOInterface` sends",
+        "nothing unless a value was set.",
+        "While no client takes part, time passes as on the wall. The robot is in this process then, without the jail",
+        "and without the protection against calls that do not come back: a program that calls `sum(range(10**12))`",
+        "holds up the whole `serve`.",
         "",
         "## Tasks",
         "",

@@ -19,6 +19,7 @@ from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.page import CHAPTERS, chapters, kind_of, source_of
 from elitescript.commands.registry import Command, Param
 from elitescript.controller import safety
+from elitescript.lint import explanations
 from elitescript.messages.signals import SIGNALS, Signal
 from tools.devices_page import devices_page
 from tools.events_page import events_page
@@ -103,13 +104,19 @@ def errors_page() -> str:
         NOTICE,
         "## Codes",
         "",
-        "E0xx and E1xx keep a program from starting, W2xx are warnings, E3xx contradict the command catalogue (`check`",
-        "fails, `run` warns), R are alarms of a running program.",
+        "E0xx and E1xx keep a program from starting, W2xx are warnings, E3xx contradict the command catalogue: `check`",
+        "fails, `run` shows the same errors and starts the program all the same, because it may catch the exceptions;",
+        "`run --strict` refuses it. R are alarms of a running program. What each code means: [rules.md](rules.md) and",
+        "`elitescript check --explain CODE`.",
         "",
-        "| code | severity | title |",
-        "|---|---|---|",
+        "What only this implementation accepts is a warning, and an error with `--strict`.",
+        "",
+        "| code | severity | with `--strict` | title |",
+        "|---|---|---|---|",
     ]
-    lines += [f"| {row.code} | {row.severity} | {cell(row.title)} |" for row in errors.CODES.values()]
+    for row in errors.CODES.values():
+        link = f"[{row.code}](rules.md#{row.code.lower()})"
+        lines.append(f"| {link} | {row.default_severity} | {row.strict_severity} | {cell(row.title)} |")
     lines += [
         "",
         "## Exceptions that commands raise",
@@ -125,6 +132,20 @@ def errors_page() -> str:
         builtin = ", ".join(f"`{base.__name__}`" for base in kind.__bases__ if base.__module__ == "builtins")
         when = (kind.__doc__ or "").split("\n")[0]
         lines.append(f"| `{kind.__name__}` | {builtin} | {kind.default_code} | {cell(when)} |")
+    return "\n".join(lines) + "\n"
+
+
+def rules_page() -> str:
+    """Every code: what it means, why, an example."""
+    lines = [
+        "# Codes",
+        "",
+        NOTICE,
+        "What `elitescript check --explain CODE` prints. A finding of `check` can be hidden by a comment on its line,",
+        "`# check: ignore[W204]`, unless it keeps the program from starting.",
+    ]
+    for row in errors.CODES.values():
+        lines += ["", f"## {row.code}", "", f"**{row.title}**", "", explanations.markdown(row.code)]
     return "\n".join(lines) + "\n"
 
 
@@ -230,6 +251,7 @@ the change on.
 ```toml
 [safety]
 tcp_speed = 1.0                 # m/s
+operational_mode = "automatic"  # or "manual"; shown by the primary port, which reports none without it
 tcp_force = 250                 # N
 joint_speed_deg = 120           # deg/s, one number or six; joint_speed in rad/s
 joint_range_deg = [[-180, 180], [-200, 20], [-160, 160], [-270, 90], [-180, 180], [-360, 360]]
@@ -275,6 +297,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "ports.md": ports_page,
     "primary.md": primary_page,
     "rtsi.md": rtsi_page,
+    "rules.md": rules_page,
     "safety.md": safety_page,
     "signals.md": signals_page,
 }

@@ -22,22 +22,35 @@ class Code(NamedTuple):
     severity: str
     """`error` or `warning`; an alarm at run time is an error."""
     title: str
+    is_tolerated: bool = False
+    """A warning unless strictness is asked for, and then an error, whatever `severity` says."""
+
+    @property
+    def default_severity(self) -> str:
+        """Without `--strict`."""
+        return "warning" if self.is_tolerated else self.severity
+
+    @property
+    def strict_severity(self) -> str:
+        """With `--strict`."""
+        return "error" if self.is_tolerated else self.severity
 
 
 _ROWS: Final = (
     # What keeps a program from starting.
     Code("E001", "error", "Python syntax"),
     Code("E002", "error", "the text is not UTF-8"),
+    Code("E003", "error", "the file cannot be read"),
     Code("E101", "error", "`end` that closes nothing"),
     Code("E102", "error", "program unit without its closing `end`"),
     Code("E103", "error", "clause after the `end` of its statement"),
     Code("E104", "error", "empty block"),
     Code("E105", "error", "`sec` inside a block"),
-    Code("E106", "error", "print statement of Python 2"),
+    Code("E106", "error", "print statement of Python 2", is_tolerated=True),
     Code("E107", "error", "program parameter without a default"),
     Code("E108", "error", "`global` with an assignment"),
-    Code("E109", "error", "`global` after the name was used"),
-    Code("E110", "error", "long-integer suffix of Python 2"),
+    Code("E109", "error", "`global` after the name was used", is_tolerated=True),
+    Code("E110", "error", "long-integer suffix of Python 2", is_tolerated=True),
     Code("E111", "error", "`<>` or backquotes of Python 2"),
     Code("E112", "error", "statement form of Python 2"),
     Code("E113", "error", "operator of C"),
@@ -47,25 +60,40 @@ _ROWS: Final = (
     Code("W201", "warning", "unknown name"),
     Code("W202", "warning", "assignment that hides a global; `global` missing?"),
     Code("W203", "warning", "name of a robot command used for something else"),
-    Code("W204", "warning", "loop that never waits"),
-    Code("W205", "warning", "call that a secondary program may not make"),
+    Code("W204", "warning", "loop that never waits", is_tolerated=True),
+    Code("W205", "warning", "call that a secondary program may not make", is_tolerated=True),
     Code("W206", "warning", "`global` that is never assigned"),
     Code("W207", "warning", "code that is never reached"),
     Code("W208", "warning", "use of the program's own name"),
-    Code("W209", "warning", "name of Python 2"),
+    Code("W209", "warning", "name of Python 2", is_tolerated=True),
     Code("W210", "warning", "escape sequence that Python does not have"),
     Code("W211", "warning", "pose literal of URScript"),
     Code("W212", "warning", "syntax newer than the robot's Python"),
     Code("W213", "warning", "module that is not available"),
-    Code("W214", "warning", "text in which nothing runs"),
-    Code("W215", "warning", "call without its parentheses"),
-    Code("W216", "warning", "block without the `end` that others have"),
-    Code("W217", "warning", "function that is defined twice"),
-    Code("W218", "warning", "statement that does nothing"),
-    Code("W219", "warning", "result that is not used"),
-    Code("W220", "warning", "`return` that is missing on one path"),
-    Code("W221", "warning", "reading that a secondary program does not wait for"),
-    # What contradicts the command catalogue: `check` fails, `run` warns.
+    Code("W214", "warning", "text in which nothing runs", is_tolerated=True),
+    Code("W215", "warning", "call without its parentheses", is_tolerated=True),
+    Code("W216", "warning", "block without the `end` that others have", is_tolerated=True),
+    Code("W217", "warning", "function that is defined twice", is_tolerated=True),
+    Code("W218", "warning", "statement that does nothing", is_tolerated=True),
+    Code("W219", "warning", "result that is not used", is_tolerated=True),
+    Code("W220", "warning", "`return` that is missing on one path", is_tolerated=True),
+    Code("W221", "warning", "reading that a secondary program does not wait for", is_tolerated=True),
+    # What is legal, but hardly meant: units and targets; see `commands.plausibility`.
+    Code("W230", "warning", "angle that looks like degrees", is_tolerated=True),
+    Code("W231", "warning", "length that looks like millimetres", is_tolerated=True),
+    Code("W232", "warning", "speed or acceleration that looks like degrees or millimetres", is_tolerated=True),
+    Code("W233", "warning", "payload above what the arm carries", is_tolerated=True),
+    Code("W234", "warning", "analog level outside 0 to 1", is_tolerated=True),
+    Code("W235", "warning", "blend radius longer than half of the move", is_tolerated=True),
+    Code("W236", "warning", "target that the arm cannot reach", is_tolerated=True),
+    Code("W237", "warning", "joint positions where a pose belongs, or the reverse", is_tolerated=True),
+    Code("W250", "warning", "negative blend radius"),
+    Code("W260", "warning", "write to an address that mirrors the robot"),
+    # What a run alone can find.
+    Code("W270", "warning", "something that a program gave away and that did not arrive"),
+    Code("W271", "warning", "write to an output that follows the state of the task"),
+    Code("W272", "warning", "reading that begins with the line end of the one before"),
+    # What contradicts the command catalogue; a program may catch it, so it starts unless it is strict.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),
     Code("E303", "error", "wrong number or names of arguments"),
@@ -215,6 +243,10 @@ class InvalidValueError(ScriptError, ValueError):
     """The value cannot be used, though its type and range are right."""
 
     default_code = "R104"
+
+
+class MirroredAddressError(InvalidValueError):
+    """The address shows a state of the robot, or nothing; it cannot be written."""
 
 
 class FirmwareError(ScriptError, NameError):

@@ -15,12 +15,13 @@ from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
 from elitescript.controller.trace_signals import SignalRecord, TraceSignals
+from elitescript.controller.warning_limit import WarningLimit
 from elitescript.errors import UsageError
 from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
 from elitescript.language.options import SECONDARY
 from elitescript.language.source import SourceFile
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm, Event, SignalChanged
+from elitescript.messages.events import UNDELIVERED, Alarm, Event, SignalChanged, Warned
 from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
@@ -29,10 +30,11 @@ from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
 from elitescript.messages.timing import RPC_TIMEOUT_S, seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
-from elitescript.run import EndState, Run
+from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
 from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
+from elitescript.worlds.drain import DRAIN_S, Drain
 from elitescript.worlds.interrupts import interrupts_passed_to
 from elitescript.worlds.outside import Outside
 from elitescript.worlds.program_file import source_of
@@ -81,6 +83,7 @@ class VirtualRobot:
         safety: what the safety system watches.
         plant: how the joints follow their targets; as the model says if None, which is exactly unless an own arm has
             a `[plant]`.
+        drain_s: how long `run` waits, once a program is over, for bytes and requests that do not get any further.
         state_file: a file with the registers, flags and general Modbus values that the robot remembers: read now,
             written when `run` or `advance` returns. Nothing is remembered if None.
         on_event: receives every event at the moment it happens.
@@ -107,6 +110,7 @@ class VirtualRobot:
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
+        drain_s: float = DRAIN_S,
         state_file: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
@@ -131,7 +135,12 @@ class VirtualRobot:
             self.model, self.profile, fittings, on_event=self._event, on_end=self._program_ended
         )
         self.signals = Signals(self.controller)
+        if not drain_s >= 0.0:
+            raise UsageError(f"drain_s must be >= 0 s, got {drain_s!r}")
+        self._drain_s = drain_s
+        self._drain: Drain | None = None
         self._run: Run | None = None
+        self._limit = WarningLimit()
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
         self._listener_error: BaseException | None = None
@@ -257,6 +266,11 @@ class VirtualRobot:
     ) -> Run:
         """Run a program to its end, in virtual time.
 
+        Then time goes by until everything that the program gave away has arrived: bytes of sockets and serial ports,
+        MODBUS outputs and requests; and until no device has something to do in the next tick, within limits (see
+        `worlds.drain`). The record says when and where the program ended; its events and signals are those at the
+        end of that.
+
         Args:
             program: program text, path of a file, or what `compile` returned.
             until_s: stop after so much virtual time, with state `time_limit`.
@@ -275,11 +289,21 @@ class VirtualRobot:
         try:
             with interrupts_passed_to(self.interrupt):
                 self._advance(limit, pace, watch)
+                is_cut_short = bool(self._interrupted_as) and run.state != ""
+                self._finish(self._interrupted_as or "time_limit")
+                self._interrupted_as = ""
+                if not is_cut_short and not self._is_drained():
+                    self._advance(None, pace, watch)
+                self._interrupted_as = ""
         except BaseException:
             self._finish("stopped")
+            self._conclude()
+            self._listener_error = None
+            self._remember()
             raise
-        self._finish(self._interrupted_as or "time_limit")
-        self._interrupted_as = ""
+        self._conclude()
+        self._raise_listener_error()
+        self._remember()
         return run
 
     def start(
@@ -291,7 +315,9 @@ class VirtualRobot:
         trace_step_s: float | None = None,
         trace_signals: str | Iterable[str] | None = None,
     ) -> Run:
-        """Start a program and let no time go by; `advance` runs it.
+        """Start a program; `advance` runs it. Its record says where it is.
+
+        No time goes by, unless something that the last program gave away is still under way: that is waited for before.
 
         Raises:
             ProgramError: the text does not compile.
@@ -300,12 +326,14 @@ class VirtualRobot:
         unit = program if isinstance(program, CompiledUnit) else self.compile(program)
         values = checked_presets(presets or {})
         world = self._outside.world_for(unit.source.name)
+        self._interrupted_as = ""
+        self._drain_last()
         run = Run(unit, self.tick)
+        run.look = lambda: self._look(run)
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run
         if not self.controller.safety.refusal("power_on"):
             self.controller.power_up()
-        self._interrupted_as = ""
         self._trace = trace if isinstance(trace, Trace) else None
         if trace and self._trace is None:
             self._trace = Trace(run.trace.append, trace_step_s, TraceSignals(trace_signals))
@@ -356,9 +384,7 @@ class VirtualRobot:
             controller.run_tick()
             if surroundings is not None:
                 surroundings.settle()
-            if self._listener_error is not None:
-                error, self._listener_error = self._listener_error, None
-                raise error
+            self._raise_listener_error()
             if watch is not None:
                 watch(self)
             if self._interrupted_as:
@@ -366,9 +392,9 @@ class VirtualRobot:
             run = self._run
             if run is not None and run.state == "" and run.unit.kind == SECONDARY and self._host.is_idle:
                 run.state = "finished"
-            if run is not None and run.state != "" and not controller.is_moving:
+            if run is not None and run.state != "" and (run.is_over or not controller.is_moving):
                 self._rest(run)
-                if not stays:
+                if self._is_drained() and not stays:
                     return
             if limit is not None and controller.tick >= limit:
                 return
@@ -378,6 +404,8 @@ class VirtualRobot:
                 due = arrives if due is None else min(due, arrives)
                 if run is not None and channels.is_real:
                     run.is_paced = True
+            if self._drain is not None:
+                due = self._drain.end_tick if due is None else min(due, max(self._drain.end_tick, controller.tick + 1))
             if not stays and (due is None or idle_ticks > IDLE_TICKS):
                 if due is None and any(controller.joints().qd_target):
                     # A paused motion is not due again, but still brakes.
@@ -396,19 +424,60 @@ class VirtualRobot:
                 self._trace.record(controller, target)
             controller.leap(target)
 
+    def _raise_listener_error(self) -> None:
+        if self._listener_error is not None:
+            error, self._listener_error = self._listener_error, None
+            raise error
+
     def _rest(self, run: Run) -> None:
         """Program and arm have come to rest, or nobody waits for it: take the last look, once."""
         if run.is_over:
             return
+        for event in self._limit.rest(self.tick):
+            self._pass_on(event)
         if self._trace is not None:
             self._trace.finish(self.controller)
             self._trace = None
-        self._host.background.close()
+        run.rest(self._look(run))
+        self._drain = Drain(
+            self.tick, self._outside.channels, self._host.background, self._outside.surroundings, self._drain_s
+        )
+
+    def _is_drained(self) -> bool:
+        """Whether nothing of the program that is over is under way any more; its record is complete then."""
+        if self._drain is not None and self._drain.is_over(self.tick):
+            self._conclude()
+        return self._drain is None
+
+    def _conclude(self) -> None:
+        """Give up what has not arrived, and complete the record."""
+        drain, self._drain, run = self._drain, None, self._run
+        if drain is None or run is None:
+            return
+        for text in drain.give_up():
+            self.controller.emit(Warned(self.tick, NOT_DELIVERED + text, code=UNDELIVERED))
+        run.close(SignalRecord(self.controller.non_default_signals()))
+
+    def _drain_last(self) -> None:
+        """Let what the last program gave away arrive, if it was stepped and its caller has not."""
+        run = self._run
+        if run is None or run.state == "" or run.is_closed:
+            return
+        self._rest(run)
+        if not self._is_drained():
+            self._advance(None, None, None)
+        self._conclude()
+
+    def _look(self, run: Run) -> Look:
+        """The run as it stands at this tick."""
         state = self.controller.state()
-        run.time_s = seconds(self.tick - run.start_tick)
-        run.joints = state.q_target
-        run.tcp_pose = state.tcp_pose_target
-        run.signals = SignalRecord(self.controller.non_default_signals())
+        return Look(
+            seconds(self.tick - run.start_tick),
+            state.q_target,
+            state.tcp_pose_target,
+            SignalRecord(self.controller.non_default_signals()),
+            {} if run.unit.kind == SECONDARY else self._host.monitor(),
+        )
 
     def _finish(self, state: EndState) -> None:
         """End a program that would go on, and the record of one that is over."""
@@ -420,9 +489,9 @@ class VirtualRobot:
             run.threads = self._host.threads()
             self._host.stop(state)
             self._host.run_tick(self.tick)
-            run.globals = self._host.monitor()
+            if self._outside.surroundings is not None:
+                self._outside.surroundings.settle()
         self._rest(run)
-        self._remember()
 
     def _report_stuck(self) -> None:
         threads = self.threads()
@@ -446,12 +515,15 @@ class VirtualRobot:
         run = self._run
         if run is not None and run.state == "":
             run.state = state  # type: ignore[assignment]
-            run.globals = self._host.monitor()
 
     def _event(self, event: Event) -> None:
         if isinstance(event, SignalChanged) and self._outside.surroundings is not None:
             self._outside.surroundings.signal_changed(event.name, event.value)
-        if self._run is not None and not self._run.is_over:
+        if self._run is None or self._run.is_closed or self._limit.takes(event):
+            self._pass_on(event)
+
+    def _pass_on(self, event: Event) -> None:
+        if self._run is not None and not self._run.is_closed:
             self._run.add(event)
         if self._on_event is None or self._listener_error is not None:
             return

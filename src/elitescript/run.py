@@ -4,61 +4,74 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Any, Final, Literal, TypeVar
+from collections.abc import Callable
+from typing import Any, Final, Literal, NamedTuple, TypeVar
 
 from elitescript.controller.trace import TraceRow
 from elitescript.controller.trace_signals import SignalRecord
 from elitescript.errors import AlarmError
 from elitescript.language.compiler import CompiledUnit
-from elitescript.messages.events import Alarm, DeviceNoted, Event, Printed, TextMessage, Warned
+from elitescript.messages.events import UNDELIVERED, Alarm, DeviceNoted, Event, Printed, TextMessage, Warned
 from elitescript.messages.motion import Six
 
 RECORDS_MAX: Final = 50_000
 """Events, and texts of each kind, that a run keeps at least."""
+
+NOT_DELIVERED: Final = "not delivered: "
+"""Begins the warning about something that a program gave away before its end and that did not arrive."""
 
 _Record = TypeVar("_Record")
 
 EndState = Literal["finished", "alarm", "stopped", "time_limit", "stuck"]
 
 
+class Look(NamedTuple):
+    """A run as it stands at a tick; see the properties of `Run`."""
+
+    time_s: float = 0.0
+    joints: Six | tuple[()] = ()
+    tcp_pose: Six | tuple[()] = ()
+    signals: SignalRecord = SignalRecord()
+    globals: dict[str, Any] = {}  # noqa: RUF012
+
+
 class Run:
-    """What a program did.
+    """What a program did, or has done by now.
+
+    `time_s`, `globals`, `joints`, `tcp_pose` and `signals` are those of the present tick while it runs.
 
     Attributes:
         state: `finished`, `alarm`, `stopped`, `time_limit` or `stuck`; empty while it runs.
-        time_s: virtual time at the end, since the program began.
-        globals: the variable monitor at the end: names declared `global` and their values.
         log: texts of `textmsg`, in order.
         printed: texts of `print`, in order.
-        warnings: texts of warnings, those of the compiler and of virtual devices included.
+        warnings: texts of warnings, those of the compiler and of virtual devices included. Of one kind there are at
+            most ten, and then their number, here and in `events`.
         alarms: what stopped the program.
         events: everything that happened, in order, each kind as `docs/reference/events.md` says; of a very long run the
             last `RECORDS_MAX`. So it is with the texts.
         events_dropped: how many events have gone, so that a run of days does not fill the memory.
+        undelivered: what the program gave away and that did not arrive, in words; each is a warning too.
         trace: rows, if a trace was asked for; `trace[i].signals` has the signals by name.
-        joints: target joint positions at the end, rad.
-        tcp_pose: target TCP pose at the end, base frame, m and rad.
-        signals: every output and register that is not at its default; asked for any other, it gives the default.
+        look: gives the present values of the properties; None if nobody has them.
         threads: script threads at the end of a program that did not end by itself: where each was.
         is_paced: whether a connection to the outside held virtual time back to the wall clock.
     """
 
     __slots__ = (
+        "_end",
+        "_signals",
         "alarms",
         "events",
         "events_dropped",
-        "globals",
         "is_paced",
-        "joints",
         "log",
+        "look",
         "printed",
-        "signals",
         "start_tick",
         "state",
-        "tcp_pose",
         "threads",
-        "time_s",
         "trace",
+        "undelivered",
         "unit",
         "warnings",
     )
@@ -67,8 +80,6 @@ class Run:
         self.unit = unit
         self.start_tick = start_tick
         self.state: EndState | Literal[""] = ""
-        self.time_s = 0.0
-        self.globals: dict[str, Any] = {}
         self.log: list[str] = []
         self.printed: list[str] = []
         self.warnings: list[str] = [str(problem) for problem in unit.diagnostics]
@@ -76,16 +87,67 @@ class Run:
         self.events: list[Event] = []
         self.events_dropped = 0
         self.trace: list[TraceRow] = []
-        self.joints: Six | tuple[()] = ()
-        self.tcp_pose: Six | tuple[()] = ()
-        self.signals = SignalRecord()
+        self.undelivered: list[str] = []
+        self.look: Callable[[], Look] | None = None
+        self._end: Look | None = None
+        self._signals: SignalRecord | None = None
         self.threads: tuple[Any, ...] = ()
         self.is_paced = False
 
     @property
+    def time_s(self) -> float:
+        """Virtual time since the program began; at the end, until program and arm came to rest."""
+        return self._now.time_s
+
+    @property
+    def globals(self) -> dict[str, Any]:
+        """The variable monitor: names declared `global` and their values."""
+        return self._now.globals
+
+    @property
+    def joints(self) -> Six | tuple[()]:
+        """Target joint positions, rad."""
+        return self._now.joints
+
+    @property
+    def tcp_pose(self) -> Six | tuple[()]:
+        """Target TCP pose, base frame, m and rad."""
+        return self._now.tcp_pose
+
+    @property
+    def signals(self) -> SignalRecord:
+        """Every output and register that is not at its default; asked for any other, it gives the default.
+
+        At the end of a run: when everything that the program gave away has arrived.
+        """
+        if self._signals is not None:
+            return self._signals
+        return self._now.signals if self.look is None else self.look().signals
+
+    @property
+    def _now(self) -> Look:
+        if self._end is not None:
+            return self._end
+        return Look() if self.look is None else self.look()
+
+    @property
     def is_over(self) -> bool:
         """Whether program and arm have come to rest."""
-        return bool(self.joints)
+        return self._end is not None
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether everything that the program gave away has arrived or was given up: nothing is added any more."""
+        return self._signals is not None
+
+    def rest(self, end: Look) -> None:
+        """Program and arm have come to rest."""
+        self._end = end
+
+    def close(self, signals: SignalRecord) -> None:
+        """Complete the record."""
+        self._signals = signals
+        self.look = None
 
     @property
     def is_reproducible(self) -> bool:
@@ -116,6 +178,8 @@ class Run:
             _keep(self.printed, event.text)
         elif isinstance(event, Warned):
             _keep(self.warnings, event.text)
+            if event.code == UNDELIVERED:
+                _keep(self.undelivered, event.text.removeprefix(NOT_DELIVERED))
         elif isinstance(event, DeviceNoted) and event.is_warning:
             _keep(self.warnings, f"{event.device}: {event.text}")
         elif isinstance(event, Alarm):

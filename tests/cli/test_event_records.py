@@ -78,6 +78,7 @@ def test_a_warning_says_its_code_and_hint_if_it_has_them():
         "type": "warning",
         "t": 0.0,
         "text": "too fast",
+        "severity": "warning",
         "thread": "main",
         "line": 3,
         "code": "W230",

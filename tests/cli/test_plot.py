@@ -61,7 +61,7 @@ def test_an_alarm_brings_its_hint(folder, capsys):
     (folder / "job.script").write_text("def job():\n  slep(1)\nend\n")
     assert main(["plot", "job.script"]) == 1
     (mark,) = data_of(folder / "job.plot.html")["marks"]
-    assert (mark["line"], mark["hints"]) == (2, ["did you mean 'sleep'?"])
+    assert (mark["line"], mark["hints"]) == (2, ["is `sleep` meant?"])
 
 
 def test_signal_columns_of_a_trace_are_lanes(folder, capsys):

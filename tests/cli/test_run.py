@@ -70,10 +70,11 @@ def test_a_text_that_does_not_compile(run_json):
     assert all(record["severity"] == "error" and record["hint"] is not None for record in records)
 
 
-def test_findings_against_the_catalogue_warn_and_fail_only_when_strict(run_json):
+def test_findings_against_the_catalogue_are_errors_that_refuse_only_when_strict(run_json, capsys):
     text = "def a():\n  if False:\n    set_digital_out(1, True)\n  end\nend\n"
     code, records = run_json(text)
-    assert (code, records[0]["code"], records[0]["severity"]) == (0, "E301", "warning")
+    assert (code, records[0]["code"], records[0]["severity"]) == (0, "E301", "error")
+    assert records[-1]["state"] == "finished"
     code, records = run_json(text, "--strict")
     assert (code, records[0]["severity"]) == (3, "error")
 
@@ -85,6 +86,27 @@ def test_a_text_in_which_nothing_runs_is_said_before_the_run_and_refused_when_st
     assert (records[0]["code"], records[0]["severity"], records[0]["line"]) == ("W214", "warning", 5)
     code, records = run_json(text, "--strict")
     assert (code, [record["severity"] for record in records]) == (3, ["error"])
+
+
+def test_a_run_in_spite_of_errors_says_why(program, capsys):
+    text = "def a():\n  if False:\n    set_digital_out(1, True)\n    texmsg(1)\n  end\nend\n"
+    assert main(["run", program(text)]) == 0
+    told = capsys.readouterr().err
+    assert told.count(": error E301: ") == 2
+    assert told.endswith(
+        "2 errors: their lines raise exceptions, which the program may catch, so it runs anyway; --strict refuses it\n"
+    )
+
+
+def test_check_and_run_say_the_same(program, capsys):
+    text = "def a():\n  sleeep = 1\n  if sleeep > 2:\n    movej([0, 0], a=-1)\n    texmsg(unknwn)\n  end\nend\n"
+    path = program(text)
+    main(["check", "--json", path])
+    checked = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    main(["run", "--json", path])
+    run = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert len(checked) > 3
+    assert [{**record, "file": path} for record in run if record["type"] == "problem"] == checked
 
 
 def test_halt_is_no_failure(run_json):
@@ -218,7 +240,7 @@ def test_people_see_what_happened_and_where_it_went_wrong(program, capsys):
     captured = capsys.readouterr()
     assert "0.000 s  go" in captured.out
     assert "1.000 s  ended by an alarm" in captured.out
-    assert "in line 4: IndexError: list index out of range" in captured.err
+    assert "in line 4: IndexError: index 3 is out of range: `[1]` has 1 element" in captured.err
     assert "4 |   x = [1][3]" in captured.err
 
 

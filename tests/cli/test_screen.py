@@ -221,7 +221,8 @@ def on_terminal(tmp_path, monkeypatch):
     monkeypatch.delenv("NO_COLOR", raising=False)
     monkeypatch.setattr(screen, "FIRST_AFTER_S", 0.0)
     monkeypatch.setattr(screen, "INTERVAL_S", 0.0)
-    (tmp_path / "job.script").write_text(PROGRAM)
+    for name in ("job.script", "other.script"):
+        (tmp_path / name).write_text(PROGRAM)
 
     def run(*arguments, piped=()):
         with open(near, "w", encoding="utf-8", closefd=False) as terminal:
@@ -267,9 +268,9 @@ def test_plot_has_a_status_line(on_terminal):
 
 
 def test_check_of_many_files_says_which_one(on_terminal):
-    code, text = on_terminal("check", "job.script", "job.script")
+    code, text = on_terminal("check", "job.script", "other.script")
     assert code == 3
-    assert "1 of 2 files checked; job.script" in text
+    assert "1 files checked; other.script" in text
     assert "2 files checked: 2 errors" in "\n".join(visible(text))
 
 

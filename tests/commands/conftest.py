@@ -11,12 +11,14 @@ import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.context import Rule
+from elitescript.commands.plausibility import mistaken
 from elitescript.errors import InvalidValueError, ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import compose, pose_from_transform, transform_from_pose
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.motion import MicroLine, Six
+from elitescript.messages.path_offset import OffsetFrame
 from elitescript.messages.profile import Profile, profile
 from elitescript.messages.signals import SIGNALS, Value
 from elitescript.messages.state import ZERO_SIX, JointState, Payload, RobotState
@@ -57,6 +59,12 @@ class FakeMachine:
 
     def tcp_wrench(self, is_compensated: bool) -> Six:
         return (3.0, 4.0, 12.0, 0.1, 0.2, 0.3) if is_compensated else (3.5, 4.5, 12.5, 0.1, 0.2, 0.3)
+
+    def path_offset_along(self, frame: OffsetFrame) -> Six:
+        return (0.001 * frame, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def tcp_pose_along_path(self) -> Six:
+        return (0.4, 0.1, 0.2, 3.0, 0.0, 0.0)
 
     def state(self) -> RobotState:
         flange = self.arm.forward(Q_ACTUAL)
@@ -171,6 +179,9 @@ class FakeLines:
         self._ask("is_open", device)
         return self.opens
 
+    def open_devices(self) -> list[str]:
+        return ["/dev/ttymxc0", "tool"]
+
     def mode(self, device: str) -> str:
         self._ask("mode", device)
         return "RS485"
@@ -237,6 +248,9 @@ class FakeRobot:
         self.sockets = FakeSockets()
         self.lines = FakeLines()
         self.modbus = FakeModbus()
+        self.kinds: dict[Any, str] = {}
+        self.doubts: list[Any] = []
+        self.told: list[tuple[str, str, str]] = []
         self._random = random.Random(7)
 
     def _ask(self, *what: Any) -> None:
@@ -257,6 +271,9 @@ class FakeRobot:
         self._ask(request)
 
     def track(self, request: Any) -> None:
+        self._ask(request)
+
+    def shift(self, request: Any) -> None:
         self._ask(request)
 
     def stop_motion(self, request: Any) -> None:
@@ -286,8 +303,21 @@ class FakeRobot:
     def popup(self, text: str, title: str, level: str, *, is_blocking: bool) -> None:
         self._ask("popup", text, title, level, is_blocking)
 
-    def warn_once(self, key: str, text: str) -> None:
+    def warn_once(self, key: str, text: str, *, code: str = "", hint: str = "") -> None:
         self._ask("warn_once", key, text)
+
+    def mistaken(self, meaning: str, value: Any) -> Any:
+        return mistaken(meaning, self.kinds.get(value, ""))
+
+    def remember(self, kind: str, value: Any) -> None:
+        self.kinds[value] = kind
+
+    def hold_doubts(self, doubts: Any) -> None:
+        self.doubts = list(doubts)
+
+    def tell_doubts(self) -> None:
+        self.told += [(doubt.code, doubt.text, doubt.hint) for doubt in self.doubts]
+        self.doubts = []
 
     def random(self) -> float:
         return self._random.random()

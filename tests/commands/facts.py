@@ -56,6 +56,8 @@ def bad_values(param: dict[str, Any]) -> list[BadValue]:
     kinds = param["kinds"]
     if kinds == ["any"]:
         return []
+    if kinds == ["printable"]:
+        return [BadValue(object(), "ArgumentTypeError")]
     wrong_types: list[Any] = [object(), 1j, {}]
     left_out = param.get("left_out", [])
     wrong_types += [] if None in left_out else [None]

@@ -45,7 +45,7 @@ def test_outputs_are_set_as_a_fraction(call: Any, robot: Any, fraction: float) -
 @pytest.mark.parametrize(("given", "fraction"), [(1.5, 1.0), (-0.1, 0.0)])
 def test_fractions_are_limited_with_a_warning(call: Any, robot: Any, given: float, fraction: float) -> None:
     call("set_standard_analog_out", 0, given)
-    warning, request = robot.asked
-    assert warning[0] == "warn_once"
-    assert f"f is {given:g}, limited to {fraction:g}" in warning[2]
+    (request,) = robot.asked
+    ((code, text, _hint),) = robot.told
+    assert (code, text) == ("W234", f"set_standard_analog_out: f is {given:g}, limited to {fraction:g}")
     assert request == SetAnalogFraction("standard_analog_out", 0, fraction)

@@ -67,13 +67,13 @@ def test_wrong_number_or_names_of_arguments_are_refused(facts: dict[str, Any], r
     arguments = good_arguments(facts)
     required = [param["name"] for param in facts["params"] if "default_text" not in param]
     cases: list[tuple[tuple[Any, ...], dict[str, Any], str]] = [
-        ((), {**arguments, "nonsense": 1}, "has no argument 'nonsense'")
+        ((), {**arguments, "nonsense": 1}, "has no argument `nonsense`")
     ]
     if required:
-        cases.append(((), {k: v for k, v in arguments.items() if k != required[-1]}, f"misses .*'{required[-1]}'"))
+        cases.append(((), {k: v for k, v in arguments.items() if k != required[-1]}, f"misses .*`{required[-1]}`"))
     if arguments:
         first = next(iter(arguments))
-        cases.append(((arguments[first],), arguments, f"got the argument '{first}' twice"))
+        cases.append(((arguments[first],), arguments, f"gets the argument `{first}` twice"))
     if not command.takes_more:
         cases.append(((*arguments.values(), 1), {}, "takes .*, got "))
     for args, kwargs, message in cases:

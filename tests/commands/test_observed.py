@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from elitescript.commands.catalogue import CATALOGUE
-from elitescript.errors import ArgumentRangeError, InvalidValueError, NotSimulatedError
+from elitescript.errors import ArgumentRangeError, InvalidValueError
 from elitescript.messages.machine import SetOption
 from elitescript.messages.motion import MoveP
 
@@ -60,44 +59,15 @@ def test_frame_needs_three_points_that_are_not_on_one_line(call: Any) -> None:
         assert caught.value.argument == argument
 
 
-def test_pose_along_path_is_the_target_pose(call: Any) -> None:
-    assert call("get_target_tcp_pose_along_path") == call("get_target_tcp_pose")
+def test_pose_along_path_is_the_one_without_the_path_offset(call: Any) -> None:
+    assert call("get_target_tcp_pose_along_path") == [0.4, 0.1, 0.2, 3.0, 0.0, 0.0]
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "path_offset_enable()",
-        "path_offset_set([0, 0, 0.01, 0, 0, 0], 1)",
-        "path_offset_get(3)",
-        "path_offset_set_max_offset(0.01, 0.1)",
-        "path_offset_set_alpha_filter(0.5)",
-    ],
-)
-def test_what_is_out_of_scope_says_so(script: Any, text: str) -> None:
-    name = text.partition("(")[0]
-    with pytest.raises(NotSimulatedError, match=f"^{name}: .* not simulated"):
-        script(text)
+def test_a_thread_that_is_pinned_goes_on(call: Any, robot: Any) -> None:
+    call("pin_thread", 5, 2)
+    call("pin_thread")
+    assert robot.asked == [SetOption("pin_thread", 2), SetOption("pin_thread", 0)]
 
 
-def test_second_tool_power_came_with_2_16(call: Any, robot: Any) -> None:
-    command = CATALOGUE.get("set_tool_second_power_on")
-    assert command is not None
-    assert command.since == "2.16"
-    call("set_tool_second_power_on", True)
-    assert robot.asked == [SetOption("tool_second_power_on", True)]
-
-
-@pytest.mark.parametrize(
-    ("name", "of"),
-    [
-        ("masterboard_serial_config", "serial_config"),
-        ("masterboard_modbus_rtu_read_input_registers", "serial_modbus_read_input_registers"),
-        ("masterboard_modbus_rtu_write_single_bit", "serial_modbus_write_single_bit"),
-    ],
-)
-def test_older_names_of_the_serial_port(call: Any, name: str, of: str) -> None:
-    command = CATALOGUE.get(name)
-    assert command is not None
-    assert (command.alias_of, command.evidence) == (of, "observed")
-    assert call(name, 1, 115200, 0, 1) if name.endswith("config") else call(name, 1, 1, 1)
+def test_serial_ports_that_are_open(call: Any) -> None:
+    assert call("serial_open_list") == ["/dev/ttymxc0", "tool"]

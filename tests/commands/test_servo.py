@@ -34,3 +34,16 @@ def test_the_gain_has_no_effect_before_it_was_brought(call: Any, robot: Any) -> 
     robot.profile = profile("2.10")
     call("servoj", Q, 0.01, 0.1, 5000)
     assert robot.asked == [ServoJ(tuple(Q), 0.01, 0.1, 300.0)]
+
+
+def test_a_period_that_the_firmware_does_not_document_is_used_with_a_warning(call: Any, robot: Any) -> None:
+    robot.profile = profile("2.10")
+    call("servoj", Q, 0.004)
+    warning, request = robot.asked
+    assert request == ServoJ(tuple(Q), 0.004, 0.1, 300.0)
+    assert warning == (
+        "warn_once",
+        "servoj period",
+        "servoj: t is 0.004 s; firmware 2.10 documents 0.01 s, and what the real robot does with a shorter one is "
+        "not known",
+    )

@@ -48,7 +48,7 @@ def test_one_argument_without_its_comma_gets_a_hint(call: Any, args: Any, hint: 
 
 
 def test_a_called_function_gets_a_hint(call: Any) -> None:
-    with pytest.raises(ArgumentTypeError, match=r"^start_thread: function must be a function, not NoneType") as caught:
+    with pytest.raises(ArgumentTypeError, match=r"^start_thread: function must be a function, not None") as caught:
         call("start_thread", None, ())
     assert "without parentheses" in (caught.value.hint or "")
 

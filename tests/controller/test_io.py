@@ -70,12 +70,12 @@ def test_an_input_level_outside_its_domain_is_refused(image):
     ("choice", "stopped", "running"),
     [
         (RunstateChoice.KEEP, True, True),
-        (RunstateChoice.LOW_WHEN_STOPPED, False, True),
+        (RunstateChoice.LOW_WHEN_STOPPED, False, False),
         (RunstateChoice.HIGH_WHEN_STOPPED, True, True),
         (RunstateChoice.FOLLOW, False, True),
     ],
 )
-def test_run_state_of_an_output_that_is_commanded_high(image, choice, stopped, running):
+def test_a_start_moves_only_outputs_that_are_tied_to_both_states(image, choice, stopped, running):
     image.write(WriteSignal("configurable_digital_out", 0, True))
     image.set_runstate(SetRunstateChoice("configurable_digital_out", 0, choice))
     assert image.read("configurable_digital_out", 0) is stopped
@@ -85,12 +85,21 @@ def test_run_state_of_an_output_that_is_commanded_high(image, choice, stopped, r
     assert image.read("configurable_digital_out", 0) is stopped
 
 
-def test_what_is_commanded_while_stopped_shows_when_the_program_runs(image):
+def test_what_is_commanded_while_stopped_has_no_effect_and_is_told_once():
+    told = []
+    image = SignalImage(lambda *change: None, lambda *write: told.append(write))
     image.set_runstate(SetRunstateChoice("standard_digital_out", 0, RunstateChoice.HIGH_WHEN_STOPPED))
-    image.write(WriteSignal("standard_digital_out", 0, False))
-    assert image.read("standard_digital_out", 0) is True
+    for level in (True, False, False):
+        image.write(WriteSignal("standard_digital_out", 0, level))
+    assert told == [("standard_digital_out", 0, True)]
     image.set_running(True)
+    assert image.read("standard_digital_out", 0) is True
+    image.write(WriteSignal("standard_digital_out", 0, False))
     assert image.read("standard_digital_out", 0) is False
+    image.set_running(False)
+    assert image.read("standard_digital_out", 0) is True
+    image.write(WriteSignal("standard_digital_out", 0, False))
+    assert len(told) == 2
 
 
 def test_an_analog_output_follows_the_run_state_in_its_domain(image):

@@ -95,13 +95,13 @@ def test_a_word_of_outputs_can_be_written_back_whatever_its_pins_are() -> None:
         robot.controller.request(WritePortRegisters(3, (1,)))
 
 
-def test_an_output_that_is_tied_to_the_task_waits_for_it() -> None:
+def test_an_output_that_is_tied_to_the_task_is_not_written_from_outside() -> None:
     robot = machine(
         SetRunstateChoice("standard_digital_out", 4, RunstateChoice.LOW_WHEN_STOPPED), WritePortCoils(36, (True,))
     )
     assert not robot.controller.port_coil(36)
     run = robot.run("def p():\n  textmsg(read_port_bit(36))\nend\n")
-    assert run.log == ["True"]
+    assert run.log == ["False"]
     assert not robot.controller.port_coil(36)
 
 

@@ -129,3 +129,14 @@ def test_a_plane_measures_along_its_normal_from_its_offset():
     plane = SafetyPlane("p", (0.0, 0.0, 1.0), (0.0, 0.0, 5.0), 0.25)
     assert plane.distance((*IDENTITY[:9], 7.0, 8.0, 3.0)) == pytest.approx(1.75)
     assert plane.distance((*IDENTITY[:9], 7.0, 8.0, 1.0)) == pytest.approx(-0.25)
+
+
+@pytest.mark.parametrize("mode", ["automatic", "manual"])
+def test_the_operational_mode_is_automatic_or_manual(mode):
+    assert SafetyLimits.from_table({"operational_mode": mode}).operational_mode == mode
+
+
+@pytest.mark.parametrize("mode", ["auto", 1, "not reported"])
+def test_another_operational_mode_is_refused(mode):
+    with pytest.raises(UsageError, match=r"\[safety\] operational_mode must be \"automatic\" or \"manual\", got"):
+        SafetyLimits.from_table({"operational_mode": mode})

@@ -33,7 +33,7 @@ COMMON = (
     "def f{n}(): ; global g ; g = {n} ; end",
     "if g > {n}: ; textmsg({n}) ; else: ; sync() ; end",
     "{n} +",
-    "def f{n}():",
+    "while g == {n}:",
     "start_thread(f, ({n},))",
     "global new{n}; new{n} = 1",
     "\udcff{n}",

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import get_args
 
 import pytest
 
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.kernel.kernel import HANDLERS
+from elitescript.language.source import SourceFile
+from elitescript.lint.engine import check_source
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Popup, RobotModeChanged, TextMessage, Warned
 from elitescript.messages.inputs import (
@@ -35,6 +38,7 @@ from elitescript.messages.machine import (
     WriteSignal,
 )
 from elitescript.messages.outputs import CloseChannel, Reply
+from elitescript.messages.profile import profile
 from tests.kernel.machine import FOREVER, READY, Session, program
 
 
@@ -170,19 +174,57 @@ class TestUnits:
         (warning,) = session.of(Warned)
         assert warning.text.startswith("[SEC] Exception: SyntaxError")
 
+    def test_every_error_of_a_broken_secondary_program_has_the_prefix(self):
+        session = Session()
+        session.send(RunUnit("primary#1", "secondary", "sec s():\n  x = 1 +\n  y = = 2\nend\n"))
+        first, second = session.of(Warned)
+        assert (first.line, second.line) == (2, 3)
+        assert second.text.startswith("[SEC] Exception: SyntaxError: ")
+
     def test_what_the_compiler_warns_of_names_its_line_once(self):
         session = Session()
         session.send(RunUnit("primary#1", "program", 'def p():\n  print "a"\nend\n'))
         (warning,) = session.of(Warned)
         assert warning.line == 2
-        assert warning.text.startswith("column 3: E106: ")
+        assert (warning.code, warning.column, warning.severity) == ("E106", 3, "warning")
         assert "line" not in warning.text
 
     def test_what_else_does_not_compile_is_told_as_an_error(self):
         session = Session()
         session.send(RunUnit("primary#1", "program", "def p():\n  x = 0777\n  f = 1 <> 2\nend\n"))
         (warning,) = session.of(Warned)
-        assert (warning.line, warning.text) == (3, "column 9: error E111: `<>` is Python 2")
+        assert (warning.line, warning.column, warning.severity) == (3, 9, "error")
+        assert (warning.code, warning.text, warning.hint) == ("E111", "`<>` is Python 2", "write != for 'is not equal'")
+
+    @pytest.mark.parametrize("kind", ["program", "secondary"])
+    def test_what_check_finds_is_told_in_the_same_words(self, kind):
+        word = "sec" if kind == "secondary" else "def"
+        text = f"{word} p():\n  sleeep = 1\n  set_standard_digital_out(99, True)\n  texmsg(1)\nend\n"
+        session = Session()
+        session.send(RunUnit("primary#1", kind, text))
+        told = [
+            (event.code, event.severity, event.line, event.column, event.text, event.hint)
+            for event in session.of(Warned)
+            if event.code
+        ]
+        found = check_source(SourceFile("<p>", text), profile("2.14"))
+        assert told == [(one.code, str(one.severity), one.line, one.column, one.text, one.hint) for one in found]
+        assert {"E305", "E301"} <= {event[0] for event in told}
+
+    def test_findings_beyond_twenty_are_counted(self):
+        session = Session()
+        lines = "".join(f"  texmsg({number})\n" for number in range(23))
+        session.send(RunUnit("primary#1", "program", f"def p():\n{lines}end\n"))
+        *findings, last = session.of(Warned)
+        assert len(findings) == 20
+        assert last.text == "3 more findings: `elitescript check` shows all of them"
+
+    def test_strictness_refuses_what_check_calls_an_error(self):
+        session = Session(replace(READY, strict=True))
+        session.send(RunUnit("primary#1", "program", "def p():\n  textmsg('runs')\n  texmsg(1)\nend\n"))
+        (alarm,) = session.of(Alarm)
+        assert (alarm.code, alarm.line, alarm.details) == ("E301", 3, {"hint": "is `textmsg` meant?"})
+        assert session.texts == []
 
     def test_a_program_in_protective_stop_is_refused_with_its_reason(self):
         session = Session(READY)

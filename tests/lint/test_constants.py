@@ -106,7 +106,7 @@ def test_also_in_a_function_inside():
         "a1 = 1\na1 = 2",
         "a1 = 1\na1 += 1",
         "a1 = 1\ndel a1",
-        "global a1\na1 = 1",
+        "global a1\na1 = 1\na1 = 2",
         "for a1 in [1]:\n  pass",
         "a1, b1 = 1, 2",
         "a1 = b1 = 1",
@@ -154,7 +154,9 @@ def test_a_list_that_nobody_changes_is_certain(use):
         "q1[0] = 3",
         "q1[0] += 3",
         "del q1[0]",
-        "q2 = q1",
+        "q2 = q1\nq2[0] = 3",
+        "q2 = q1\nq2 = 3",
+        "q3 = q2 = q1",
         "q2 = [q1]",
         "def f(q):\n  q[0] = 1\nf(q1)",
         "start_thread(print, q1)",
@@ -167,6 +169,43 @@ def test_a_list_that_nobody_changes_is_certain(use):
 )
 def test_a_list_that_something_may_change_is_unknown(use):
     assert isinstance(value(f"q1 = [1, 2]\n{use}\ntextmsg(q1)"), Unknown)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("def job():\n  global g\n  g = 4\n  textmsg(g)\nend", 4),
+        ("q1 = [1, 2]\nq2 = q1\ntextmsg(q2)", [1, 2]),
+        ("q1 = [[1, 2], [3, 4]]\ntextmsg(q1[1])", [3, 4]),
+        ("q1 = [1, 2, 3]\ntextmsg(q1[-1])", 3),
+        ("q1 = [1, 2, 3]\ntextmsg(q1[1:])", [2, 3]),
+        ("textmsg(pose_trans([1, 0, 0, 0, 0, 0], [0, 2, 0, 0, 0, 0]))", [1, 2, 0, 0, 0, 0]),
+        ("textmsg(pose_add([1, 0, 0, 0, 0, 0], [1, 2, 0, 0, 0, 0]))", [2, 2, 0, 0, 0, 0]),
+        ("def f(a, b):\n  textmsg(b)\nf(1, 2)", 2),
+        ("def f(a, b):\n  textmsg(b)\nf(1, b=3)", 3),
+    ],
+)
+def test_constants_are_followed(text, expected):
+    assert value(text) == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "q1 = [[1, 2], [3, 4]]\nq1[0][0] = 5\ntextmsg(q1[1])",
+        "q1 = [[1, 2], [3, 4]]\nfor q2 in q1:\n  q2[0] = 5\ntextmsg(q1[1])",
+        "q1 = [1, 2]\ntextmsg(q1[2])",
+        "q1 = [1, 2]\ntextmsg(q1['a'])",
+        "textmsg(pose_trans([1, 0, 0, 0, 0, x], [0, 2, 0, 0, 0, 0]))",
+        "textmsg(pose_trans([1, 0], [0, 2, 0, 0, 0, 0]))",
+        "def f(a):\n  textmsg(a)\nf(1)\nf(2)",
+        "def f(a):\n  textmsg(a)\nstart_thread(f, [1])",
+        "def f(a):\n  textmsg(a)\nf(*[1])",
+        "def f(a):\n  a = 2\n  textmsg(a)\nf(1)",
+    ],
+)
+def test_what_is_not_certain_is_not_followed(text):
+    assert isinstance(value(text), Unknown)
 
 
 def test_a_list_of_lists_may_change_inside():

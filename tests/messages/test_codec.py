@@ -13,7 +13,7 @@ import pytest
 
 from elitescript.messages import events, inputs, machine, motion, outputs, snapshot, state, yielding
 from elitescript.messages.codec import REGISTRY, Codec, CodecError, from_text, to_text
-from elitescript.messages.enums import RobotMode
+from elitescript.messages.enums import AnalogDomain, RobotMode
 from elitescript.messages.events import Alarm, Event, Printed, SignalChanged
 from elitescript.messages.inputs import ChannelData, Do, Input, PlayTask, RunUnit
 from elitescript.messages.line import LineSettings
@@ -77,6 +77,10 @@ class Maker:
         values = {field.name: self.make(hints[field.name]) for field in fields(kind)}
         if kind is Snapshot:
             kinds = {"bool": bool, "int": int, "float": float}
+            values["domains"] = {
+                name: tuple(self.random.choice(list(AnalogDomain)) for _ in range(SIGNALS[name].size))
+                for name in ("standard_analog_in", "standard_analog_out", "tool_analog_in", "tool_analog_out")
+            }
             values["signals"] = {
                 name: tuple(self.level(row, kinds[row.kind]) for _ in range(row.size)) for name, row in SIGNALS.items()
             }

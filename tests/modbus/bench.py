@@ -138,7 +138,7 @@ class Bench:
         self.device = self.network.devices[502] = Device()
         self.listeners: dict[int, Any] = {}
         self.warnings: list[str] = []
-        self.master = Master(self.network, self.listeners, self.warnings.append)
+        self.master = Master(self.network, self.listeners, lambda text, code="": self.warnings.append(text))
         self.tick = 0
         self.is_running = True
         self.visited = 0

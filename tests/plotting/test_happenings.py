@@ -41,6 +41,13 @@ def test_an_alarm_has_its_hints_and_the_thread_it_was_in():
     assert "thread" not in mark
 
 
+def test_a_warning_has_its_code_and_hint():
+    ((mark,), _) = marks([Warned(5, "limited to 3 s", "main", 3, "W216", "give less")])
+    assert (mark["text"], mark["hints"]) == ("W216 limited to 3 s", ["give less"])
+    ((mark,), _) = marks([Warned(5, "limited to 3 s")])
+    assert mark["text"] == "limited to 3 s"
+
+
 def test_what_devices_report_is_among_the_messages():
     found, _ = marks([DeviceNoted(1, "camera", "ready"), DeviceNoted(2, "camera", "trigger lost", is_warning=True)])
     assert [(mark["kind"], mark["text"]) for mark in found] == [

@@ -13,6 +13,7 @@ from elitescript.messages.outputs import Reply
 from elitescript.protocol import interpreter
 from elitescript.protocol.interpreter import LINE_LIMIT, LINES_PER_TICK, REASONS, WORDS, InterpreterConnection
 from tests.protocol.line_peer import Peer
+from tests.protocol.snapshots import description, output
 
 DOCUMENTED_WORDS = [
     "skipbuffer",
@@ -23,6 +24,50 @@ DOCUMENTED_WORDS = [
     "stateunexecuted",
     "state",
 ]
+
+
+def test_a_function_on_several_lines_is_one_statement() -> None:
+    client = InterpreterConnection("interpreter#2", description())
+    text = "def f(n):\n  if n > 1:\n    state = n\n  end\n\n  textmsg(n)\nend"
+    first, second = client.receive(f"{text}\r\nf(2)\n".replace("\n", "\r\n", 2).encode(), output())
+    assert first == Interpret("interpreter#2/1", text)
+    assert second == Interpret("interpreter#2/2", "f(2)")
+
+
+def test_the_words_inside_a_function_are_its_lines() -> None:
+    client = InterpreterConnection("interpreter#2", description())
+    (only,) = client.receive(b"def f():\nstate\nend\n", output())
+    assert only == Interpret("interpreter#2/1", "def f():\nstate\nend")
+
+
+def test_a_function_on_one_line_is_a_line() -> None:
+    client = InterpreterConnection("interpreter#2", description())
+    line = "def f(n): ; textmsg(n) ; end;"
+    assert client.receive(f"{line}\nstate\n".encode(), output()) == [
+        Interpret("interpreter#2/1", line),
+        InterpreterWord("interpreter#2/2", "state"),
+    ]
+
+
+def test_a_function_without_its_end_is_discarded_when_its_client_goes() -> None:
+    client = InterpreterConnection("interpreter#2", description())
+    assert client.receive(b"def f():\n  textmsg(1)\n", output()) == []
+    (only,) = client.closed()
+    assert isinstance(only, Interpret)
+    assert only.problem == "line 1, column 1, the function has no `end` at the start of a line"
+    assert only.text.startswith("def f():   textmsg(1)")
+
+
+def test_a_function_that_never_ends_is_not_kept() -> None:
+    client = InterpreterConnection("interpreter#2", description())
+    inputs = client.receive(b"def f():\n", output())
+    for tick in range(1001, 1001 + 40):
+        inputs += client.receive(b"  x = 1" + b" " * 4000 + b"\n", output(tick))
+    assert inputs == []
+    assert sum(map(len, client._block)) < 66_000
+    (only,) = client.receive(b"end\n", output(2000))
+    assert isinstance(only, Interpret)
+    assert only.problem == "line 18, column 1, the function is longer than 65536 bytes"
 
 
 def test_a_line_becomes_a_statement_however_it_arrives() -> None:

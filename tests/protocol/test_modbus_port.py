@@ -267,10 +267,10 @@ def test_local_control_makes_no_difference(peer: Peer) -> None:
     assert peer.ask(client.write(5, 32, 0xFF00)) == client.write(5, 32, 0xFF00)
 
 
-def test_an_output_that_is_tied_to_the_task_keeps_what_was_written(peer: Peer) -> None:
+def test_an_output_that_is_tied_to_the_task_is_not_written(peer: Peer) -> None:
     site = peer.site
     site.tick(Do("ctl", SetRunstateChoice("standard_digital_out", 0, RunstateChoice.HIGH_WHEN_STOPPED)))
     assert peer.ask(client.write(5, 32, 0)) == client.write(5, 32, 0)
     assert client.words(peer.ask(client.read(3, 2, 1))) == [1]
     site.tick(Do("ctl", SetRunstateChoice("standard_digital_out", 0, RunstateChoice.KEEP)))
-    assert client.words(peer.ask(client.read(3, 2, 1))) == [0]
+    assert client.words(peer.ask(client.read(3, 2, 1))) == [1]

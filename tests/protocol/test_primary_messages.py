@@ -83,6 +83,14 @@ class TestRobotError:
         assert (message["kind"], message["level"], message["data_type"]) == (6, WARNING, 5)
         assert message["text"] == "[SEC] Exception: ValueError: no"
 
+    def test_advice_on_a_line_of_a_program_is_a_text_and_no_error(self) -> None:
+        advice = note_of(Warned(1, "the blend radius is shortened", "main", 3))
+        assert advice is not None and not advice.is_vital
+        assert advice.data[14] == 0
+        assert advice.data[15:] == b"warning: line 3: the blend radius is shortened\0"
+        refusal = note_of(Warned(1, "power on: refused"))
+        assert refusal is not None and refusal.data[14] == 6
+
     @pytest.mark.parametrize(
         ("mode", "level", "text"),
         [

@@ -247,11 +247,12 @@ class TestSmallParts:
 
     def test_additional_info_shows_hand_guiding(self):
         assert state(is_freedrive=True)[8][5:] == bytes([1, 0, 0, 0, 0])
+        assert state(is_freedrive=True, is_guided_by_input=True)[8][5:] == bytes([1, 0, 1, 0, 0])
         assert state()[8][5:] == bytes(5)
 
     def test_safety_shows_checksum_and_elbow(self):
         shown = client.safety(state(elbow_position=(0.25, -0.5, 0.75))[10])
-        assert shown == (description().safety_checksum, 0, 0, 0.25, -0.5, 0.75, 0.0)
+        assert shown == (description().safety_checksum, -1, 0, 0.25, -0.5, 0.75, 0.0)
 
     def test_tool_communication_is_off(self):
         assert client.tool_communication(state()[11]) == (False, 115200, 0, 1, False, 0, 0.0, 0.0)

@@ -312,6 +312,26 @@ def test_the_first_package_after_an_input_is_of_a_tick_that_knows_it() -> None:
     assert (start, letter) == (("S", b"\x01"), "U")
 
 
+def test_an_input_sent_while_a_tick_is_under_way_is_in_the_first_package_after_the_start() -> None:
+    client = connect()
+    ask(client, output_recipe(250, ["target_speed_fraction"]) + input_recipe(SLIDER))
+    client.receive(slider(1, 0.5), output(1000))
+    client.posted(1002)
+    assert ask(client, START, tick=1001) == [("S", b"\x01")]
+    client.publish(output(1002, speed_scale=0.5))
+    ((_, payload),) = told(client)
+    assert values(payload, ["DOUBLE"]) == [0.5]
+
+
+def test_an_input_sent_before_the_start_holds_packages_back_for_half_a_second_at_most() -> None:
+    client = connect()
+    ask(client, output_recipe(250, ["timestamp"]) + input_recipe(SLIDER))
+    client.receive(slider(1, 0.5) + START, output(1000))
+    client.posted(5000)
+    told(client)
+    assert run(client, range(1001, 1130)) == list(range(1125, 1130))
+
+
 def test_mask_and_levels_may_come_in_recipes_of_their_own() -> None:
     client = connect()
     ask(client, input_recipe(SLIDER[:1]) + input_recipe(SLIDER[1:]))

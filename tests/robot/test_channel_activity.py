@@ -186,7 +186,6 @@ sleep(1)
         ("speed", "modbus", "received", "10", 0),
         ("speed", "modbus", "received", "11", 0),
         ("speed", "modbus", "sent", "99", 4),
-        ("10.0.0.2:502", "modbus", "closed", "", 0),
     ]
 
 

@@ -400,17 +400,85 @@ class TestLifetime:
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert done.stdout.strip() == "[]"
 
-    def test_a_run_ends_though_signals_exist_and_leaves_nothing_open(self):
+    def test_a_run_ends_though_signals_exist_and_the_next_one_finds_them(self):
         cell = Cell()
         cell.run(ADD + '3, 3, "x")', "sleep(0.1)")
         assert cell.result.time_s == pytest.approx(0.1)
+        assert cell.network.closed == []
+        assert cell.run('print(modbus_get_signal_status("x"))') == ["103"]
+        assert cell.run('modbus_delete_signal("x")', "sleep(0.1)") == []
         assert cell.network.closed == [1]
         assert "there is no MODBUS signal 'x'" in alarm(cell, 'modbus_get_signal_status("x")').text
 
-    def test_an_alarm_ends_them_too(self):
+    def test_they_outlive_an_alarm_too(self):
         cell = Cell()
         alarm(cell, ADD + '3, 3, "x")', "sleep(0.1)", "1 / 0")
-        assert cell.network.closed == [1]
+        assert cell.run('print(modbus_get_signal_status("x"))') == ["103"]
+
+    def test_what_is_set_in_the_last_tick_is_written(self):
+        cell = Cell()
+        cell.run(
+            ADD + '3, 3, "x")',
+            ADD + '4, 1, "y")',
+            'modbus_set_output_register("x", 7)',
+            'modbus_set_output_signal("y", True)',
+        )
+        assert (cell.result.time_s, cell.result.undelivered) == (0.0, [])
+        assert cell.device.tables.holding_registers[3] == 7
+        assert cell.device.tables.coils[4] == 1
+
+    def test_a_signal_without_a_frequency_too(self):
+        cell = Cell()
+        cell.run(
+            ADD + '3, 3, "x")',
+            'modbus_set_signal_update_frequency("x", 0)',
+            "sleep(1)",
+            'modbus_set_output_register("x", 7)',
+        )
+        assert cell.device.tables.holding_registers[3] == 7
+
+    def test_and_one_that_is_deleted_at_once(self):
+        cell = Cell()
+        cell.run(ADD + '3, 3, "x")', "sleep(1)", 'modbus_set_output_register("x", 7)', 'modbus_delete_signal("x")')
+        assert cell.device.tables.holding_registers[3] == 7
+        assert cell.device.writes() == [pdu.write_register(3, 7)]
+
+    @pytest.mark.parametrize("is_once", [True, False])
+    def test_a_request_of_the_last_tick_is_sent(self, is_once):
+        cell = Cell()
+        cell.run(f'modbus_send_custom_command("10.0.0.9", 255, 6, [0, 9, 1, 2], {is_once})')
+        assert cell.device.writes() == [pdu.write_register(9, 258)]
+        assert cell.result.undelivered == []
+
+    def test_a_broadcast_too(self):
+        cell = Cell()
+        cell.run('modbus_send_custom_command("10.0.0.9", 0, 6, [0, 9, 1, 2])')
+        assert cell.device.writes() == [pdu.write_register(9, 258)]
+        assert cell.result.undelivered == []
+
+    def test_what_does_not_arrive_is_given_up_and_said(self):
+        cell = Cell()
+        del cell.network.devices[502]
+        cell.run(
+            ADD + '3, 3, "x")',
+            'modbus_set_output_register("x", 7)',
+            'modbus_send_custom_command("10.0.0.8", 1, 6, [0, 9, 1, 2])',
+        )
+        assert cell.result.state == "finished"
+        assert cell.result.undelivered == [
+            "a MODBUS request to 10.0.0.8:502, slave 1: not sent, connection refused",
+            "MODBUS signal 'x' to 10.0.0.9:502, slave 255",
+        ]
+        assert cell.robot.time_s == pytest.approx(2.0, abs=0.1)
+        cell.run("sleep(1)")
+        assert (cell.result.undelivered, cell.robot.time_s) == ([], pytest.approx(3.0, abs=0.1))
+
+    def test_a_device_that_refuses_is_not_waited_for(self):
+        cell = Cell()
+        cell.run(ADD + '60000, 3, "x")', 'modbus_set_output_register("x", 7)')
+        assert cell.result.undelivered == []
+        assert any("illegal data address" in text for text in cell.result.warnings)
+        assert cell.robot.time_s < 0.5
 
     def test_time_leaps_between_turns(self):
         cell = Cell()

@@ -2,8 +2,10 @@ import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.errors import ArgumentRangeError, ProgramError, ScriptError, ScriptStateError
+from elitescript.language.source import SourceFile
+from elitescript.lint.engine import check_source
 from elitescript.messages.profile import profile
-from elitescript.runtime.alarms import alarm_of, class_name_of, closest, details_of, text_of, without_addresses
+from elitescript.runtime.alarms import alarm_of, class_name_of, details_of, text_of, without_addresses
 from tests.runtime.machine import run
 
 
@@ -63,20 +65,20 @@ class TestWords:
     def test_an_unknown_name_comes_with_the_one_that_was_meant(self, name, meant):
         alarm = alarm_in(f"def job():\n  my_value = 1\n  {name}\nend\n")
         assert (alarm.class_name, alarm.text) == ("NameError", f"name '{name}' is not defined")
-        assert alarm.details["hint"] == f"did you mean '{meant}'?"
+        assert alarm.details["hint"] == f"is `{meant}` meant?"
 
     def test_a_name_like_nothing_comes_without(self):
         assert alarm_in("zzqqxx()\n").details == {}
 
     def test_a_variable_without_a_value_is_not_an_unknown_name(self):
         alarm = alarm_in("def job():\n  def f():\n    sleep = sleep + 1\n  f()\nend\n")
-        assert (alarm.class_name, alarm.details) == ("UnboundLocalError", {})
+        assert (alarm.class_name, alarm.text) == ("UnboundLocalError", "the variable `sleep` has no value yet here")
 
     def test_a_command_of_a_newer_firmware_says_which(self):
         alarm = alarm_in("def job():\n  controller_timestamp()\nend\n", firmware="2.10")
         assert (alarm.code, alarm.class_name, alarm.line) == ("R105", "NameError", 2)
         assert "2.14" in alarm.text and "2.10" in alarm.text
-        assert alarm.details["hint"] == "choose a newer firmware: --firmware 2.14"
+        assert alarm.details["hint"] == "if the robot has it, choose --firmware 2.14"
 
     def test_so_does_its_bare_name_where_nothing_is_bound(self):
         error = NameError("name 'controller_timestamp' is not defined", name="controller_timestamp")
@@ -180,6 +182,26 @@ def test_addresses_are_taken_out_of_texts(text, clean):
     assert without_addresses(text) == clean
 
 
-def test_the_closest_name_is_no_special_one():
-    assert closest("nam", ["__name__", "name", "other"]) == "name"
-    assert closest("qqq", ["name"]) == ""
+@pytest.mark.parametrize(
+    "body",
+    [
+        "moveJ([0, -1.57, 1.57, 0, 1.57, 0])",
+        "slep(1)",
+        "set_digital_out(1, True)",
+        "x = true",
+        "x = math.pi",
+        "x = sleeep",
+        "servoc([0, 0, 0, 0, 0, 0])",
+        "x = zzqqxx",
+        "def f():\n    hidden = 1\n  end\n  x = hidden",
+        "def f(value):\n    return vlaue\n  end\n  f(1)",
+        "counter = 1\n  def f():\n    return countr\n  end\n  f()",
+    ],
+)
+def test_an_unknown_name_has_the_same_hint_in_the_check_and_in_the_alarm(body):
+    text = f"def job():\n  {body}\nend\n"
+    found = check_source(SourceFile("<test>", text), profile("2.14"))
+    (problem,) = [problem for problem in found if problem.code in ("E301", "W201")]
+    alarm = alarm_in(text)
+    assert (alarm.line, alarm.column) == (problem.line, problem.column)
+    assert alarm.details.get("hint", "") == problem.hint

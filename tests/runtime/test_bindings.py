@@ -57,7 +57,7 @@ def test_what_a_program_hangs_on_a_function_is_gone_with_it(name):
 
 def test_names_that_exist_are_suggested_although_nothing_has_used_them():
     (alarm,) = run("textmgs('x')\n").alarms
-    assert alarm.details["hint"] == "did you mean 'textmsg'?"
+    assert alarm.details["hint"] == "is `textmsg` meant?"
 
 
 class TestBuiltIns:

@@ -33,6 +33,35 @@ def test_it_comes_after_its_time_and_one_tick_at_least(timeout_s: float, ticks: 
     assert deadline.is_over
 
 
+def test_ticks_that_are_made_up_for_do_not_bring_it_nearer() -> None:
+    scheduler = idle()
+    scheduler.begin_tick(10)
+    scheduler.lag_ticks = 75
+    deadline = Deadline(scheduler, 0.2)
+    for tick in range(11, 85):
+        scheduler.begin_tick(tick)
+        scheduler.lag_ticks = 85 - tick
+        assert not deadline.is_over
+    scheduler.begin_tick(85)
+    scheduler.lag_ticks = 0
+    assert deadline.tick == 10 + 75 + 50
+    scheduler.begin_tick(134)
+    assert not deadline.is_over
+    scheduler.begin_tick(135)
+    assert deadline.is_over
+
+
+def test_what_began_in_time_ends_in_time_when_later_ticks_are_made_up_for() -> None:
+    scheduler = idle()
+    scheduler.begin_tick(10)
+    deadline = Deadline(scheduler, 0.2)
+    scheduler.lag_ticks = 75
+    scheduler.begin_tick(59)
+    assert not deadline.is_over
+    scheduler.begin_tick(60)
+    assert deadline.is_over
+
+
 def test_pauses_put_it_off() -> None:
     scheduler = idle()
     scheduler.begin_tick(10)

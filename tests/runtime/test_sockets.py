@@ -73,6 +73,34 @@ def test_a_pause_puts_the_time_out_of_a_read_off_whatever_trickles():
     assert bench.log == ["[2, 97, 98]"]
 
 
+def test_a_read_does_not_end_while_ticks_are_made_up_for():
+    bench, _ = remote('socket_open("h", 1)\ntextmsg(socket_read_byte_list(1, "socket_0", 0.2))')
+    tick(bench)
+    bench.host.set_lag(60)
+    tick(bench, ChannelOpened(1, True))
+    for lag in range(59, -1, -1):
+        bench.host.set_lag(lag)
+        tick(bench)
+    assert bench.log == []
+    tick(bench, ChannelData(1, b"a"))
+    assert bench.log == ["[1, 97]"]
+
+
+def test_a_read_from_a_silent_peer_ends_after_its_time_once_robot_time_has_caught_up():
+    bench, _ = remote('socket_open("h", 1)\ntextmsg(socket_read_byte_list(1, "socket_0", 0.2))')
+    tick(bench)
+    bench.host.set_lag(60)
+    tick(bench, ChannelOpened(1, True))
+    begin = bench.machine.tick
+    for lag in [*range(59, 0, -1), *[0] * 60]:
+        bench.host.set_lag(lag)
+        tick(bench)
+        if bench.log:
+            break
+    assert bench.log == ["[0, -1]"]
+    assert bench.machine.tick - begin == 60 + 50
+
+
 class TestOpening:
     def test_a_server_that_listens_accepts(self):
         class Server(Recorder):

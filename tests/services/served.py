@@ -20,7 +20,7 @@ LIMIT_S = 10.0
 class Scene:
     """A station with its robot, and what it was heard to say."""
 
-    def __init__(self, robot: FakeRobot | None = None, **options: Any) -> None:
+    def __init__(self, robot: Any = None, **options: Any) -> None:
         self.robot = robot or FakeRobot()
         self.said: list[Event | Note] = []
         self.peers: list[Peer] = []
@@ -98,7 +98,7 @@ class Peer:
 
 
 @contextlib.asynccontextmanager
-async def serving(robot: FakeRobot | None = None, **options: Any) -> AsyncIterator[Scene]:
+async def serving(robot: Any = None, **options: Any) -> AsyncIterator[Scene]:
     scene = Scene(robot, **options)
     await scene.station.boot()
     scene.station.bind("127.0.0.1", dict.fromkeys(NAMES, 0))

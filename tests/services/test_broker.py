@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator
 
 import pytest
 
-from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
+from elitescript.messages.inputs import AddLog, ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
 from elitescript.services.binding import bind
 from elitescript.services.broker import CHANNELS_MAX, LOOK_UPS_MAX, Broker, reason_of
@@ -224,6 +224,10 @@ def test_those_that_linger_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
             with pytest.raises((ConnectionResetError, asyncio.IncompleteReadError)):
                 await peers[0][0].readexactly(sent)
             assert len(await peers[1][0].readexactly(sent)) == sent
+            (said,) = [item for item in scene.heard if isinstance(item, AddLog)]
+            assert said.is_warning
+            assert said.text.startswith("not delivered: ")
+            assert said.text.endswith(f" bytes to 127.0.0.1:{scene.port}")
 
     run(test())
 

@@ -17,7 +17,7 @@ from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage, Warned
-from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, RunUnit
+from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, LoadTask, RunUnit
 from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import SetTcp, WriteSignal
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output
@@ -30,7 +30,7 @@ from elitescript.services.cycle import Cycle
 from elitescript.services.inbox import Inbox
 from elitescript.services.jail import is_complete
 from elitescript.services.journal import Journal, JournalReader
-from elitescript.services.last_words import HINT
+from elitescript.services.last_words import COMPILE_HINT, HINT
 from elitescript.services.patience import PATIENCE_TICKS
 from elitescript.services.replay import Replay
 from elitescript.worlds.memory import MemoryFiles
@@ -51,7 +51,7 @@ class FakeChild:
     def __init__(self, on_message: Callable[[str, bytes], None], on_end: Callable[[str], None]) -> None:
         self.say, self.end = on_message, on_end
         self.told: list[tuple[str, Any]] = []
-        self.is_killed = self.is_asked = self.is_mute = False
+        self.is_killed = self.is_asked = self.is_mute = self.is_compiling = False
         self.pid, self.log = 4711, "last words"
         self.tick: int | None = None
         self.processor_s: float | None = None
@@ -80,7 +80,7 @@ class FakeChild:
         self.is_asked = True
 
     def where(self) -> tuple[str, int] | None:
-        return ("<primary#1>", 12) if self.is_asked else None
+        return ("<primary#1>", 12) if self.is_asked and not self.is_compiling else None
 
     def kill(self) -> None:
         self.is_killed = True
@@ -197,6 +197,85 @@ class TestLink:
                 children[0].processor_s = worked_before_s + processor_s
             await link.tick(())
             assert children[0].is_asked is is_given_up
+
+        with_link(body)
+
+    @pytest.mark.parametrize("size, busy_s, is_given_up", [(0, 1.0, True), (400_000, 4.5, False), (400_000, 5.0, True)])
+    def test_a_long_program_has_longer_to_compile(self, children, clock, size, busy_s, is_given_up):
+        async def body(link):
+            children[0].processor_s = 0.0
+            await link.tick(())
+            children[0].is_mute = children[0].is_compiling = True
+            await link.tick([RunUnit("primary#1", "program", "x" * size)] if size else ())
+            for _ in range(PATIENCE_TICKS + 1):
+                await link.tick(())
+            clock[0] += busy_s
+            children[0].processor_s += busy_s
+            await link.tick(())
+            clock[0] += 1.0
+            found = await link.tick(())
+            alarms = [event for event in found.events if isinstance(event, Alarm)]
+            assert bool(alarms) is is_given_up
+            if size and is_given_up:
+                assert f"a program text of {size} bytes was not compiled within 6.0 s" in alarms[0].text
+                assert alarms[0].details == {"hint": COMPILE_HINT}
+
+        with_link(body)
+
+    def test_the_text_of_a_task_counts_like_that_of_a_client(self, children, clock):
+        async def body(link):
+            children[0].processor_s = 0.0
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick([LoadTask("dashboard#1", "long.task")])
+            children[0].say(frames.QUESTION, to_text(["open", "long.script", "rb"]).encode())
+            children[0].say(frames.QUESTION, to_text(["read", 1, 0, 1 << 18]).encode())
+            for _ in range(PATIENCE_TICKS + 1):
+                await link.tick(())
+            clock[0] += 2.0
+            children[0].processor_s += 2.0
+            await link.tick(())
+            assert not children[0].is_asked
+
+        with_link(body, files=MemoryFiles({"long.script": b"x" * (1 << 18)}))
+
+    @pytest.mark.parametrize("lasts_s, is_given_up", [(9.0, False), (12.0, True)])
+    def test_a_loop_over_files_is_no_hang_until_it_lasts_too_long(self, children, clock, lasts_s, is_given_up):
+        async def body(link):
+            children[0].processor_s = 0.0
+            await link.tick(())
+            children[0].is_mute = True
+            for _ in range(PATIENCE_TICKS + 1):
+                await link.tick(())
+            found = []
+            for _ in range(round(lasts_s / 0.5)):
+                clock[0] += 0.5
+                children[0].processor_s += 0.5
+                children[0].say(frames.QUESTION, to_text(["kind", "x"]).encode())
+                found += (await link.tick(())).events
+            texts = [event.text for event in found if isinstance(event, Alarm)]
+            assert bool(texts) is is_given_up
+            assert all("has worked with files for more than 10 s in one tick" in text for text in texts)
+
+        with_link(body)
+
+    def test_clients_do_not_wait_for_what_queued_up_while_a_program_compiled(self, children, monkeypatch):
+        waited: list[float] = []
+
+        async def wait(link, is_over, longest_s):
+            waited.append(longest_s)
+
+        async def body(link):
+            await link.tick(())
+            monkeypatch.setattr(ChildLink, "_wait_until", wait)
+            children[0].is_mute = True
+            await link.tick([RunUnit("primary#1", "program", "x")])
+            for _ in range(child_link.LAG_MAX + 20):
+                await link.tick(())
+            children[0].answer()
+            waited.clear()
+            await link.tick(())
+            assert waited == []
 
         with_link(body)
 
@@ -688,6 +767,28 @@ class TestChild:
         assert main(["replay", str(path)]) == 0
         captured = capsys.readouterr()
         assert "line 3" in captured.err and HINT in captured.err
+
+    def test_a_program_of_ten_thousand_lines_begins(self):
+        lines = "".join(
+            f"  movej([{number * 1e-6}, -1.57, 0, -1.57, 0, 0], a=1.4, v=1.05)\n" for number in range(10_000)
+        )
+        text = f'def long():\n  textmsg("begun")\n{lines}end'
+
+        async def body(link):
+            await link.tick(())
+            events: list[Event] = []
+            cycle = Cycle()
+            events += (await link.tick([RunUnit("primary#1", "program", text)])).events
+            for _ in range(2500):
+                await cycle.next()
+                events += (await link.tick(())).events
+                if any(isinstance(event, TextMessage | Alarm) for event in events):
+                    break
+            cycle.close()
+            assert [event.text for event in events if isinstance(event, TextMessage | Alarm)] == ["begun"]
+            assert not link.restarts
+
+        served(body)
 
     def test_a_child_that_is_killed_is_replaced(self):
         async def body(link):

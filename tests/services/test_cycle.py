@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import socket
 import sys
 import time
 from collections.abc import Callable
@@ -73,6 +74,44 @@ def test_a_late_tick_is_counted_and_those_after_it_make_up_for_it(clock: Clock) 
         assert ticks.overruns == 4
         assert ticks.worst_ns == 4 * PERIOD_NS
         assert ticks.left_out == 0
+
+    asyncio.run(test())
+
+
+def test_a_cycle_tells_by_how_many_ticks_it_is_behind(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock)
+        await ticks.next()
+        clock.now_ns += 4 * PERIOD_NS
+        lags = []
+        for _ in range(5):
+            await ticks.next()
+            lags.append(ticks.lag_ticks)
+        assert lags == [3, 2, 1, 0, 0]
+        clock.now_ns += 2 * CATCH_UP_TICKS * PERIOD_NS
+        await ticks.next()
+        assert ticks.lag_ticks == 0, "time that is left out is not made up for"
+
+    asyncio.run(test())
+
+
+def test_before_a_late_tick_is_read_what_has_arrived_by_then(clock: Clock) -> None:
+    async def test() -> None:
+        near, far = socket.socketpair()
+        with near, far:
+            near.setblocking(False)
+            seen = []
+            loop = asyncio.get_running_loop()
+            loop.add_reader(near, lambda: seen.append(near.recv(16)))
+            ticks = Cycle(clock)
+            await ticks.next()
+            clock.now_ns += 4 * PERIOD_NS
+            await ticks.next()
+            # More arrives while the next tick is late already.
+            far.send(b"a")
+            await ticks.next()
+            assert seen == [b"a"]
+            loop.remove_reader(near)
 
     asyncio.run(test())
 

@@ -3,33 +3,68 @@
 from __future__ import annotations
 
 import asyncio
+from typing import cast
 
 import pytest
 
+from elitescript.kernel import Kernel, KernelConfig
+from elitescript.messages.enums import TaskState
+from elitescript.protocol.rtsi import RtsiConnection
+from elitescript.protocol.rtsi_recipes import RtsiPort
+from elitescript.services.lockstep import Lockstep
+from elitescript.services.tcp import Client
 from tests.protocol import rtsi_client
+from tests.services import fake_robot
 from tests.services.served import Peer, Scene, run, serving
 
 
 class Partner:
-    """A client that takes part."""
+    """A client that gets packages and can answer them."""
 
-    def __init__(self, peer: Peer, ident: int, types: list[str]) -> None:
+    def __init__(self, scene: Scene, peer: Peer, origin: str, ident: int, types: list[str]) -> None:
+        self.scene = scene
         self.peer = peer
+        self.origin = origin
         self.ident = ident
         self.types = types
+        self.values = b""
+        """What the last package held behind its timestamp."""
 
     @classmethod
-    async def join(cls, scene: Scene, name: str = "input_int_register0", frequency_hz: float = 250.0) -> Partner:
+    async def connect(
+        cls, scene: Scene, name: str = "input_int_register0", frequency_hz: float = 250.0, outputs: tuple[str, ...] = ()
+    ) -> Partner:
+        """A client that has started, and has not sent any input."""
         peer = await scene.connect("rtsi")
         peer.send(rtsi_client.input_recipe([name]))
         ident, types = rtsi_client.set_up((await peer.rtsi("I"))[1])
-        peer.send(rtsi_client.output_recipe(frequency_hz, ["timestamp"]) + rtsi_client.message("S"))
+        peer.send(rtsi_client.output_recipe(frequency_hz, ["timestamp", *outputs]) + rtsi_client.message("S"))
         await peer.rtsi("S")
-        return cls(peer, ident, types)
+        return cls(scene, peer, list(scene.station.listeners["rtsi"].clients)[-1], ident, types)
+
+    @classmethod
+    async def join(
+        cls, scene: Scene, name: str = "input_int_register0", frequency_hz: float = 250.0
+    ) -> tuple[Partner, int]:
+        """A client that takes part, and the tick of the package that it owes the first answer to."""
+        partner = await cls.connect(scene, name, frequency_hz)
+        return partner, await partner.begin()
+
+    async def begin(self) -> int:
+        """Send the first input; return the tick at which time stands for this client, whose package is read then."""
+        self.answer()
+        station = self.scene.station
+        await self.scene.stands()
+        assert station.waits_for == self.origin
+        while await self.take() < station.output.tick:
+            pass
+        return station.output.tick
 
     async def take(self) -> int:
         """The tick of the next package."""
-        return round(rtsi_client.values((await self.peer.rtsi("U"))[1], ["DOUBLE"])[0] * 250)
+        _, package = await self.peer.rtsi("U")
+        self.values = package[9:]
+        return round(rtsi_client.values(package[:9], ["DOUBLE"])[0] * 250)
 
     def answer(self, value: int = 0) -> None:
         self.peer.send(rtsi_client.package(self.ident, self.types, [value]))
@@ -43,8 +78,7 @@ async def wall_time() -> None:
 def test_time_stands_still_until_the_client_has_answered() -> None:
     async def test() -> None:
         async with serving(is_lockstep=True) as scene:
-            partner = await Partner.join(scene)
-            begin = await partner.take()
+            partner, begin = await Partner.join(scene)
             await wall_time()
             assert scene.station.output.tick == begin
             assert scene.station.waits_for == "rtsi#1"
@@ -60,8 +94,7 @@ def test_time_stands_still_until_the_client_has_answered() -> None:
 def test_a_slower_recipe_makes_longer_steps() -> None:
     async def test() -> None:
         async with serving(is_lockstep=True) as scene:
-            partner = await Partner.join(scene, frequency_hz=50.0)
-            begin = await partner.take()
+            partner, begin = await Partner.join(scene, frequency_hz=50.0)
             for number in range(1, 10):
                 partner.answer()
                 assert await partner.take() == begin + 5 * number
@@ -72,15 +105,20 @@ def test_a_slower_recipe_makes_longer_steps() -> None:
 def test_time_waits_for_all_who_take_part() -> None:
     async def test() -> None:
         async with serving(is_lockstep=True) as scene:
-            one = await Partner.join(scene)
-            begin = await one.take()
-            two = await Partner.join(scene, "input_int_register1")
+            one, begin = await Partner.join(scene)
+            two = await Partner.connect(scene, "input_int_register1")
             assert await two.take() == begin
-            one.answer()
+            two.answer()
             await wall_time()
             assert scene.station.output.tick == begin
-            two.answer()
+            one.answer()
             assert await one.take() == await two.take() == begin + 1
+            one.answer()
+            await wall_time()
+            assert scene.station.output.tick == begin + 1
+            assert scene.station.waits_for == two.origin
+            two.answer()
+            assert await one.take() == await two.take() == begin + 2
 
     run(test())
 
@@ -91,8 +129,7 @@ def test_who_only_listens_is_not_asked_and_misses_nothing() -> None:
             listener = await scene.connect("rtsi")
             listener.send(rtsi_client.output_recipe(250.0, ["timestamp"]) + rtsi_client.message("S"))
             await listener.rtsi("U")
-            partner = await Partner.join(scene)
-            begin = await partner.take()
+            partner, begin = await Partner.join(scene)
             for _ in range(200):
                 partner.answer()
                 end = await partner.take()
@@ -109,29 +146,209 @@ def test_time_goes_on_by_itself_before_and_after() -> None:
     async def test() -> None:
         async with serving(is_lockstep=True) as scene:
             await scene.ticks(3)
-            partner = await Partner.join(scene)
-            await partner.take()
-            await scene.stands()
+            partner, _ = await Partner.join(scene)
             partner.peer.send(rtsi_client.message("P"))
             await partner.peer.rtsi("P")
-            # The pause is an answer as good as any: nobody takes part any more.
+            # The pause is an answer as good as any: no client takes part any more.
             await scene.ticks(3)
             partner.peer.send(rtsi_client.message("S"))
             await partner.take()
-            await scene.stands()
+            # Nor does one that has started again and has not sent an input since.
+            await scene.ticks(3)
+            await partner.begin()
             partner.peer.reset()
             await scene.ticks(3)
 
     run(test())
 
 
+def test_a_client_takes_part_from_its_first_input_on() -> None:
+    async def test() -> None:
+        async with serving(is_lockstep=True) as scene:
+            partner = await Partner.connect(scene)
+            ticks = [await partner.take() for _ in range(5)]
+            assert ticks == list(range(ticks[0], ticks[0] + 5))
+            begin = await partner.begin()
+            await wall_time()
+            assert scene.station.output.tick == begin
+
+    run(test())
+
+
+def test_an_input_sent_while_paused_does_not_hold_time_after_the_start() -> None:
+    async def test() -> None:
+        async with serving(is_lockstep=True) as scene:
+            partner, _ = await Partner.join(scene)
+            partner.peer.send(rtsi_client.message("P"))
+            await partner.peer.rtsi("P")
+            partner.answer()
+            partner.peer.send(rtsi_client.message("S"))
+            await partner.peer.rtsi("S")
+            await scene.ticks(3)
+
+    run(test())
+
+
+def test_a_client_without_packages_cannot_hold_or_hurry_time() -> None:
+    async def test() -> None:
+        async with serving(is_lockstep=True) as scene:
+            peer = await scene.connect("rtsi")
+            peer.send(rtsi_client.input_recipe(["input_int_register0"]))
+            ident, types = rtsi_client.set_up((await peer.rtsi("I"))[1])
+            peer.send(rtsi_client.message("S") + rtsi_client.package(ident, types, [1]))
+            await peer.rtsi("S")
+            await scene.ticks(3)
+            assert not scene.station._lockstep.gate().has_participants
+
+    run(test())
+
+
+def test_a_client_that_falls_silent_is_let_go_and_takes_part_again_with_its_next_input() -> None:
+    async def test() -> None:
+        async with serving(is_lockstep=True, lockstep_timeout_s=0.05) as scene:
+            partner, begin = await Partner.join(scene)
+            while await partner.take() < begin + 5:
+                pass
+            (note,) = scene.notes("let_go")
+            assert note.text == (
+                "rtsi#1 has not answered a package for 0.05 s: time goes on without it until its next input package"
+            )
+            assert note.is_problem and note.details == {"origin": "rtsi#1"}
+            again = await partner.begin()
+            partner.answer()
+            assert await partner.take() == again + 1
+
+    run(test())
+
+
+def test_a_client_that_does_not_read_is_let_go() -> None:
+    async def test() -> None:
+        async with serving(is_lockstep=True, lockstep_timeout_s=0.05) as scene:
+            listener = await scene.connect("rtsi")
+            names = ["actual_joint_positions"] * 100
+            listener.send(rtsi_client.output_recipe(250.0, names) + rtsi_client.message("S"))
+            await listener.rtsi("S")
+            listener.writer.transport.pause_reading()
+            partner, _ = await Partner.join(scene)
+            while not scene.notes("let_go"):
+                partner.answer()
+                await partner.take()
+            assert scene.notes("let_go")[0].text.startswith("rtsi#1 has not read its packages for 0.05 s")
+            for _ in range(100):
+                partner.answer()
+                await partner.take()
+
+    run(test())
+
+
+PROGRAM = b"""def follow():
+  while read_input_integer_register(0) == 0:
+    sync()
+  end
+  i = 0
+  while i < 60:
+    servoj(get_target_joint_positions()[:5] + [0.001 * read_input_integer_register(0) * i], t=0.02)
+    i = i + 1
+  end
+end
+"""
+
+
+def test_what_the_client_gets_is_the_same_to_the_byte_in_every_run() -> None:
+    async def session() -> list[bytes]:
+        async with serving(Kernel(KernelConfig(power_on=True, remote=True)), is_lockstep=True) as scene:
+            primary = await scene.connect("primary")
+            primary.send(PROGRAM)
+            names = ("runtime_state", "target_joint_positions", "actual_joint_positions", "actual_joint_current")
+            partner = await Partner.connect(scene, outputs=names)
+            await scene.until(lambda: scene.station.output.snapshot.robot.task_state is TaskState.PLAYING)
+            await partner.begin()
+            packages = []
+            for step in range(400):
+                partner.answer(step % 3)
+                await partner.take()
+                packages.append(partner.values)
+            return packages
+
+    async def test() -> None:
+        first, second = await session(), await session()
+        assert len(set(first)) > 200
+        assert first == second
+
+    run(test())
+
+
+class Answerer:
+    """What `Lockstep` sees of a client."""
+
+    def __init__(self, origin: str) -> None:
+        port = RtsiPort()
+        connection = RtsiConnection(origin, fake_robot.FakeRobot().description, port)
+        self.origin = origin
+        self.connection = connection
+        self.owes_input = self.is_behind = self.is_leaving = False
+
+
+def test_the_time_of_a_stopped_computer_is_not_held_against_a_client() -> None:
+    client, lines = taking_part("rtsi#1"), list[str]()
+    client.owes_input = True
+    lockstep = Lockstep({client.origin: cast(Client, client)}, lambda text, origin: lines.append(text), 0.5)
+    assert not lockstep.watch(7, 60.0)
+    assert not lockstep.gate().is_open
+    assert not any(lockstep.watch(tick, 0.02) for tick in range(8, 100)), "it answers each in time"
+    assert sum(lockstep.watch(7, 0.004) for _ in range(130)) == 1
+    assert lockstep.gate().is_open
+
+
+def test_a_client_that_never_answers_a_package_holds_time_up_for_long_only_once() -> None:
+    client = taking_part("rtsi#1")
+    connection = client.connection
+    client.owes_input = True
+    lockstep = Lockstep({client.origin: cast(Client, client)}, lambda text, origin: None, 0.5)
+
+    def looks_until_let_go(tick: int, answers: int) -> int:
+        connection._answers = answers
+        lockstep.watch(tick, 0.004)
+        return next(count for count in range(1, 1000) if lockstep.watch(tick, 0.004))
+
+    assert looks_until_let_go(1, answers=1) == 125
+    assert looks_until_let_go(2, answers=1) == 5
+    assert looks_until_let_go(3, answers=1) == 5
+    assert looks_until_let_go(4, answers=2) == 125
+    assert looks_until_let_go(5, answers=1) == 125
+
+
+def test_the_log_names_a_client_that_is_let_go_again_and_again_once_in_ten_seconds() -> None:
+    client, lines = taking_part("rtsi#1"), list[str]()
+    lockstep = Lockstep({client.origin: cast(Client, client)}, lambda text, origin: lines.append(text), 0.1)
+    for tick in range(20):
+        client.connection._answers = 2
+        client.owes_input = True
+        while not lockstep.watch(tick, 0.02):
+            pass
+    assert len(lines) == 1
+    for _ in range(20):
+        client.owes_input = False
+        lockstep.watch(20, 1.0)
+    assert lines[1:] == ["rtsi#1 was let go 19 times more within 10 s"]
+
+
+def taking_part(origin: str) -> Answerer:
+    client = Answerer(origin)
+    connection = client.connection
+    output = fake_robot.FakeRobot().tick(())
+    connection.receive(rtsi_client.output_recipe(250.0, ["timestamp"]), output)
+    connection.receive(rtsi_client.input_recipe(["input_int_register0"]) + rtsi_client.message("S"), output)
+    connection.receive(rtsi_client.package(1, ["INT32"], [1]), output)
+    assert connection.answers == 1
+    return client
+
+
 @pytest.mark.parametrize("farewell", [b"", rtsi_client.message("U", b"\x01")[:1], b"\x00\x00\x00"])
 def test_time_does_not_wait_for_who_has_ended_its_half_or_is_closed(farewell: bytes) -> None:
     async def test() -> None:
         async with serving(is_lockstep=True) as scene:
-            partner = await Partner.join(scene)
-            await partner.take()
-            await scene.stands()
+            partner, _ = await Partner.join(scene)
             partner.peer.send(farewell)
             partner.peer.half_close()
             await scene.ticks(3)
@@ -142,8 +359,7 @@ def test_time_does_not_wait_for_who_has_ended_its_half_or_is_closed(farewell: by
 def test_others_are_read_while_time_stands_still() -> None:
     async def test() -> None:
         async with serving(is_lockstep=True) as scene:
-            partner = await Partner.join(scene)
-            await partner.take()
+            await Partner.join(scene)
             dashboard = await scene.connect("dashboard")
             await dashboard.reader.readuntil(b"NAME.\r\n")
             for _ in range(300):
@@ -157,8 +373,7 @@ def test_others_are_read_while_time_stands_still() -> None:
 def test_a_robot_that_fails_ends_its_time_and_not_the_client() -> None:
     async def test() -> None:
         async with serving(is_lockstep=True) as scene:
-            partner = await Partner.join(scene)
-            begin = await partner.take()
+            partner, begin = await Partner.join(scene)
 
             def fail(tick: int) -> None:
                 raise RuntimeError("a mistake of ours")

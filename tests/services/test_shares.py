@@ -106,7 +106,7 @@ class Hub:
 
     def connect(self, ns_per_byte: int, bytes_per_input: int = 0) -> SimpleNamespace:
         connection = Dear(f"query#{len(self.clients) + 1}", self.clock, ns_per_byte, bytes_per_input)
-        client, wire = Client(self, QUERY, connection, lambda origin: None), Wire()
+        client, wire = Client(self, QUERY, connection, lambda origin: None, lambda why: None), Wire()
         client.connection_made(wire)
         self.clients.append((client, wire))
         return SimpleNamespace(client=client, wire=wire, connection=connection)

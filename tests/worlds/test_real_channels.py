@@ -64,6 +64,7 @@ def bench():
     yield bench
     for channel in range(1, 10):
         bench.channels.close(channel)
+    bench.channels.give_up()
 
 
 @pytest.mark.parametrize("address", ["127.0.0.1", "localhost"])

@@ -114,9 +114,12 @@ def test_closing_waits_until_what_was_sent_has_left(channel, terminal):
     reader = Thread(target=lambda: received.append(terminal.read(len(data))))
     reader.start()
     channel.close()
+    assert not channel.is_over
+    while not channel.is_over:
+        channel.leave()
     reader.join(10)
     assert received == [data]
-    assert channel.is_over
+    assert channel.lost == 0
 
 
 def test_closing_does_not_wait_for_ever(channel, terminal, monkeypatch):

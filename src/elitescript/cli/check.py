@@ -1,61 +1,217 @@
-"""`elitescript check`: every problem of a program, without running it."""
+"""`elitescript check`: every problem of programs, without running them; its repairs, and what a code means."""
 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
-from elitescript.cli import jsonlines
-from elitescript.cli.screen import palette_of, progress_on, rendered
+from elitescript.cli.check_formats import FORMATS, Checked
+from elitescript.cli.screen import progress_on
+from elitescript.commands.plausibility import ArmFacts
 from elitescript.errors import ProgramError, UsageError
-from elitescript.language.diagnostics import Diagnostic, Severity, to_json
+from elitescript.language.diagnostics import diagnostic
 from elitescript.language.source import SourceFile
 from elitescript.lint.engine import check_source
-from elitescript.messages.profile import profile
+from elitescript.lint.fixing import Repair, repaired
+from elitescript.messages.profile import Profile, profile
+from elitescript.worlds.program_file import SUFFIX, neighbours
 
 FOUND_ERRORS: Final = 3
 """Exit code when a program has an error."""
+NOT_FOUND: Final = 2
+"""Exit code when a file of the command line cannot be read."""
+
+STANDARD_INPUT: Final = "-"
+
+
+class _Text(NamedTuple):
+    """What is to be checked.
+
+    Attributes:
+        name: as the report names it.
+        path: the file; None for standard input.
+        data: its bytes; None if it cannot be read.
+        why_not: why it cannot be read.
+        is_named: it stands on the command line itself.
+    """
+
+    name: str
+    path: Path | None
+    data: bytes | None
+    why_not: str
+    is_named: bool
 
 
 def check(options: argparse.Namespace) -> int:
     """Check the files of the command line; return the exit code."""
-    errors = warnings = 0
-    progress = None if options.json else progress_on(sys.stderr)
-    for number, name in enumerate(options.files):
+    if options.explain is not None:
+        return _explain(options.explain)
+    if not options.files:
+        raise UsageError("name files or folders, or - for standard input")
+    if options.json and options.format not in (None, "json"):
+        raise UsageError(f"--json and --format {options.format} contradict each other")
+    is_filter = options.fix and STANDARD_INPUT in options.files
+    if is_filter and len(options.files) > 1:
+        raise UsageError("--fix writes the repaired text of - to standard output: check the other files by themselves")
+    name = "json" if options.json else options.format or "text"
+    # The repaired text of standard input goes to standard output alone.
+    out = sys.stderr if is_filter else sys.stdout
+    report = FORMATS[name](out)
+    firmware = profile(options.firmware)
+    arm = _arm(options.robot, options.world)
+    code = 0
+    progress = progress_on(sys.stderr) if name == "text" else None
+    for number, text in enumerate(_texts(options.files)):
         if progress is not None:
-            progress.note(f"{number} of {len(options.files)} files checked; {name}")
-        source, problems = check_file(Path(name), options.firmware, options.strict)
-        for problem in problems:
-            if options.json:
-                print(jsonlines.line({"file": name, **to_json(problem)}))
-            else:
-                print(rendered(problem, source, palette_of(sys.stdout)))
-            errors += problem.severity is Severity.ERROR
-            warnings += problem.severity is not Severity.ERROR
-    if not options.json:
-        files = f"{len(options.files)} file{'s' if len(options.files) != 1 else ''}"
-        print(f"{files} checked: {_count(errors, 'error')}, {_count(warnings, 'warning')}", file=sys.stderr)
-    return FOUND_ERRORS if errors else 0
+            progress.note(f"{number} files checked; {text.name}")
+        checked = _check(text, firmware, options, arm)
+        report.file(checked)
+        if text.data is None and text.is_named:
+            code = NOT_FOUND
+            print(f"elitescript check: {text.why_not}", file=sys.stderr)
+        elif code == 0 and any(problem.is_error for problem in checked.problems):
+            code = FOUND_ERRORS
+    report.end()
+    print(report.summary, file=sys.stderr)
+    return code
 
 
-def check_file(path: Path, firmware: str, strict: bool) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
-    """The problems of one file, in the order of its lines.
+def _arm(robot: str | None, world: str | None) -> ArmFacts | None:
+    """Return what is known of the arm; None if nothing is, which spares loading a model.
 
     Raises:
-        UsageError: the file cannot be read.
+        UsageError: no such arm, or a world file that makes no sense.
     """
+    if robot is None and world is None:
+        return None
+    from elitescript.cli.arm_facts import arm_facts
+
+    return arm_facts(robot, world)
+
+
+def _explain(code: str) -> int:
+    from elitescript.lint.explanations import explanation
+
+    print(explanation(code))
+    return 0
+
+
+# ---------------------------------------------------------------- files
+
+
+def _texts(names: Iterable[str]) -> Iterator[_Text]:
+    """The texts that the command line names, each once; folders with everything in them, by name."""
+    seen: set[str] = set()
+    for name in names:
+        if name == STANDARD_INPUT:
+            yield _Text("<stdin>", None, sys.stdin.buffer.read(), "", True)
+            continue
+        path = Path(name)
+        if not path.is_dir():
+            yield from _read(path, seen, is_named=True)
+            continue
+        found = False
+        for file in _programs(path):
+            found = True
+            yield from _read(file, seen, is_named=False)
+        if not found:
+            yield _Text(name, path, None, f"no *{SUFFIX} file in this folder", True)
+
+
+def _programs(folder: Path) -> Iterator[Path]:
+    """The programs of a folder and of those in it; hidden folders are left out."""
+    for home, folders, files in os.walk(folder, onerror=_refuse):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        for name in sorted(files):
+            if name.endswith(SUFFIX):
+                yield Path(home, name)
+
+
+def _refuse(error: OSError) -> None:
+    print(f"elitescript check: {error.filename}: {error.strerror or error}; it is left out", file=sys.stderr)
+
+
+def _read(path: Path, seen: set[str], *, is_named: bool) -> Iterator[_Text]:
+    real = os.path.realpath(path)
+    if real in seen:
+        return
+    seen.add(real)
     try:
-        data = path.read_bytes()
+        yield _Text(str(path), path, path.read_bytes(), "", is_named)
     except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror or error}") from error
+        why_not = f"cannot read {path}: {error.strerror or error}"
+        yield _Text(str(path), path, None, why_not, is_named)
+
+
+# ---------------------------------------------------------------- one text
+
+
+def _check(text: _Text, firmware: Profile, options: argparse.Namespace, arm: ArmFacts | None) -> Checked:
+    if text.data is None:
+        near = neighbours(text.path) if text.is_named and text.path is not None else ""
+        problem = diagnostic("E003", 1, 1, text.why_not, hint=near)
+        return Checked(text.name, SourceFile(text.name, ""), (problem,))
     try:
-        source = SourceFile.from_bytes(str(path), data)
+        written = text.data.decode("utf-8")
+        source = SourceFile.from_bytes(text.name, text.data)
+    except (UnicodeDecodeError, ProgramError):
+        if options.fix and text.path is None:
+            _write_out(text.data)
+        return _damaged(text.name, text.data)
+    repairs: tuple[Repair, ...] = ()
+    if options.fix:
+        fixed, repairs = repaired(text.name, written, firmware, strict=options.strict)
+        if text.path is None:
+            _write_out(fixed.encode("utf-8"))
+        elif fixed != written:
+            _rewrite(text.path, fixed.encode("utf-8"))
+        source = SourceFile(text.name, fixed)
+    return Checked(text.name, source, check_source(source, firmware, strict=options.strict, arm=arm), repairs)
+
+
+def _damaged(name: str, data: bytes) -> Checked:
+    """A file that is no text."""
+    try:
+        SourceFile.from_bytes(name, data)
     except ProgramError as error:
-        return SourceFile(str(path), data.decode("utf-8", "replace")), error.problems
-    return source, check_source(source, profile(firmware), strict=strict)
+        return Checked(name, SourceFile(name, data.decode("utf-8", "replace")), error.problems)
+    raise AssertionError(name)
 
 
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
+def _write_out(data: bytes) -> None:
+    sys.stdout.flush()
+    sys.stdout.buffer.write(data)
+    sys.stdout.buffer.flush()
+
+
+def _rewrite(path: Path, data: bytes) -> None:
+    """Put new contents in the place of a file, all at once; its permissions stay.
+
+    Args:
+        path: of the file.
+        firmware: that it is for.
+        strict: what only this implementation accepts is an error.
+        arm: that it is for; None leaves out what depends on it.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
+    import shutil
+    import tempfile
+
+    real = Path(os.path.realpath(path))
+    temporary = ""
+    try:
+        handle, temporary = tempfile.mkstemp(dir=real.parent, prefix=f".{real.name}.")
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        shutil.copymode(real, temporary)
+        Path(temporary).replace(real)
+    except OSError as error:
+        if temporary:
+            Path(temporary).unlink(missing_ok=True)
+        raise UsageError(f"cannot write {path}: {error.strerror or error}") from error

@@ -12,6 +12,7 @@ from typing import Any
 
 from elitescript import __version__
 from elitescript.cli import jsonlines
+from elitescript.services.connect_policy import OPTION, ConnectPolicy
 from elitescript.services.cycle import Cycle
 from elitescript.services.jail import is_complete
 from elitescript.services.robots import probe_jail
@@ -48,6 +49,7 @@ def doctor(options: argparse.Namespace) -> int:
             "ports": {name: {"number": number, "free": name not in busy} for name, number in ports.items()},
             "clock_resolution_ns": clock_ns,
             "lateness_ms": lateness,
+            "allow_connect": ConnectPolicy().text,
         }
         print(jsonlines.line(record))
         return 0 if is_jailed and not trouble else 1
@@ -63,6 +65,7 @@ def doctor(options: argparse.Namespace) -> int:
     print(f"ports of instance {options.instance}:")
     for name, number in ports.items():
         print(f"  {'in use' if name in busy else 'free':<9}{number:<6} {name}")
+    print(f"connections:  programs of a served robot reach {ConnectPolicy().text} (`serve {OPTION}`)")
     late = f"{lateness['p50']:.2f} ms late (median), {lateness['max']:.2f} ms at worst"
     print(f"time:         clock resolution {clock_ns:.0f} ns; ticks begin {late}")
     return 0 if is_jailed and not trouble else 1

@@ -55,7 +55,8 @@ def _warning(event: events.Warned) -> Record:
         "thread": event.thread,
         "line": event.line,
     }
-    return record | {key: value for key, value in (("code", event.code), ("hint", event.hint)) if value}
+    record |= {name: value for name in ("code", "hint", "column") if (value := getattr(event, name))}
+    return record | {"severity": event.severity} if event.code else record
 
 
 def _device(event: events.DeviceNoted) -> Record:

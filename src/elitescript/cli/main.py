@@ -264,9 +264,21 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
         "check",
         parents=[firmware],
         help="report every problem of programs without running them",
-        description="Report every problem with its place, code, text and hint. Exit code 3 if there are errors.",
+        description="Report every problem with its place, code, text and hint. Exit code: 0 no errors, 2 usage, or a "
+        "file of this call cannot be read, 3 errors.",
     )
-    check.add_argument("files", nargs="+", metavar="FILE")
+    check.add_argument(
+        "files", nargs="*", metavar="FILE", help="programs, folders (every *.script in them), or - for standard input"
+    )
+    check.add_argument(
+        "--format",
+        choices=["text", "json", "github", "sarif"],
+        help="form of the report: for people, JSON lines (as --json), GitHub workflow commands, SARIF 2.1.0",
+    )
+    check.add_argument("--fix", action="store_true", help="make the repairs that are safe; of - to standard output")
+    check.add_argument("--explain", metavar="CODE", help="say what a code such as E303 means, with an example")
+    check.add_argument("--robot", metavar="MODEL", help="arm that the programs are for, with its limits and its reach")
+    check.add_argument("--world", metavar="FILE", help="what is around the robot: the joint ranges of its safety count")
 
     plot = subparsers.add_parser(
         "plot",
@@ -306,6 +318,14 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
     add_replay(subparsers)
     add_doctor(subparsers)
 
-    commands = subparsers.add_parser("commands", help="the catalogue of robot commands")
-    commands.add_argument("name", nargs="?", metavar="NAME", help="one command; all if left out")
+    commands = subparsers.add_parser(
+        "commands",
+        help="the catalogue of robot commands",
+        description="Print the list of all robot commands, one command in full, or those that a word finds in names, "
+        "parameters and descriptions. Exit code 2 if it finds none.",
+    )
+    commands.add_argument(
+        "name", nargs="?", metavar="WORD", help="a command, or a word to look for in all of them; all if left out"
+    )
+    commands.add_argument("--json", action="store_true", help="print one JSON array with all that is known of each")
     return parser, subparsers

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import Counter
 from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any, Final, Protocol
@@ -12,6 +13,7 @@ from elitescript.cli import jsonlines
 from elitescript.cli.event_records import record_of
 from elitescript.cli.screen import palette_of, rendered
 from elitescript.cli.writable import Writable
+from elitescript.controller.warning_limit import MOST
 from elitescript.errors import UsageError
 from elitescript.language.diagnostics import Diagnostic, to_json
 from elitescript.language.source import SourceFile
@@ -53,6 +55,9 @@ class Report(Protocol):
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         """What was found before the run."""
 
+    def goes_on(self, errors: int) -> None:
+        """Say that the program starts though `errors` of its problems are errors."""
+
     def start(self, robot: VirtualRobot, path: Path) -> None:
         """The run begins."""
 
@@ -77,6 +82,8 @@ class JsonReport:
 
     def __init__(self, out: Writable) -> None:
         self._out = out
+        self._said: set[tuple[str, int]] = set()
+        """Code and line of what was found before the run, which the run need not repeat."""
 
     def _write(self, record: dict[str, Any]) -> None:
         self._out.write(jsonlines.line(record) + "\n")
@@ -84,13 +91,18 @@ class JsonReport:
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         for problem in problems:
+            self._said.add((problem.code, problem.line))
             self._write(to_json(problem))
+
+    def goes_on(self, errors: int) -> None:
+        print(_why_it_runs(errors), file=sys.stderr)
 
     def start(self, robot: VirtualRobot, path: Path) -> None:
         pass
 
     def event(self, event: Event) -> None:
-        record = record_of(event)
+        is_said = isinstance(event, Warned) and (event.code, event.line) in self._said
+        record = None if is_said else record_of(event)
         if record is not None:
             self._write(record)
 
@@ -111,6 +123,8 @@ class JsonReport:
             record.update(paced=True, overruns=overruns)
         elif run.is_paced:
             record["paced"] = True
+        if run.undelivered:
+            record["undelivered"] = run.undelivered
         if not run.is_reproducible:
             record["reproducible"] = False
         if run.state not in ("finished", "alarm"):
@@ -133,10 +147,22 @@ class TextReport:
         self._err = err
         self._palette = palette_of(err)
         self._start_s = 0.0
+        self._said: set[tuple[str, int]] = set()
+        """Code and line of what was found before the run, which the run need not repeat."""
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
+        counts: Counter[str] = Counter()
         for problem in problems:
-            print(rendered(problem, source, self._palette), file=self._err)
+            self._said.add((problem.code, problem.line))
+            counts[problem.code] += not problem.is_error
+            if counts[problem.code] <= MOST:
+                print(rendered(problem, source, self._palette), file=self._err)
+        for code, count in counts.items():
+            if count > MOST:
+                print(f"… {count - MOST:,} more {code}: `elitescript check` shows all of them", file=self._err)
+
+    def goes_on(self, errors: int) -> None:
+        print(_why_it_runs(errors), file=self._err)
 
     def start(self, robot: VirtualRobot, path: Path) -> None:
         self._start_s = time.perf_counter()
@@ -150,8 +176,7 @@ class TextReport:
             note = " (confirmed at once: nobody is there to press the button)" if event.is_confirmed_at_once else ""
             self._line(event.tick, f"[popup, {event.level}] {event.title}: {event.text}{note}")
         elif isinstance(event, Warned):
-            where = f"line {event.line}: " if event.line else ""
-            self._problem(event.tick, f"{self._palette.paint('warning', 'warning')}: {where}{event.text}")
+            self._warned(event)
         elif isinstance(event, DeviceNoted) and event.is_warning:
             self._problem(event.tick, f"{self._palette.paint('warning', 'warning')}: {event.device}: {event.text}")
         elif isinstance(event, DeviceNoted):
@@ -169,6 +194,16 @@ class TextReport:
             data = f" {event.data!r}" if event.data else ""
             where = f" (line {event.line})" if event.line else ""
             self._line(event.tick, f"[{event.kind} {event.channel!r}] {event.what}{data}{where}")
+
+    def _warned(self, event: Warned) -> None:
+        if (event.code, event.line) in self._said:
+            return
+        role = "error" if event.severity == "error" else "warning"
+        kind = self._palette.paint(role, f"{event.severity} {event.code}".rstrip())
+        where = f"line {event.line}: " if event.line else ""
+        self._problem(event.tick, f"{kind}: {where}{event.text}")
+        if event.hint:
+            print(self._palette.paint("hint", f"{'':14}hint: {event.hint}"), file=self._err)
 
     def _line(self, tick: int, text: str) -> None:
         print(f"{seconds(tick):10.3f} s  {text}", file=self._out)
@@ -214,6 +249,11 @@ class TextReport:
         role = {"finished": "finished", "alarm": "alarm"}.get(run.state, "warning")
         state = palette_of(self._out).paint(role, words[run.state])
         print(f"{run.time_s:10.3f} s  {state} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
+
+
+def _why_it_runs(errors: int) -> str:
+    found = "1 error: its line raises an exception" if errors == 1 else f"{errors} errors: their lines raise exceptions"
+    return f"{found}, which the program may catch, so it runs anyway; --strict refuses it"
 
 
 def _where(robot: VirtualRobot, wall_s: float) -> str:

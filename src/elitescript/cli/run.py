@@ -6,7 +6,6 @@ import argparse
 import signal
 import sys
 import time
-from collections.abc import Collection
 from contextlib import ExitStack
 from pathlib import Path
 from types import FrameType
@@ -19,7 +18,7 @@ from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import Trace, step_ticks
 from elitescript.controller.trace_signals import TraceSignals
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
-from elitescript.language.diagnostics import Diagnostic, Severity
+from elitescript.language.options import Options
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import DeviceNoted
 from elitescript.robot import VirtualRobot
@@ -68,12 +67,16 @@ def run(options: argparse.Namespace) -> int:
     except ProgramError as error:
         report.problems(error.problems, SourceFile(str(path), path.read_bytes().decode("utf-8", "replace")))
         return DOES_NOT_COMPILE
-    problems = _find_problems(robot, source, strict=options.strict, presets=presets)
-    report.problems(problems, source)
-    if any(problem.severity is Severity.ERROR for problem in problems):
+    from elitescript.lint.engine import compile_checked
+
+    checked = compile_checked(source, robot.profile, Options(strict=options.strict), presets=presets, arm=robot.model)
+    report.problems(checked.problems, source)
+    unit = checked.unit
+    if unit is None or checked.is_refused:
         return DOES_NOT_COMPILE
-    unit = robot.compile(source)
     check_presets(presets, source.text)
+    if errors := sum(problem.is_error for problem in checked.problems):
+        report.goes_on(errors)
     with ExitStack() as stack:
         trace: bool | Trace = False
         if options.trace is not None:
@@ -123,23 +126,6 @@ def _pacer() -> Any:
     from elitescript.services.pacing import Pacer
 
     return Pacer()
-
-
-def _find_problems(
-    robot: VirtualRobot, source: SourceFile, *, strict: bool, presets: Collection[str]
-) -> tuple[Diagnostic, ...]:
-    """What `check` finds, with findings against the catalogue as warnings: programs may catch them."""
-    from dataclasses import replace
-
-    from elitescript.lint.engine import check_source
-
-    problems = check_source(source, robot.profile, strict=strict, presets=presets)
-    if strict:
-        return problems
-    return tuple(
-        replace(problem, severity=Severity.WARNING) if problem.code.startswith("E3") else problem
-        for problem in problems
-    )
 
 
 class _Watch:

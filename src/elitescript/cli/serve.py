@@ -27,7 +27,9 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
+from elitescript.services.connect_policy import ConnectPolicy
 from elitescript.services.jail import is_complete
+from elitescript.services.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.robots import numbered_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
@@ -57,6 +59,7 @@ def serve(options: argparse.Namespace) -> int:
     numbers = [port_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
     spares = [spare_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
     _check_host(options)
+    _lockstep_timeout_s(options)
     if not is_in_process(options):
         return _run(options, configs, worlds, numbers, spares, _on_signals)
     # Programs run in this process, and may keep it from hearing signals.
@@ -98,25 +101,27 @@ async def _serve(
     on_signals: Callable[[asyncio.Event], None],
 ) -> None:
     lines = line_bindings(options.serial, len(configs))
+    policy = ConnectPolicy(options.allow_connect)
     stop = asyncio.Event()
     on_signals(stop)
-    is_lockstep = options.lockstep is not None
     stations = [
         Station(
             config.robot_id,
             make_link(options, config, index),
             log.take,
-            is_lockstep=is_lockstep,
+            is_lockstep=options.lockstep is not None,
+            lockstep_timeout_s=_lockstep_timeout_s(options),
             lines=lines,
             world=worlds[index],
             keeper=keeper,
+            policy=policy,
         )
         for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
     ]
     server = Server(stations, options.host, numbers, options.instance, spares)
     await server.open()
     try:
-        log.ready(options.host, server, configs)
+        log.ready(options.host, server, configs, policy.text)
         await server.run(stop)
     finally:
         await server.close()
@@ -159,6 +164,22 @@ def _remembering(config: KernelConfig, keeper: StateKeeper | None) -> KernelConf
 def is_in_process(options: argparse.Namespace) -> bool:
     """Whether the robots are in this process: asked for, needed for lockstep, or the only way on this system."""
     return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
+
+
+def _lockstep_timeout_s(options: argparse.Namespace) -> float:
+    """How long robot time waits for a client in lockstep, s.
+
+    Raises:
+        UsageError: the time makes no sense, or there is no lockstep.
+    """
+    timeout_s: float | None = options.lockstep_timeout
+    if timeout_s is None:
+        return LOCKSTEP_TIMEOUT_S
+    if options.lockstep is None:
+        raise UsageError("--lockstep-timeout needs --lockstep rtsi")
+    if not timeout_s > 0.0:
+        raise UsageError(f"--lockstep-timeout must be more than 0 s, or inf for no limit; got {timeout_s:g}")
+    return timeout_s
 
 
 def _check_world_place(options: argparse.Namespace) -> None:
@@ -366,24 +387,25 @@ class Log:
                 tag = f"{name}: " if self._are_several else ""
                 self._reports[name] = TextReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
 
-    def ready(self, host: str, server: Server, configs: list[KernelConfig]) -> None:
-        """Every port is open; say so, and then what has happened before."""
-        self._say_ready(host, server, configs)
+    def ready(self, host: str, server: Server, configs: list[KernelConfig], reach: str) -> None:
+        """Every port is open; say so with what programs reach, and then what has happened before."""
+        self._say_ready(host, server, configs, reach)
         held, self._held = self._held or [], None
         for station, what in held:
             self.take(station, what)
 
-    def _say_ready(self, host: str, server: Server, configs: list[KernelConfig]) -> None:
+    def _say_ready(self, host: str, server: Server, configs: list[KernelConfig], reach: str) -> None:
         if self._is_json:
             robots = [
                 {"robot": config.robot_id, "model": config.model, "ports": station.ports, "ctl": address}
                 for config, station, address in zip(configs, server.stations, server.control_addresses, strict=True)
             ]
-            self._record({"type": "ready", "host": host, "robots": robots})
+            self._record({"type": "ready", "host": host, "robots": robots, "allow_connect": reach})
             return
         robots_text = "; ".join(_ports_text(station) for station in server.stations)
         self._out.write(f"ready on {host}: {robots_text}\n")
         self._out.write(f"ctl at {', '.join(server.control_addresses)}\n")
+        self._out.write(f"programs reach {reach}\n")
         for address, usual in zip(server.control_addresses, server.usual_addresses, strict=True):
             if address != usual:
                 self._err.write(

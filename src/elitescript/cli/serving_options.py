@@ -114,6 +114,15 @@ def add_serve(
     serve.add_argument("--world", metavar="FILE.toml", help="what is around each robot, as for run")
     serve.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
     add_connections(serve)
+    serve.add_argument(
+        "--allow-connect",
+        action="append",
+        default=[],
+        metavar="WHAT",
+        help="what programs reach: HOST[:PORT], a network such as 192.168.1.0/24, own-ports (of these robots, besides "
+        "what else is allowed), any, none, default (every address except link-local ones and these robots' own ports); "
+        "may be repeated (default: default)",
+    )
     serve.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
     serve.add_argument(
         "--no-jail",
@@ -130,6 +139,13 @@ def add_serve(
         "--lockstep",
         choices=["rtsi"],
         help="robot time goes on only when the RTSI clients have answered their packages (implies --in-process)",
+    )
+    serve.add_argument(
+        "--lockstep-timeout",
+        type=float,
+        metavar="SECONDS",
+        help="how long robot time waits for the answer of a client in lockstep before it goes on without it; inf for "
+        "no limit (default 0.5)",
     )
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Choice, Number, Real, signal_index
+from elitescript.commands.quantities import Choice, Number, signal_index
 from elitescript.commands.registry import command
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.machine import SetAnalogDomain, SetAnalogFraction
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from elitescript.commands.context import Robot
 
 _Level = Annotated[float, Number("A or V")]
+_Fraction = Annotated[float, Number(meaning="fraction")]
 _Domain = Annotated[int, Choice(0, 1)]
 
 
@@ -46,19 +47,20 @@ def get_standard_analog_out(robot: Robot, n: Annotated[int, signal_index("standa
 
 
 @command(family="io", manual="3.12")
-def set_standard_analog_out(robot: Robot, n: Annotated[int, signal_index("standard_analog_out")], f: Real) -> None:
+def set_standard_analog_out(
+    robot: Robot,
+    n: Annotated[int, signal_index("standard_analog_out")],
+    f: _Fraction,
+) -> None:
     """Set an analog output of the control box to a fraction of its range.
 
-    What lies outside 0 to 1 is set to the nearer end, as the manual says, with one warning for each program.
+    What lies outside 0 to 1 is set to the nearer end, as the manual says, with a warning (W234) for each line.
 
     Args:
         n: index of the output.
         f: 0 is 4 mA or 0 V, 1 is 20 mA or 10 V.
     """
-    fraction = min(1.0, max(0.0, f))
-    if fraction != f:
-        robot.warn_once("set_standard_analog_out", f"set_standard_analog_out: f is {f:g}, limited to {fraction:g}")
-    robot.request(SetAnalogFraction("standard_analog_out", n, fraction))
+    robot.request(SetAnalogFraction("standard_analog_out", n, min(1.0, max(0.0, f))))
 
 
 @command(family="io", manual="3.11")

@@ -22,6 +22,7 @@ from elitescript.commands import (  # noqa: F401  (importing a family registers 
     modbus_tcp,
     motion,
     observed,
+    path_offset,
     payload,
     poses,
     positions,

@@ -8,17 +8,21 @@ runtime the second; a test needs neither.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.events import Event
 from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import MachineRequest
 from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, MoveRequest, Six, TrackRequest
+from elitescript.messages.path_offset import OffsetFrame, PathOffsetRequest
 from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.yielding import YieldRequest
+
+if TYPE_CHECKING:
+    from elitescript.commands.plausibility import Doubt
 
 
 class Machine(Protocol):
@@ -72,6 +76,12 @@ class Machine(Protocol):
             is_compensated: without the payload and less the zero of the sensor.
         """
 
+    def path_offset_along(self, frame: OffsetFrame) -> Six:
+        """The path offset that the arm has in this tick, along and about the axes of a frame: m, rad."""
+
+    def tcp_pose_along_path(self) -> Six:
+        """Target pose of the TCP in this tick without the path offset."""
+
     def state(self) -> RobotState:
         """The whole machine at this tick."""
 
@@ -114,6 +124,13 @@ class Machine(Protocol):
 
         Raises:
             ScriptError: the arm cannot or may not do it; nothing has changed.
+        """
+
+    def request_path_offset(self, request: PathOffsetRequest, line: int, thread: str) -> None:
+        """Shift the motion by an offset from this tick on, or set how that is done.
+
+        Raises:
+            ScriptError: the arm may not move, or is guided by hand; nothing has changed.
         """
 
     def is_move_done(self, move: int) -> bool: ...
@@ -170,6 +187,9 @@ class Lines(Protocol):
 
     def is_open(self, device: str) -> bool:
         """Whether a port is enabled."""
+
+    def open_devices(self) -> list[str]:
+        """Devices of the ports that are enabled, sorted."""
 
     def mode(self, device: str) -> str:
         """`RS485`, `MODBUS-RTU` or `CLOSE`."""
@@ -332,6 +352,9 @@ class Robot(Protocol):
     def track(self, request: TrackRequest) -> None:
         """Begin to go along with a conveyor, or ask for the end of that and wait for standstill."""
 
+    def shift(self, request: PathOffsetRequest) -> None:
+        """Shift the motion by an offset, or set how that is done; returns at once."""
+
     def stop_motion(self, request: MotionRequest | YieldRequest) -> None:
         """Ask for a stop and wait for standstill."""
 
@@ -364,8 +387,25 @@ class Robot(Protocol):
     def popup(self, text: str, title: str, level: str, *, is_blocking: bool) -> None:
         """Show a message window; wait for its confirmation when it blocks."""
 
-    def warn_once(self, key: str, text: str) -> None:
+    def warn_once(self, key: str, text: str, *, code: str = "", hint: str = "") -> None:
         """Record a warning, the first time in this program that `key` comes by."""
+
+    def mistaken(self, meaning: str, value: Six) -> Doubt | None:
+        """The doubt about joint positions where a pose belongs, or the reverse: a command has returned these numbers.
+
+        Args:
+            meaning: of the parameter.
+            value: what it gets.
+        """
+
+    def remember(self, kind: str, value: Six) -> None:
+        """Keep what a command returns, `joints` or a `pose`, so that `mistaken` knows it again."""
+
+    def hold_doubts(self, doubts: Sequence[Doubt]) -> None:
+        """Keep doubts about the call that is made now until it is accepted; none of them when it is refused."""
+
+    def tell_doubts(self) -> None:
+        """Record the doubts that are held as warnings, each once for a line."""
 
     def random(self) -> float:
         """Next number in [0, 1) of the program's seeded generator."""

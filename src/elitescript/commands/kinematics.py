@@ -30,7 +30,7 @@ def _nearest(
     return nearest(candidates, q_near, machine.joint_ranges), candidates
 
 
-@command(family="math", manual="2.2.1", spellings={"qNear": "qnear"})
+@command(family="math", manual="2.2.1")
 def get_inverse_kin(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: OptionalTcp = None) -> JointPositions:
     """Joint positions that bring the TCP to a pose.
 
@@ -67,7 +67,7 @@ def get_inverse_kin(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: Op
     )
 
 
-@command(family="math", manual="2.2.2", spellings={"qNear": "qnear"})
+@command(family="math", manual="2.2.2")
 def get_inverse_kin_has_solution(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: OptionalTcp = None) -> Bool:
     """Whether `get_inverse_kin` would find joint positions.
 

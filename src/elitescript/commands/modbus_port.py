@@ -1,7 +1,7 @@
 """The controller's own MODBUS server, from inside (manual 2.10 chapter 4.1).
 
-Programs see the same registers and coils as clients. A program may set whatever a client may set; anything else is an
-alarm (*assumed*).
+Programs see the same registers and coils as clients. A program may set whatever a client may set; a write to any other
+address changes nothing, with one warning for each address in a program (*assumed*).
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.quantities import Bool, Integer, Whole
 from elitescript.commands.registry import command
+from elitescript.errors import MirroredAddressError
 from elitescript.messages.machine import WritePortCoils, WritePortRegisters
 from elitescript.messages.signals import WORD_MAX
 
@@ -55,14 +56,13 @@ def write_port_bit(robot: Robot, address: _Coil, value: Bool) -> None:
     """Set a coil of the controller's own MODBUS server.
 
     Args:
-        address: number of the coil; the range is that of `read_port_bit` (*assumed*).
+        address: number of the coil; the range is that of `read_port_bit` (*assumed*). Those from 32 on can be set.
         value: value to store.
 
     Raises:
-        InvalidValueError: nobody sets that coil; those from 32 on can be set.
         ScriptStateError: the coil is a tool pin that is no output.
     """
-    robot.request(WritePortCoils(address, (value,)))
+    _write(robot, "write_port_bit", WritePortCoils(address, (value,)))
 
 
 @command(family="modbus", manual="4.1.12")
@@ -74,7 +74,15 @@ def write_port_register(robot: Robot, address: _Register, value: Annotated[int, 
         value: value to store, 16 bits signed or unsigned.
 
     Raises:
-        InvalidValueError: nobody sets that register, or it cannot have that value.
+        InvalidValueError: the register cannot have that value.
         ScriptStateError: the register sets a tool pin that is no output.
     """
-    robot.request(WritePortRegisters(address, (value & WORD_MAX,)))
+    _write(robot, "write_port_register", WritePortRegisters(address, (value & WORD_MAX,)))
+
+
+def _write(robot: Robot, name: str, request: WritePortCoils | WritePortRegisters) -> None:
+    try:
+        robot.request(request)
+    except MirroredAddressError as error:
+        hint = "docs/reference/modbus.md lists what can be set"
+        robot.warn_once(f"{name} {request.first}", f"{name}: {error}; nothing changes", code="W260", hint=hint)

@@ -6,18 +6,14 @@ that does not answer in time, whose answer is broken, or that refuses (*assumed*
 
 from __future__ import annotations
 
-from typing import Final
-
 from elitescript.commands import modbus_rtu as rtu
 from elitescript.commands.context import Robot
 from elitescript.commands.quantities import TimeOut, Whole
 from elitescript.commands.registry import alias, command
 from elitescript.commands.serial import CABINET_PORT, CabinetPort, cabinet_device
 
-_SPELLINGS: Final = {"addr": "address", "time_out": "timeout"}
 
-
-@command(family="modbus_rtu", manual="3.48", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.48", waits=True)
 def serial_modbus_write_registers(
     robot: Robot,
     slave: rtu.Slave,
@@ -41,7 +37,7 @@ def serial_modbus_write_registers(
     return rtu.write(robot, cabinet_device(robot, port), rtu.WRITE_REGISTERS, slave, address, data, timeout)
 
 
-@command(family="modbus_rtu", manual="3.49", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.49", waits=True)
 def serial_modbus_write_bits(
     robot: Robot,
     slave: rtu.Slave,
@@ -65,7 +61,7 @@ def serial_modbus_write_bits(
     return rtu.write(robot, cabinet_device(robot, port), rtu.WRITE_COILS, slave, address, data, timeout)
 
 
-@command(family="modbus_rtu", manual="3.50", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.50", waits=True)
 def serial_modbus_read_registers(
     robot: Robot,
     slave: rtu.Slave,
@@ -89,7 +85,7 @@ def serial_modbus_read_registers(
     return rtu.read(robot, cabinet_device(robot, port), rtu.READ_HOLDING_REGISTERS, slave, address, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.51", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.51", waits=True)
 def serial_modbus_read_bits(
     robot: Robot,
     slave: rtu.Slave,
@@ -113,7 +109,7 @@ def serial_modbus_read_bits(
     return rtu.read(robot, cabinet_device(robot, port), rtu.READ_COILS, slave, address, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.52", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.52", waits=True)
 def serial_modbus_read_input_registers(
     robot: Robot,
     slave: rtu.Slave,
@@ -137,7 +133,7 @@ def serial_modbus_read_input_registers(
     return rtu.read(robot, cabinet_device(robot, port), rtu.READ_INPUT_REGISTERS, slave, address, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.53", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.53", waits=True)
 def serial_modbus_read_input_bits(
     robot: Robot,
     slave: rtu.Slave,
@@ -161,7 +157,7 @@ def serial_modbus_read_input_bits(
     return rtu.read(robot, cabinet_device(robot, port), rtu.READ_DISCRETE_INPUTS, slave, address, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.54", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.54", waits=True)
 def serial_modbus_write_single_bit(
     robot: Robot,
     slave: rtu.Slave,
@@ -185,7 +181,7 @@ def serial_modbus_write_single_bit(
     return rtu.write(robot, cabinet_device(robot, port), rtu.WRITE_COIL, slave, address, int(data != 0), timeout)
 
 
-@command(family="modbus_rtu", manual="3.55", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.55", waits=True)
 def serial_modbus_write_single_register(
     robot: Robot,
     slave: rtu.Slave,

@@ -6,19 +6,14 @@ that does not answer in time, whose answer is broken, or that refuses (*assumed*
 
 from __future__ import annotations
 
-from typing import Final
-
 from elitescript.commands import modbus_rtu as rtu
 from elitescript.commands.context import Robot
 from elitescript.commands.quantities import Bool, TimeOut, Whole
 from elitescript.commands.registry import command
 from elitescript.commands.serial import TOOL_PORT
 
-_SPELLINGS: Final = {"address": "addr", "time_out": "timeout"}
-_READ_SPELLINGS: Final = {"address": "addr", "timeout": "time_out"}
 
-
-@command(family="modbus_rtu", manual="3.33", spellings=_READ_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.33", waits=True)
 def tool_modbus_read_registers(
     robot: Robot, slave: rtu.Slave, addr: rtu.Address, len: rtu.Count, time_out: TimeOut = 5
 ) -> rtu.Values:
@@ -36,7 +31,7 @@ def tool_modbus_read_registers(
     return rtu.read(robot, TOOL_PORT, rtu.READ_HOLDING_REGISTERS, slave, addr, len, time_out)
 
 
-@command(family="modbus_rtu", manual="3.34", spellings=_READ_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.34", waits=True)
 def tool_modbus_read_bits(
     robot: Robot, slave: rtu.Slave, addr: rtu.Address, len: rtu.Count, time_out: TimeOut = 5
 ) -> rtu.Values:
@@ -54,7 +49,7 @@ def tool_modbus_read_bits(
     return rtu.read(robot, TOOL_PORT, rtu.READ_COILS, slave, addr, len, time_out)
 
 
-@command(family="modbus_rtu", manual="3.35", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.35", waits=True)
 def tool_modbus_write_registers(
     robot: Robot, slave: rtu.Slave, addr: rtu.Address, data: rtu.Registers, timeout: TimeOut = 5
 ) -> Bool:
@@ -72,7 +67,7 @@ def tool_modbus_write_registers(
     return bool(rtu.write(robot, TOOL_PORT, rtu.WRITE_REGISTERS, slave, addr, data, timeout))
 
 
-@command(family="modbus_rtu", manual="3.36", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.36", waits=True)
 def tool_modbus_write_bits(
     robot: Robot, slave: rtu.Slave, addr: rtu.Address, data: rtu.Bits, timeout: TimeOut = 5
 ) -> Bool:
@@ -90,7 +85,7 @@ def tool_modbus_write_bits(
     return bool(rtu.write(robot, TOOL_PORT, rtu.WRITE_COILS, slave, addr, data, timeout))
 
 
-@command(family="modbus_rtu", manual="3.37", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.37", waits=True)
 def tool_modbus_read_input_registers(
     robot: Robot, slave: rtu.Slave, addr: rtu.Address, len: rtu.Count, timeout: TimeOut = 5
 ) -> rtu.Values:
@@ -108,7 +103,7 @@ def tool_modbus_read_input_registers(
     return rtu.read(robot, TOOL_PORT, rtu.READ_INPUT_REGISTERS, slave, addr, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.38", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.38", waits=True)
 def tool_modbus_read_input_bits(
     robot: Robot, slave: rtu.Slave, addr: rtu.Address, len: rtu.Count, timeout: TimeOut = 5
 ) -> rtu.Values:
@@ -126,7 +121,7 @@ def tool_modbus_read_input_bits(
     return rtu.read(robot, TOOL_PORT, rtu.READ_DISCRETE_INPUTS, slave, addr, len, timeout)
 
 
-@command(family="modbus_rtu", manual="3.39", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.39", waits=True)
 def tool_modbus_write_single_bit(
     robot: Robot, slave: rtu.Slave, addr: rtu.Address, data: Whole, timeout: TimeOut = 5
 ) -> Whole:
@@ -144,7 +139,7 @@ def tool_modbus_write_single_bit(
     return rtu.write(robot, TOOL_PORT, rtu.WRITE_COIL, slave, addr, int(data != 0), timeout)
 
 
-@command(family="modbus_rtu", manual="3.40", spellings=_SPELLINGS, waits=True)
+@command(family="modbus_rtu", manual="3.40", waits=True)
 def tool_modbus_write_single_register(
     robot: Robot, slave: rtu.Slave, addr: rtu.Address, data: rtu.RegisterValue, timeout: TimeOut = 5
 ) -> Whole:

@@ -32,7 +32,6 @@ _Slave = Annotated[int, Integer(0, 255)]
 @command(
     family="modbus",
     manual="4.1.1",
-    spellings={"singal_type": "signal_type", "singal_name": "signal_name"},
 )
 def modbus_add_signal(
     robot: Robot,
@@ -49,7 +48,8 @@ def modbus_add_signal(
 
     Outputs are read until a program sets them for the first time, and written from then on, 10 times a second
     (*assumed*) unless `modbus_set_signal_update_frequency` says otherwise. Signals stay when the program ends
-    (*assumed*); with `elitescript run` they end with the run.
+    (*assumed*): the next program of the same robot finds them. What was set last is written before `elitescript run`
+    ends.
 
     Args:
         IP: address of the device.
@@ -78,7 +78,7 @@ def modbus_add_signal(
     )
 
 
-@command(family="modbus", manual="4.1.2", spellings={"singal_name": "signal_name"})
+@command(family="modbus", manual="4.1.2")
 def modbus_delete_signal(robot: Robot, signal_name: Str) -> None:
     """Remove a signal.
 
@@ -226,7 +226,7 @@ def modbus_set_output_register(
     robot.modbus.set(signal_name, tuple(value & 0xFFFF for value in values), is_digital=False)
 
 
-@command(family="modbus", manual="4.1.6", spellings={"ignal_name": "signal_name"})
+@command(family="modbus", manual="4.1.6")
 def modbus_set_output_signal(
     robot: Robot, signal_name: Str, digital_value: Annotated[Any, Either(Boolean(), Vector(Boolean(), None))]
 ) -> None:
@@ -262,7 +262,7 @@ def modbus_set_runstate_dependent_choice(
     robot.modbus.tie(signal_name, runstate_choice)
 
 
-@command(family="modbus", manual="4.1.8", spellings={"update_freqency": "update_frequency"})
+@command(family="modbus", manual="4.1.8")
 def modbus_set_signal_update_frequency(
     robot: Robot, signal_name: Str, update_frequency: Annotated[int, Integer(0, 250, "Hz")]
 ) -> None:

@@ -6,17 +6,18 @@ anything moves. How the arm gets to its target is the business of the motion pac
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from elitescript.commands.quantities import (
     BlendRadius,
     JointAcceleration,
+    JointDeceleration,
     JointPositions,
     JointSpeed,
-    Number,
     Pose,
     Seconds,
     ToolAcceleration,
+    ToolDeceleration,
     ToolSpeed,
     Whole,
 )
@@ -30,9 +31,17 @@ if TYPE_CHECKING:
 def blend_radius(robot: Robot, r: float) -> float:
     """Return the radius that an argument r stands for, m: below 0 there is none, and a warning says so once."""
     if r < 0.0:
-        robot.warn_once("negative radius", f"r = {r:g} m is taken for 0: the arm stops at the waypoint")
+        robot.warn_once("negative radius", negative_radius_text(r), code="W250", hint=NEGATIVE_RADIUS_HINT)
         return 0.0
     return r
+
+
+def negative_radius_text(r: float) -> str:
+    """What is said about a blend radius below 0, before and during the run."""
+    return f"r = {r:g} m is taken for 0: the arm stops at the waypoint"
+
+
+NEGATIVE_RADIUS_HINT = "write r=0 to stop there"
 
 
 @command(family="motion", manual="2.1.1", waits=True, works_in_sec=False)
@@ -68,7 +77,7 @@ def movej(
     robot.move(MoveJ(q, a or default_a, v or default_v, t, blend_radius(robot, r)))
 
 
-@command(family="motion", manual="2.1.3", spellings={"pose": "p"}, waits=True, works_in_sec=False)
+@command(family="motion", manual="2.1.3", waits=True, works_in_sec=False)
 def movel(
     robot: Robot,
     p: Pose,
@@ -135,7 +144,7 @@ def movec(
 
 
 @command(family="motion", manual="2.1.27", waits=True, works_in_sec=False)
-def stopj(robot: Robot, a: Annotated[float, Number("rad/s^2", 0.0, is_low_open=True)]) -> None:
+def stopj(robot: Robot, a: JointDeceleration) -> None:
     """Brake all joints to standstill; return when the arm stands.
 
     Does nothing when the arm stands already.
@@ -147,7 +156,7 @@ def stopj(robot: Robot, a: Annotated[float, Number("rad/s^2", 0.0, is_low_open=T
 
 
 @command(family="motion", manual="2.1.28", waits=True, works_in_sec=False)
-def stopl(robot: Robot, a: Annotated[float, Number("m/s^2", 0.0, is_low_open=True)]) -> None:
+def stopl(robot: Robot, a: ToolDeceleration) -> None:
     """Brake the tool along its path to standstill; return when the arm stands.
 
     Does nothing when the arm stands already.

@@ -5,34 +5,29 @@ Sources: programs that the pendant generated, the vendor's SDK and support pages
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.motion import blend_radius
 from elitescript.commands.quantities import (
     Any_,
+    Anything,
     BlendRadius,
     Bool,
-    Integer,
-    Metres,
     Number,
     Pose,
-    Radians,
-    Real,
     ToolAcceleration,
     ToolSpeed,
     Vector,
     Whole,
 )
 from elitescript.commands.registry import command
-from elitescript.errors import InvalidValueError, NotSimulatedError
+from elitescript.errors import InvalidValueError
 from elitescript.kinematics.pose import frame_from_points
 from elitescript.messages.machine import SetClientSensor, SetOption
 from elitescript.messages.motion import MoveP
 
 if TYPE_CHECKING:
     from elitescript.commands.context import Robot
-
-_NO_PATH_OFFSET: Final = "path offsets are not simulated"
 
 _Vector3 = Annotated[tuple[float, float, float], Vector(Number(), 3, "m")]
 _PointOrPose = Annotated[tuple[float, ...], Vector(Number(), None, "m")]
@@ -79,7 +74,7 @@ def set_tool_second_power_on(robot: Robot, b: Bool) -> None:
     robot.request(SetOption("tool_second_power_on", b))
 
 
-@command(family="observed", evidence="observed", spellings={"p": "pose"}, waits=True, works_in_sec=False)
+@command(family="observed", evidence="observed", waits=True, works_in_sec=False)
 def movep(robot: Robot, pose: Pose, a: ToolAcceleration = 1.2, v: ToolSpeed = 0.25, r: BlendRadius = 0) -> None:
     """Move the TCP on a straight line, at constant tool speed; seen in generated welding programs.
 
@@ -129,64 +124,38 @@ def cal_rpy_frame(origin: _PointOrPose, x_axis: _PointOrPose, y_axis: _PointOrPo
 
 
 @command(family="observed", evidence="observed")
+def pin_thread(robot: Robot, thread_id: Whole = 0, core: Whole = 0) -> None:
+    """Stored without effect: threads of a program take turns here, whatever core of a real controller runs them.
+
+    Only the name has been seen; what it takes is *assumed*.
+
+    Args:
+        thread_id: what `start_thread` returned; 0 for the calling thread.
+        core: number of the core.
+    """
+    robot.request(SetOption("pin_thread", core))
+
+
+@command(family="observed", evidence="observed")
+def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")]:
+    """Devices of the serial ports that are enabled.
+
+    A post-processor knows the name; what it returns is *assumed*.
+
+    Returns:
+        `tool` and the devices of the control box, in the order of their names; empty if none is enabled.
+    """
+    return robot.lines.open_devices()
+
+
+@command(family="observed", evidence="observed")
 def get_target_tcp_pose_along_path(robot: Robot) -> Pose:
-    """Commanded pose of the TCP without path offset: here the same as `get_target_tcp_pose`.
+    """Commanded pose of the TCP without the path offset; `get_target_tcp_pose` is the one with it.
 
     Returns:
         [x, y, z, Rx, Ry, Rz] in the base frame.
     """
-    return robot.machine.state().tcp_pose_target
-
-
-@command(family="observed", evidence="observed", is_simulated=False)
-def path_offset_enable() -> None:
-    """Begin to shift moves by a path offset; seen in generated welding programs."""
-    raise NotSimulatedError(_NO_PATH_OFFSET)
-
-
-@command(family="observed", evidence="observed", is_simulated=False)
-def path_offset_set(offset: Pose, type: Annotated[int, Integer(1, 3)]) -> None:
-    """Set the path offset.
-
-    Args:
-        offset: the offset.
-        type: frame in which it counts: 1 base, 2 TCP, 3 direction of motion.
-    """
-    raise NotSimulatedError(_NO_PATH_OFFSET)
-
-
-@command(family="observed", evidence="observed", is_simulated=False)
-def path_offset_get(type: Annotated[int, Integer(1, 3)]) -> Pose:
-    """The path offset.
-
-    Args:
-        type: frame in which it counts: 1 base, 2 TCP, 3 direction of motion.
-
-    Returns:
-        The offset.
-    """
-    raise NotSimulatedError(_NO_PATH_OFFSET)
-
-
-@command(family="observed", evidence="observed", is_simulated=False)
-def path_offset_set_max_offset(a: Metres, b: Radians) -> None:
-    """Limit the path offset.
-
-    Args:
-        a: greatest translation.
-        b: greatest rotation.
-    """
-    raise NotSimulatedError(_NO_PATH_OFFSET)
-
-
-@command(family="observed", evidence="observed", is_simulated=False)
-def path_offset_set_alpha_filter(a: Real) -> None:
-    """Smooth the path offset.
-
-    Args:
-        a: weight of the newest value.
-    """
-    raise NotSimulatedError(_NO_PATH_OFFSET)
+    return robot.machine.tcp_pose_along_path()
 
 
 @command(family="observed", evidence="observed")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from textwrap import wrap
-from typing import Final
+from typing import Any, Final
 
 from elitescript.commands.quantities import Quantity
 from elitescript.commands.registry import Catalogue, Command
@@ -86,6 +86,69 @@ def index(catalogue: Catalogue) -> str:
     simulated = sum(command.is_simulated for command in catalogue)
     lines.append(f"{len(catalogue)} commands, {simulated} simulated; (-) marks those that are not yet")
     return "\n".join(lines)
+
+
+def matches(catalogue: Catalogue, word: str) -> list[Command]:
+    """Commands that a word finds: by name first, then by parameters, then by what is said about them.
+
+    Args:
+        catalogue: all commands.
+        word: letters, in any case; several words must all be found.
+    """
+    words = word.lower().split()
+    ranked = []
+    for command in catalogue:
+        details = command.details
+        names = " ".join((command.name, *command.aliases)).lower()
+        params = " ".join(text for param in command.params for text in (param.name, *param.spellings)).lower()
+        texts = (details.summary, details.behaviour, details.returns_text, *(param.text for param in command.params))
+        places = (names, params, " ".join(texts).lower())
+        ranks = [next((rank for rank, place in enumerate(places) if part in place), None) for part in words]
+        if ranks and None not in ranks:
+            ranked.append((max(rank for rank in ranks if rank is not None), command.name, command))
+    return [command for _, _, command in sorted(ranked, key=lambda item: item[:2])]
+
+
+def row_of(command: Command) -> str:
+    """One command in a line: name and what it does."""
+    mark = "" if command.is_simulated else "(not simulated) "
+    return f"{command.name:<36} {mark}{' '.join(command.details.summary.split())}"
+
+
+def record(command: Command) -> dict[str, Any]:
+    """All that is known of a command, as plain values."""
+    details = command.details
+    return {
+        "name": command.name,
+        "signature": command.signature,
+        "family": command.family,
+        "since": command.since,
+        "evidence": command.evidence,
+        "manual": command.manual,
+        "alias_of": command.alias_of or None,
+        "aliases": list(command.aliases),
+        "simulated": command.is_simulated,
+        "in_secondary": command.works_in_sec,
+        "summary": " ".join(details.summary.split()),
+        "description": details.behaviour,
+        "parameters": [
+            {
+                "name": param.name,
+                "type": param.quantity.type_name,
+                "unit": param.quantity.unit,
+                "range": param.quantity.limit,
+                "required": param.is_required,
+                "default": None if param.is_required else param.default_text,
+                "spellings": list(param.spellings),
+                "description": param.text,
+            }
+            for param in command.params
+        ],
+        "returns": {"type": kind_of(details.returns), "description": details.returns_text}
+        if details.returns_text
+        else None,
+        "raises": dict(details.raises),
+    }
 
 
 def _row(command: Command) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING, Annotated, Final
 
-from elitescript.commands.quantities import Number, Pose, Vector
+from elitescript.commands.quantities import Number, TcpOffset, Vector
 from elitescript.commands.registry import command
 from elitescript.messages.machine import SetGravity, SetPayload, SetTcp
 from elitescript.messages.motion import Six
@@ -16,11 +16,13 @@ if TYPE_CHECKING:
 GRAVITY_RANGE: Final = (9.6, 10.0)
 """What `set_gravity` is given on earth, m/s^2; anything else is carried out, with a warning."""
 
-CentreOfGravity = Annotated[tuple[float, float, float], Vector(Number(), 3, "m", "[CoGx, CoGy, CoGz]")]
+CentreOfGravity = Annotated[
+    tuple[float, float, float], Vector(Number(), 3, "m", "[CoGx, CoGy, CoGz]", meaning="centre of gravity")
+]
 
 
 @command(family="motion", manual="2.1.19")
-def set_tcp(robot: Robot, pose: Pose) -> None:
+def set_tcp(robot: Robot, pose: TcpOffset) -> None:
     """Set the active TCP.
 
     Cartesian moves, readings of the TCP and the kinematics commands use it from now on; the arm does not move.
@@ -32,7 +34,7 @@ def set_tcp(robot: Robot, pose: Pose) -> None:
 
 
 @command(family="motion", manual="2.1.33")
-def get_tcp_offset(robot: Robot) -> Pose:
+def get_tcp_offset(robot: Robot) -> TcpOffset:
     """The active TCP.
 
     Returns:
@@ -44,7 +46,7 @@ def get_tcp_offset(robot: Robot) -> Pose:
 @command(family="motion", manual="2.1.16")
 def set_payload(
     robot: Robot,
-    m: Annotated[float, Number("kg", 0.0)],
+    m: Annotated[float, Number("kg", 0.0, meaning="payload")],
     CoG: CentreOfGravity,
     inertia: Annotated[Six, Vector(Number(), 6, "kg*m^2", "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]")] = (0, 0, 0, 0, 0, 0),
 ) -> None:
@@ -62,13 +64,6 @@ def set_payload(
         ArgumentRangeError: `m` is negative or above the nominal load of the model.
     """
     robot.request(SetPayload(m, CoG, inertia))
-    arm = robot.machine.arm
-    distance, reach = hypot(*CoG), abs(arm.a2) + abs(arm.a3) + arm.d5
-    if distance > reach:
-        robot.warn_once(
-            "set_payload CoG",
-            f"set_payload: CoG is {distance:g} m from the flange, the arm reaches {reach:.3g} m; CoG is in metres",
-        )
     if any(inertia):
         from elitescript.kinematics.inertia import is_inertia_of_a_body
 

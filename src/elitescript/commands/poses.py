@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from elitescript.commands.quantities import Number, Pose, Real, Vector
+from elitescript.commands.quantities import Frame, Number, Pose, Real, Vector
 from elitescript.commands.registry import command
 from elitescript.kinematics import pose as algebra
 
@@ -16,7 +16,7 @@ _Angles = Annotated[tuple[float, float, float], Vector(Number(), 3, "rad")]
 
 
 @command(family="math", manual="2.2.24")
-def point_dist(p_from: Pose, p_to: Pose) -> Annotated[float, Number("m")]:
+def point_dist(p_from: Frame, p_to: Frame) -> Annotated[float, Number("m")]:
     """Distance of the positions of two poses; orientations do not count.
 
     Args:
@@ -30,7 +30,7 @@ def point_dist(p_from: Pose, p_to: Pose) -> Annotated[float, Number("m")]:
 
 
 @command(family="math", manual="2.2.25")
-def pose_add(p_1: Pose, p_2: Pose) -> Pose:
+def pose_add(p_1: Frame, p_2: Frame) -> Frame:
     """Sum of the positions, product of the orientations: p_1.P + p_2.P and R(p_1) R(p_2).
 
     Args:
@@ -44,7 +44,7 @@ def pose_add(p_1: Pose, p_2: Pose) -> Pose:
 
 
 @command(family="math", manual="2.2.26")
-def pose_dist(p_from: Pose, p_to: Pose) -> Real:
+def pose_dist(p_from: Frame, p_to: Frame) -> Real:
     """Root of the sum of the six squared differences of two poses, m and rad mixed.
 
     Angles are subtracted as they stand; only this gives the result that the manual prints.
@@ -60,7 +60,7 @@ def pose_dist(p_from: Pose, p_to: Pose) -> Real:
 
 
 @command(family="math", manual="2.2.27")
-def pose_inv(p_from: Pose) -> Pose:
+def pose_inv(p_from: Frame) -> Frame:
     """Inverse of a pose: where the reference frame is, seen from the frame `p_from`.
 
     Args:
@@ -73,7 +73,7 @@ def pose_inv(p_from: Pose) -> Pose:
 
 
 @command(family="math", manual="2.2.28")
-def pose_sub(p_to: Pose, p_from: Pose) -> Pose:
+def pose_sub(p_to: Frame, p_from: Frame) -> Frame:
     """Difference of the positions with the rotation between the orientations: R(p_from)^-1 R(p_to).
 
     The difference of the positions stays in the axes in which they are given.
@@ -88,8 +88,8 @@ def pose_sub(p_to: Pose, p_from: Pose) -> Pose:
     return algebra.pose_sub(p_to, p_from)
 
 
-@command(family="math", manual="2.2.29", spellings={"p_fom": "p_from"})
-def pose_trans(p_from: Pose, p_from_to: Pose) -> Pose:
+@command(family="math", manual="2.2.29")
+def pose_trans(p_from: Frame, p_from_to: Frame) -> Pose:
     """Chain two poses: T(p_from) T(p_from_to).
 
     Args:
@@ -129,7 +129,7 @@ def rpy2rotvec(rpy_vector: _Angles) -> _Angles:
 
 
 @command(family="math", manual="2.2.32")
-def interpolate_pose(p_from: Pose, p_to: Pose, alpha: Real) -> Pose:
+def interpolate_pose(p_from: Frame, p_to: Frame, alpha: Real) -> Frame:
     """Pose on the straight line from one pose to another, turning about one fixed axis.
 
     Args:

@@ -31,13 +31,20 @@ def shown(value: Any) -> str:
 
 
 class Quantity:
-    """A kind of value that scripts pass to commands."""
+    """A kind of value that scripts pass to commands.
 
-    __slots__ = ("type_name", "unit")
+    Attributes:
+        type_name: as signatures print it.
+        unit: its unit; empty for a plain number.
+        meaning: row of `plausibility.JUDGES`, which says what is legal but hardly meant; empty if nothing is known.
+    """
 
-    def __init__(self, type_name: str, unit: str = "") -> None:
+    __slots__ = ("meaning", "type_name", "unit")
+
+    def __init__(self, type_name: str, unit: str = "", meaning: str = "") -> None:
         self.type_name = type_name
         self.unit = unit
+        self.meaning = meaning
 
     @property
     def limit(self) -> str:
@@ -55,9 +62,8 @@ class Quantity:
     def wrong_type(self, value: Any, wanted: str = "") -> ScriptError:
         """The error for a value of another type."""
         wanted = wanted or self.type_name
-        return ArgumentTypeError(
-            f"must be {wanted}, not {type(value).__name__} {shown(value)}", value=value, limit=wanted, unit=self.unit
-        )
+        given = "None" if value is None else f"{type(value).__name__} {shown(value)}"
+        return ArgumentTypeError(f"must be {wanted}, not {given}", value=value, limit=wanted, unit=self.unit)
 
     def out_of_range(self, value: Any, limit: str = "") -> ScriptError:
         """The error for a value outside its range, or outside `limit` when that says it better."""
@@ -88,8 +94,9 @@ class Number(Quantity):
         *,
         is_low_open: bool = False,
         allows_non_finite: bool = False,
+        meaning: str = "",
     ) -> None:
-        super().__init__("float", unit)
+        super().__init__("float", unit, meaning)
         self.low = low
         self.high = high
         self.is_low_open = is_low_open
@@ -222,9 +229,11 @@ class Vector(Quantity):
 
     __slots__ = ("count", "element", "names")
 
-    def __init__(self, element: Quantity, count: int | None, unit: str = "", names: str = "") -> None:
+    def __init__(
+        self, element: Quantity, count: int | None, unit: str = "", names: str = "", *, meaning: str = ""
+    ) -> None:
         size = f" of {count}" if count else ""
-        super().__init__(f"list[{element.type_name}]{size}", unit or element.unit)
+        super().__init__(f"list[{element.type_name}]{size}", unit or element.unit, meaning)
         self.element = element
         self.count = count
         self.names = names
@@ -294,7 +303,7 @@ class Optionally(Quantity):
     __slots__ = ("inner", "placeholder")
 
     def __init__(self, inner: Quantity, placeholder: str | None = "") -> None:
-        super().__init__(inner.type_name, inner.unit)
+        super().__init__(inner.type_name, inner.unit, inner.meaning)
         self.inner = inner
         self.placeholder = placeholder
 
@@ -315,24 +324,31 @@ def signal_index(name: str) -> Integer:
 
 _POSE_NAMES: Final = "[x, y, z, Rx, Ry, Rz]"
 _JOINT_NAMES: Final = "[base, shoulder, elbow, wrist1, wrist2, wrist3]"
-POSE: Final = Vector(Number(), 6, "m, rad", _POSE_NAMES)
-JOINTS: Final = Vector(Number(), 6, "rad", _JOINT_NAMES)
+POSE: Final = Vector(Number(), 6, "m, rad", _POSE_NAMES, meaning="pose")
+JOINTS: Final = Vector(Number(), 6, "rad", _JOINT_NAMES, meaning="joints")
+TCP: Final = Vector(Number(), 6, "m, rad", _POSE_NAMES, meaning="tcp")
 
 JointPositions = Annotated[Six, JOINTS]
-JointSpeeds = Annotated[Six, Vector(Number(), 6, "rad/s", _JOINT_NAMES)]
+JointSpeeds = Annotated[Six, Vector(Number(), 6, "rad/s", _JOINT_NAMES, meaning="joint speeds")]
 Pose = Annotated[Six, POSE]
-TcpSpeed = Annotated[Six, Vector(Number(), 6, "m/s, rad/s", "[Vx, Vy, Vz, RVx, RVy, RVz]")]
+"""A pose of the arm, in metres: what it is told to take, or takes."""
+Frame = Annotated[Six, Vector(Number(), 6, "m, rad", _POSE_NAMES)]
+"""Any transform; programs also compute with such lists in other units, or with other lists of six numbers."""
+TcpOffset = Annotated[Six, TCP]
+TcpSpeed = Annotated[Six, Vector(Number(), 6, "m/s, rad/s", "[Vx, Vy, Vz, RVx, RVy, RVz]", meaning="tool velocity")]
 OptionalJoints = Annotated[Six | None, Optionally(JOINTS)]
-OptionalTcp = Annotated[Six | None, Optionally(POSE, "active tcp")]
+OptionalTcp = Annotated[Six | None, Optionally(TCP, "active tcp")]
 
-JointAcceleration = Annotated[float, Number("rad/s^2", 0.0)]
-JointSpeed = Annotated[float, Number("rad/s", 0.0)]
-ToolAcceleration = Annotated[float, Number("m/s^2", 0.0)]
-ToolSpeed = Annotated[float, Number("m/s", 0.0)]
+JointAcceleration = Annotated[float, Number("rad/s^2", 0.0, meaning="joint acceleration")]
+JointSpeed = Annotated[float, Number("rad/s", 0.0, meaning="joint speed")]
+JointDeceleration = Annotated[float, Number("rad/s^2", 0.0, is_low_open=True, meaning="joint acceleration")]
+ToolAcceleration = Annotated[float, Number("m/s^2", 0.0, meaning="tool acceleration")]
+ToolSpeed = Annotated[float, Number("m/s", 0.0, meaning="tool speed")]
+ToolDeceleration = Annotated[float, Number("m/s^2", 0.0, is_low_open=True, meaning="tool acceleration")]
 Seconds = Annotated[float, Number("s", 0.0)]
 TimeOut = Annotated[float, Number("s")]
 Metres = Annotated[float, Number("m", 0.0)]
-BlendRadius = Annotated[float, Number("m", -0.001)]
+BlendRadius = Annotated[float, Number("m", -0.001, meaning="blend radius")]
 Radians = Annotated[float, Number("rad")]
 Real = Annotated[float, Number()]
 Whole = Annotated[int, Integer()]

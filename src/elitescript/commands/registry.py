@@ -8,11 +8,14 @@ use few commands and all of them start often.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, Final, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
 
 from elitescript.commands.quantities import Anything, Optionally, Quantity, shown
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
 from elitescript.messages.profile import release_of
+
+if TYPE_CHECKING:
+    from elitescript.commands.plausibility import Doubt, Judge
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -20,6 +23,10 @@ REQUIRED: Final = object()
 """Default of a parameter that has none."""
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
+
+_TARGET_REFUSALS: Final = ("R102", "R110", "R111")
+_TARGET_DOUBTS: Final = ("W230", "W231", "W233", "W237")
+"""Refusals of a target or load, and the doubts that can explain them."""
 
 _OMITTED: Final = object()
 _VARIADIC: Final = 0x04
@@ -57,6 +64,23 @@ class Param:
         if isinstance(self.default, tuple) and self.default:
             return repr(list(self.default))
         return repr(self.default)
+
+
+SPELLINGS: Final = {
+    "addr": ("address",),
+    "address": ("addr",),
+    "p": ("pose",),
+    "p_from": ("p_fom",),
+    "pose": ("p",),
+    "qNear": ("qnear",),
+    "qnear": ("qNear",),
+    "signal_name": ("singal_name", "ignal_name"),
+    "signal_type": ("singal_type",),
+    "time_out": ("timeout",),
+    "timeout": ("time_out",),
+    "update_frequency": ("update_freqency",),
+}
+"""How the manuals spell one parameter from command to command, misprints included: every command takes all of them."""
 
 
 class Command:
@@ -120,7 +144,7 @@ class Command:
         """Whether arguments beyond the signature are passed on as they are."""
         self._details: _Details | None = None
 
-    def renamed(self, name: str, since: str = "", evidence: str = "") -> Command:
+    def renamed(self, name: str, since: str = "", evidence: str = "", *, is_simulated: bool | None = None) -> Command:
         """The same command under another name."""
         return Command(
             self.function,
@@ -131,7 +155,7 @@ class Command:
             evidence or self.evidence,
             self.waits,
             self.works_in_sec,
-            self.is_simulated,
+            self.is_simulated if is_simulated is None else is_simulated,
             self.manual,
             name,
             self.name,
@@ -161,6 +185,35 @@ class Command:
         for param in self.params:
             parts.append(param.name if param.is_required else f"{param.name}={param.default_text}")
         return f"{self.name}({', '.join(parts)})"
+
+    # What is wrong with a call, in the words of both the checker and the run.
+
+    @property
+    def call_hint(self) -> str:
+        """What to do about a wrong call."""
+        return f"it is called as {self.signature}"
+
+    def surplus_text(self, given: int) -> str:
+        """Too many arguments."""
+        most = len(self.params)
+        if not most:
+            return f"{self.name} takes no arguments, got {given}"
+        at_most = "" if all(param.is_required for param in self.params) else "at most "
+        return f"{self.name} takes {at_most}{most} argument{'' if most == 1 else 's'}, got {given}"
+
+    def unknown_argument_text(self, keyword: str) -> str:
+        """An argument of a name that the command does not have."""
+        names = ", ".join(param.name for param in self.params) or "none"
+        return f"{self.name} has no argument `{keyword}`; its arguments: {names}"
+
+    def twice_text(self, name: str) -> str:
+        """One argument by place and by name, or under two names."""
+        return f"{self.name} gets the argument `{name}` twice"
+
+    def missing_text(self, names: list[str]) -> str:
+        """Arguments that the call must pass."""
+        listed = ", ".join(f"`{name}`" for name in names)
+        return f"{self.name} misses the argument{'' if len(names) == 1 else 's'} {listed}"
 
     def bind(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Put arguments in order, fill in defaults, coerce and check.
@@ -196,42 +249,68 @@ class Command:
             text = f"{self.name} moves or waits, which a secondary program (sec) may not do"
             raise ScriptStateError(text, code="R120", command=self.name)
         values = self.bind(args, kwargs)
+        details = self.details
+        doubts = self._doubts(robot, values) if details.judged and robot is not None else None
         try:
+            if doubts:
+                robot.hold_doubts(doubts)
             result = self.function(robot, *values) if self.takes_robot else self.function(*values)
         except ScriptError as error:
             if error.command is None:
                 error.command = self.name
                 error.args = (f"{self.name}: {error.args[0]}",)
+            if doubts:
+                # One finding about one argument: the refusal, with what the doubt knows to do.
+                robot.hold_doubts(())
+                if error.code in _TARGET_REFUSALS:
+                    error.hint = next((doubt.hint for doubt in doubts if doubt.code in _TARGET_DOUBTS), error.hint)
             raise
+        if doubts:
+            robot.tell_doubts()
+        if details.kind and robot is not None:
+            robot.remember(details.kind, result)
         return _as_script_value(result)
+
+    def _doubts(self, robot: Any, values: list[Any]) -> list[Doubt]:
+        """What is legal in these values, but hardly meant; with command and parameter in the text."""
+        found = []
+        for index, param, judge, is_kind in self.details.judged:
+            value = values[index]
+            if value is None or value is param.default_value:
+                continue
+            for doubt in judge(value, robot.machine):
+                found.append(doubt._replace(text=f"{self.name}: {param.name}{doubt.text}"))
+            if is_kind:
+                other = robot.mistaken(param.quantity.meaning, value)
+                if other is not None:
+                    found.append(other._replace(text=f"{self.name}: {param.name}{other.text}"))
+        return found
 
     def _arrange(self, values: list[Any], kwargs: dict[str, Any]) -> None:
         """Bring keyword arguments into place behind the positional ones; mark what is missing."""
         params = self.params
         positional = len(values)
         if positional > len(params) and not self.takes_more:
-            raise self._count_error(f"takes {_arguments(len(params))}, got {positional}: {self.signature}")
+            raise self._count_error(self.surplus_text(positional))
         for keyword in kwargs:
             if not any(keyword == param.name or keyword in param.spellings for param in params):
-                names = ", ".join(param.name for param in params) or "none"
-                raise self._count_error(f"has no argument {keyword!r}; its arguments: {names}")
+                raise self._count_error(self.unknown_argument_text(keyword))
+        missing = []
         for index, param in enumerate(params):
             given = [spelling for spelling in (param.name, *param.spellings) if spelling in kwargs]
             if len(given) + (index < positional) > 1:
-                raise self._count_error(f"got the argument {param.name!r} twice")
+                raise self._count_error(self.twice_text(param.name))
             if given:
                 values.append(kwargs[given[0]])
             elif index >= positional:
                 if param.is_required:
-                    raise self._count_error(f"misses the argument {param.name!r}; it is called as {self.signature}")
+                    missing.append(param.name)
                 values.append(_OMITTED)
+        if missing:
+            raise self._count_error(self.missing_text(missing))
 
     def _count_error(self, text: str) -> ScriptError:
-        return ArgumentCountError(f"{self.name} {text}", command=self.name)
-
-
-def _arguments(count: int) -> str:
-    return "no arguments" if count == 0 else "1 argument" if count == 1 else f"at most {count} arguments"
+        return ArgumentCountError(text, command=self.name, hint=self.call_hint)
 
 
 def _as_script_value(result: Any) -> Any:
@@ -244,7 +323,7 @@ def _as_script_value(result: Any) -> Any:
 class _Details:
     """What the function's own text says about a command."""
 
-    __slots__ = ("behaviour", "params", "raises", "returns", "returns_text", "summary")
+    __slots__ = ("behaviour", "judged", "kind", "params", "raises", "returns", "returns_text", "summary")
 
     def __init__(self, command: Command) -> None:
         from elitescript.commands.docstring import read_docstring
@@ -267,9 +346,26 @@ class _Details:
                 raise InternalError(f"{command.name}: parameter {name!r} lacks a quantity or its line under Args")
             default = defaults[index - first_default] if index >= first_default else REQUIRED
             spellings = tuple(other for other, own in command.spellings.items() if own == name)
+            spellings += tuple(other for other in SPELLINGS.get(name, ()) if other not in names)
             params.append(Param(name, quantity, default, spellings, doc.args[name]))
         self.params = tuple(params)
         self.returns = _quantity(function, "return") or Anything("None")
+        self.judged = _judged(self.params)
+        """Index, parameter, judge, and whether joints and poses are taken for each other there; see `plausibility`."""
+        self.kind = self.returns.meaning if self.returns.meaning in ("joints", "pose") else ""
+        """What a returned list is: `joints`, `pose` or nothing that is followed."""
+
+
+def _judged(params: tuple[Param, ...]) -> tuple[tuple[int, Param, Judge, bool], ...]:
+    if not any(param.quantity.meaning for param in params):
+        return ()
+    from elitescript.commands.plausibility import JUDGES, KINDS
+
+    return tuple(
+        (index, param, JUDGES[param.quantity.meaning], param.quantity.meaning in KINDS)
+        for index, param in enumerate(params)
+        if param.quantity.meaning
+    )
 
 
 def _quantity(function: Callable[..., Any], name: str) -> Quantity | None:

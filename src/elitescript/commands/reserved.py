@@ -14,7 +14,7 @@ RESERVED: Final = frozenset(
     get_drag_adjust_params_idt get_drag_adjust_params_preset get_dyn_collision_force_min_ratio
     get_dyn_drag_speed_max_ratio get_dynamic_data get_target_rtcp_speed is_collision_detect_enabled
     is_disable_tool_led modbus_request_update_signal_value modbus_set_digital_input_action
-    reset_revolution_counter_force rtcp_movec rtcp_movep serial_close serial_open serial_open_list
+    reset_revolution_counter_force rtcp_movec rtcp_movep serial_close serial_open
     set_bool_register_in set_collision_warning_thresh set_config_digital_in
     set_config_digital_in_pair set_disable_tool_led set_dynamic_config
     set_dynamic_data set_dynamic_param set_float_register_in set_highspeed_digital_in set_highspeed_encode_in

@@ -1,6 +1,7 @@
 """Outputs that follow whether a program runs (manual 2.10 sections 3.18 to 3.23).
 
-A choice takes effect whenever a program starts or ends.
+A choice takes effect at once and whenever a program ends; 3 also when one starts. With 1 and 2 the start of a program
+leaves the level as it is, and only a running program can change it. A write without effect is a warning.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ def set_runstate_configurable_digital_output_to_value(
     Args:
         port: index of the output.
         runstate: 0 not tied; 1 low without a program; 2 high without a program; 3 low without, high with a program.
+            With 1 and 2 a program that starts finds the level unchanged; a write without effect is a warning.
     """
     robot.request(SetRunstateChoice("configurable_digital_out", port, RunstateChoice(runstate)))
 
@@ -40,6 +42,7 @@ def set_runstate_gp_boolean_output_to_value(
     Args:
         port: number of the register.
         runstate: 0 not tied; 1 low without a program; 2 high without a program; 3 low without, high with a program.
+            With 1 and 2 a program that starts finds the level unchanged; a write without effect is a warning.
     """
     robot.request(SetRunstateChoice("output_bool_register", port, RunstateChoice(runstate)))
 
@@ -78,6 +81,7 @@ def set_runstate_standard_digital_output_to_value(
     Args:
         port: index of the output.
         runstate: 0 not tied; 1 low without a program; 2 high without a program; 3 low without, high with a program.
+            With 1 and 2 a program that starts finds the level unchanged; a write without effect is a warning.
     """
     robot.request(SetRunstateChoice("standard_digital_out", port, RunstateChoice(runstate)))
 
@@ -91,5 +95,6 @@ def set_runstate_tool_digital_output_to_value(
     Args:
         port: index of the pin.
         runstate: 0 not tied; 1 low without a program; 2 high without a program; 3 low without, high with a program.
+            With 1 and 2 a program that starts finds the level unchanged; a write without effect is a warning.
     """
     robot.request(SetRunstateChoice("tool_digital_out", port, RunstateChoice(runstate)))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from elitescript.commands.context import Robot
 
 
-@command(family="motion", since="2.14", manual="2.14: 3.1.35", spellings={"qnear": "qNear"})
+@command(family="motion", since="2.14", manual="2.14: 3.1.35")
 def is_within_safety_limits(
     robot: Robot,
     p: Annotated[Six | None, Optionally(POSE)] = None,

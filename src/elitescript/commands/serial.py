@@ -189,7 +189,7 @@ def serial_config(
     return robot.lines.enable(device, LineSettings(baud, parity_bit, stop_bit, size), is_modbus=modbus_rtu)
 
 
-@command(family="serial", manual="3.44", spellings={"timeout": "time_out"}, waits=True)
+@command(family="serial", manual="3.44", waits=True)
 def serial_read(
     robot: Robot,
     len: _ByteCount,

@@ -36,7 +36,7 @@ def servoj(
     Args:
         q: joint target of this period.
         t: control time of this target, at least one control period. Without it the default of the firmware counts:
-            0.010 s up to 2.10, 0.004 s from 2.14.
+            0.010 s up to 2.10, 0.004 s from 2.14. A shorter one than that is used, with one warning for each program.
         lookahead_time: window of the smoothing, 0.03 to 0.2 s; a smaller one follows faster, a larger one more
             smoothly.
         gain: how stiffly the arm follows, 100 to 2000; no effect up to firmware 2.10.
@@ -48,6 +48,12 @@ def servoj(
     profile = robot.profile
     t_s = _limited(robot, "t", profile.servoj_t_s if t is None else t, PERIOD_S, None, "s")
     lookahead_s = _limited(robot, "lookahead_time", lookahead_time, *LOOKAHEAD_S, "s")
+    if t_s < profile.servoj_t_s:
+        robot.warn_once(
+            "servoj period",
+            f"servoj: t is {t_s:g} s; firmware {profile.name} documents {profile.servoj_t_s:g} s, and what the real "
+            "robot does with a shorter one is not known",
+        )
     used_gain = _limited(robot, "gain", gain, *GAIN, "") if profile.is_servoj_gain_used else _STANDARD_GAIN
     robot.move(ServoJ(q, t_s, lookahead_s, used_gain))
 

@@ -45,15 +45,20 @@ def octets(number: int) -> Rule:
     return rule
 
 
-def floats(number: int) -> Rule:
-    """Numbers as text in parentheses, between commas and blanks.
+class Floats:
+    """Numbers as text in parentheses, between commas and blanks: a rule. What follows the parenthesis is left.
 
     What stands before the parenthesis is skipped. A list that is shorter than `number` is all that comes, of a longer
     one the rest is dropped, and one ends in front of what is no number (*assumed*). When time is up, the numbers of
     an unfinished list count that have something behind them (*assumed*).
     """
 
-    def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
+    __slots__ = ("_number",)
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+
+    def __call__(self, data: bytearray, is_last: bool) -> tuple[Any, int]:
         begin = data.find(b"(")
         if begin < 0:
             return ([], 0) if is_last else (None, len(data) if len(data) > TEXT_MAX else 0)
@@ -64,9 +69,7 @@ def floats(number: int) -> Rule:
                 return None, begin
             end = 1 + max(data.rfind(separator, begin) for separator in (b",", b" ", b"("))
         words = data[begin + 1 : end].decode("latin-1").replace(",", " ").split()
-        return _numbers(words)[:number], end + is_complete
-
-    return rule
+        return _numbers(words)[: self._number], end + is_complete
 
 
 def _numbers(words: list[str]) -> list[float]:
@@ -80,14 +83,21 @@ def _numbers(words: list[str]) -> list[float]:
     return values
 
 
-def text(prefix: bytes, suffix: bytes) -> Rule:
-    """Text behind, in front of or between marks, or all there is without them; empty when time is up.
+class Texts:
+    """Text behind, in front of or between marks, or all there is without them: a rule; empty when time is up.
 
     What stands before the prefix is skipped. A text that is too long comes in parts. Bytes that are not UTF-8 are
     replaced; a character of which the last bytes have not arrived stays for the next time (*assumed*).
     """
 
-    def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
+    __slots__ = ("prefix", "suffix")
+
+    def __init__(self, prefix: bytes, suffix: bytes) -> None:
+        self.prefix = prefix
+        self.suffix = suffix
+
+    def __call__(self, data: bytearray, is_last: bool) -> tuple[Any, int]:
+        prefix, suffix = self.prefix, self.suffix
         begin = 0
         if prefix:
             begin = data.find(prefix)
@@ -108,23 +118,39 @@ def text(prefix: bytes, suffix: bytes) -> Rule:
             return part, begin + used if part else 0
         return None, 0
 
-    return rule
-
 
 def _surplus(data: bytearray, mark: bytes) -> int:
     """Bytes at the begin that are given up: the mark is not in them."""
     return 0 if len(data) <= _SEARCHED_MAX else len(data) - len(mark) + 1
 
 
+class Variable(Texts):
+    """The number of a line `<name> <int>`, brought into 32 bits: a rule; 0 for any other line and when time is up."""
+
+    __slots__ = ("_name",)
+
+    def __init__(self, name: str) -> None:
+        super().__init__(b"", b"\n")
+        self._name = name
+
+    def __call__(self, data: bytearray, is_last: bool) -> tuple[Any, int]:
+        answer, used = super().__call__(data, is_last)
+        return (None if answer is None else _value_of(answer, self._name)), used
+
+
+def floats(number: int) -> Rule:
+    """See `Floats`."""
+    return Floats(number)
+
+
+def text(prefix: bytes, suffix: bytes) -> Rule:
+    """See `Texts`."""
+    return Texts(prefix, suffix)
+
+
 def variable(name: str) -> Rule:
-    """The number of a line `<name> <int>`, brought into 32 bits; 0 for any other line and when time is up."""
-    line = text(b"", b"\n")
-
-    def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
-        answer, used = line(data, is_last)
-        return (None if answer is None else _value_of(answer, name)), used
-
-    return rule
+    """See `Variable`."""
+    return Variable(name)
 
 
 def _value_of(answer: str, name: str) -> int:

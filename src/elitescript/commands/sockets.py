@@ -12,7 +12,7 @@ from elitescript.commands import socket_rules as rules
 from elitescript.commands.context import Robot, Rule
 from elitescript.commands.quantities import Any_, Bool, Either, Integer, Number, Str, Text, TimeOut, Vector, Whole
 from elitescript.commands.registry import command
-from elitescript.commands.strings import to_str
+from elitescript.commands.strings import BUILT_IN, to_str
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 
@@ -20,8 +20,6 @@ _DEFAULT_SOCKET: Final = "socket_0"
 _LINE_ENDS: Final = ("\n", "\r", "\r\n")
 _ANSWER_S: Final = 2.0
 """How long `socket_get_var` waits."""
-_WRITTEN_BY_PYTHON: Final = (bytearray, bytes, complex, dict, frozenset, range, set)
-
 _NumberCount = Annotated[int, Integer(1, 30)]
 _Ints = Annotated[tuple[int, ...], Vector(Integer(), None)]
 
@@ -89,6 +87,9 @@ def socket_read_ascii_float(
     robot: Robot, number: _NumberCount, socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
 ) -> Annotated[tuple[float, ...], Vector(Number(allows_non_finite=True), None)]:
     """Read numbers that are sent as text, such as `(3.14, 2.5)`; commas and blanks separate, empty fields are skipped.
+
+    What follows the parenthesis stays for the next call, the line end of the sender too: another call of this command
+    skips it, a reading of text begins with it, which is a warning. `socket_read_string(suffix="\\n")` reads it away.
 
     Args:
         number: how many numbers.
@@ -290,10 +291,8 @@ def _written(value: Any) -> str:
     """
     if isinstance(value, str):
         return value
-    if isinstance(value, (int, float, list, tuple)):
+    if isinstance(value, BUILT_IN):
         return to_str(value)
-    if value is None or type(value) in _WRITTEN_BY_PYTHON:
-        return str(value)
     kinds = "a value of a built-in type"
     raise ArgumentTypeError(
         f"str must be {kinds}, not {type(value).__name__}", argument="str", value=value, limit=kinds

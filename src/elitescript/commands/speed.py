@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import JointSpeeds, Number, Optionally, TcpSpeed
+from elitescript.commands.quantities import (
+    JointDeceleration,
+    JointSpeeds,
+    Number,
+    Optionally,
+    TcpSpeed,
+    ToolDeceleration,
+)
 from elitescript.commands.registry import command
 from elitescript.messages.motion import SpeedJ, SpeedL
 
 if TYPE_CHECKING:
     from elitescript.commands.context import Robot
 
+_TurnAcceleration = Annotated[
+    float | None, Optionally(Number("rad/s^2", 0.0, is_low_open=True, meaning="joint acceleration"), "a")
+]
 _LeastTime = Annotated[float | None, Optionally(Number("s", 0.0, is_low_open=True), None)]
 
 
@@ -18,7 +28,7 @@ _LeastTime = Annotated[float | None, Optionally(Number("s", 0.0, is_low_open=Tru
 def speedj(
     robot: Robot,
     qd: JointSpeeds,
-    a: Annotated[float, Number("rad/s^2", 0.0, is_low_open=True)],
+    a: JointDeceleration,
     t: _LeastTime = None,
 ) -> None:
     """Accelerate the joints to the speeds `qd` and go on moving after the call returned.
@@ -46,9 +56,9 @@ def speedj(
 def speedl(
     robot: Robot,
     xd: TcpSpeed,
-    a: Annotated[float, Number("m/s^2", 0.0, is_low_open=True)],
+    a: ToolDeceleration,
     t: _LeastTime = None,
-    aRot: Annotated[float | None, Optionally(Number("rad/s^2", 0.0, is_low_open=True), "a")] = None,
+    aRot: _TurnAcceleration = None,
 ) -> None:
     """Accelerate the TCP to the velocity `xd` and go on moving after the call returned.
 

@@ -1,10 +1,12 @@
 """Texts (manual 2.10 chapter 6.3).
 
-Positions count characters, `str_len` counts bytes (*assumed* where the manual mixes both; they agree for ASCII).
+Positions and lengths count characters; only the limit of what `to_str` and `str_cat` return counts bytes (*assumed*
+where the manual mixes both; they agree for ASCII).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import isinf
 from typing import Annotated, Any, Final
 
@@ -13,7 +15,7 @@ from elitescript.commands.registry import command
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError, InvalidValueError
 
 LONGEST: Final = 1023
-"""Characters that `to_str` and `str_cat` can return."""
+"""Bytes in UTF-8 that `to_str` and `str_cat` can return."""
 
 _NUMBER: Final = (
     r"([+-]?)(?:0x([0-9a-f]+)|([0-9]+)"
@@ -24,17 +26,23 @@ _NUMBER: Final = (
 _Position = Annotated[int, Integer(0)]
 
 
+_SCALARS: Final = (str, int, float, complex, bytes, bytearray, range, type(None))
+_CONTAINERS: Final = (list, tuple, dict, set, frozenset)
+BUILT_IN: Final = (*_SCALARS, *_CONTAINERS)
+"""Types whose values can be written."""
+
+
 class _Printable(Quantity):
     """What `to_str` can write."""
 
     __slots__ = ()
 
     def __init__(self) -> None:
-        super().__init__("int, float, bool, str or list")
+        super().__init__("any built-in type")
 
     def coerce(self, value: Any) -> Any:
-        if not isinstance(value, (int, float, str, list, tuple)):
-            raise self.wrong_type(value)
+        if not isinstance(value, BUILT_IN):
+            raise self.wrong_type(value, "a value of a built-in type")
         return value
 
 
@@ -71,7 +79,7 @@ def str_cat(object1: Annotated[Any, _Printable()], object2: Annotated[Any, _Prin
         The text.
 
     Raises:
-        InvalidValueError: the text would be longer than 1023 characters.
+        InvalidValueError: the text would be longer than 1023 bytes.
     """
     return _fitting(_written(object1) + _written(object2))
 
@@ -106,7 +114,7 @@ def str_find(src: Str, target: Str, start_from: _Position = 0) -> Whole:
 
 @command(family="string", manual="6.3.5")
 def str_len(str: Str) -> Whole:
-    """Number of bytes of a text in UTF-8.
+    """Number of characters of a text.
 
     Args:
         str: the text.
@@ -114,7 +122,7 @@ def str_len(str: Str) -> Whole:
     Returns:
         The number.
     """
-    return len(str.encode("utf-8", "surrogatepass"))
+    return len(str)
 
 
 @command(family="string", manual="6.3.6")
@@ -175,8 +183,9 @@ def to_num(str: Str) -> Annotated[Any, Anything("int or float")]:
 def to_str(val: Annotated[Any, _Printable()]) -> Str:
     """A value as a text.
 
-    Floats are rounded to 6 decimals and lose their trailing zeros (1.0 gives 1), also inside lists; the elements of a
-    list are separated by a comma and a blank, texts in it stand in quotes (*assumed*).
+    Floats are rounded to 6 decimals and lose their trailing zeros (1.0 gives 1), also inside lists and their like.
+    These are written as Python does: texts in them stand in quotes, tuples have round brackets; sets are sorted
+    (*assumed*).
 
     Args:
         val: the value.
@@ -185,7 +194,7 @@ def to_str(val: Annotated[Any, _Printable()]) -> Str:
         The text.
 
     Raises:
-        InvalidValueError: the text would be longer than 1023 characters.
+        InvalidValueError: the text would be longer than 1023 bytes.
     """
     return _fitting(_written(val))
 
@@ -205,7 +214,7 @@ def _check_position(src: str, index: int, last: int) -> None:
 def _written(value: Any) -> str:
     if isinstance(value, str):
         return value
-    return _list_written(value) if isinstance(value, (list, tuple)) else _scalar_written(value)
+    return _container_written(value) if isinstance(value, _CONTAINERS) else _scalar_written(value)
 
 
 def _scalar_written(value: Any) -> str:
@@ -215,37 +224,60 @@ def _scalar_written(value: Any) -> str:
     if isinstance(value, int) and value.bit_length() > 4 * LONGEST:
         # Python refuses to write the longest numbers; any text that does not fit will do.
         return "9" * (LONGEST + 1)
-    if not isinstance(value, (int, str)):
+    if not isinstance(value, _SCALARS):
         raise ArgumentTypeError(
-            f"a list to be written holds int, float, bool, str and lists, not {type(value).__name__} {shown(value)}",
-            value=value,
+            f"what is written holds values of built-in types, not {type(value).__name__} {shown(value)}", value=value
         )
     return repr(value)
 
 
-def _list_written(items: list[Any] | tuple[Any, ...]) -> str:
-    """A list as text; an endless one (a list that holds itself) is left off when it is too long anyway."""
-    text = "["
-    open_lists = [iter(items)]
-    while open_lists and len(text) <= LONGEST:
-        item = next(open_lists[-1], open_lists)
-        if item is open_lists:
-            text += "]"
-            open_lists.pop()
-            continue
-        if not text.endswith("["):
-            text += ", "
-        if isinstance(item, (list, tuple)):
-            text += "["
-            open_lists.append(iter(item))
+class _Mark(str):
+    """A bracket or a separator between the elements of a container."""
+
+    __slots__ = ()
+
+
+def _container_written(container: Any) -> str:
+    """A container as text; an endless one (a list that holds itself) is left off when it is too long anyway."""
+    text = ""
+    open_containers = [_pieces(container)]
+    while open_containers and len(text) <= LONGEST:
+        piece = next(open_containers[-1], open_containers)
+        if piece is open_containers:
+            open_containers.pop()
+        elif isinstance(piece, _CONTAINERS):
+            open_containers.append(_pieces(piece))
         else:
-            text += _scalar_written(item)
+            text += piece if isinstance(piece, _Mark) else _scalar_written(piece)
     return text
 
 
+def _pieces(container: Any) -> Iterator[Any]:
+    """Yield brackets, elements and separators of a container."""
+    if isinstance(container, (set, frozenset)):
+        # In the order of their texts: that of a set is not the same in every run.
+        elements = sorted(map(_container_written, ([element] for element in container)))
+        body = "{" + ", ".join(element[1:-1] for element in elements) + "}" if elements else ""
+        is_bare = bool(elements) and isinstance(container, set)
+        yield _Mark(body if is_bare else f"{type(container).__name__}({body})")
+        return
+    is_tuple, is_dict = isinstance(container, tuple), isinstance(container, dict)
+    yield _Mark("(" if is_tuple else "{" if is_dict else "[")
+    for number, element in enumerate(container):
+        if number:
+            yield _Mark(", ")
+        yield element
+        if is_dict:
+            yield _Mark(": ")
+            yield container[element]
+    if is_tuple and len(container) == 1:
+        yield _Mark(",")
+    yield _Mark(")" if is_tuple else "}" if is_dict else "]")
+
+
 def _fitting(text: str) -> str:
-    if len(text) > LONGEST:
+    if len(text.encode("utf-8", "surrogatepass")) > LONGEST:
         raise InvalidValueError(
-            f"the text would be longer than {LONGEST} characters", value=text, limit=f"<= {LONGEST}", unit="characters"
+            f"the text would be longer than {LONGEST} bytes", value=text, limit=f"<= {LONGEST}", unit="bytes"
         )
     return text

@@ -62,14 +62,14 @@ def start_thread(
 
     Args:
         function: the function, without parentheses.
-        args: its arguments; a single one needs the comma, `(1,)`.
+        args: its arguments, a tuple; a single one needs the comma, `(1,)`. A list stands for a tuple (*assumed*).
         detach_mode: no effect here: the handle can be joined and stopped either way.
 
     Returns:
         Handle for `join_thread` and `stop_thread`, never 0.
 
     Raises:
-        ArgumentTypeError: `function` cannot be called, or `args` is no tuple.
+        ArgumentTypeError: `function` cannot be called, or `args` is neither tuple nor list.
         ScriptStateError: too many threads.
     """
     return robot.start_thread(function, args, getattr(function, "__name__", "thread"))

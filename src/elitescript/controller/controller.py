@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from elitescript.controller.arm_state import ArmState
+from elitescript.controller.arm_state import ArmState, Correction
 from elitescript.controller.contact import ContactConfig
 from elitescript.controller.conveyor import Tracking
 from elitescript.controller.handlers import HANDLERS
@@ -20,6 +20,7 @@ from elitescript.controller.joint_loads import JointLoads
 from elitescript.controller.model_limits import motion_limits
 from elitescript.controller.modes import AT_ONCE, Power, PowerTimes
 from elitescript.controller.motion_control import MotionControl
+from elitescript.controller.path_offset import PathOffset
 from elitescript.controller.plant import LaggingJoints
 from elitescript.controller.safety_control import SafetyControl
 from elitescript.controller.safety_limits import SafetyLimits
@@ -28,18 +29,22 @@ from elitescript.controller.snapshot import PlaceFinder, build_state
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
 from elitescript.controller.yield_control import YieldControl
 from elitescript.controller.yielding import Caller
+from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.enums import RobotMode, TaskState
-from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged
+from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
 from elitescript.messages.machine import MachineRequest
 from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
+from elitescript.messages.path_offset import OffsetFrame, PathOffsetRequest
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.state import JointState, Payload, RobotState
 from elitescript.messages.timing import seconds
 from elitescript.messages.yielding import EndForceMode, EndFreedrive, YieldRequest
 from elitescript.models.model import RobotModel
+from elitescript.motion.segment import Setpoint
+from elitescript.motion.speed import SpeedProfile
 
 PROGRAM: Final = "program"
 """`SignalChanged.by` of what is not asked for from outside."""
@@ -80,6 +85,7 @@ class Controller:
         "joint_ranges",
         "loads",
         "motion",
+        "path_offset",
         "power",
         "program",
         "safety",
@@ -116,7 +122,7 @@ class Controller:
         self._tick = 0
         self.program: ProgramPort = NoProgram()
         self._inbox = Inbox()
-        self.signals = SignalImage(self._signal_changed)
+        self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
         self.power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)), mode, power_times)
         self.task = Task(self._task_changed)
@@ -135,13 +141,17 @@ class Controller:
         self.setup = Setup(model)
         self.yielding = YieldControl(model, self.setup, self.signals, contact, on_event, self._motion_ended)
         joints = LaggingJoints(plant, limits.qd_max) if plant.lag_s > 0.0 else None
-        self.arm_state = ArmState(self.motion, (self.tracking, *self.yielding.corrections), joints)
+        self.path_offset = PathOffset(
+            model.arm, limits, model.stop_joint_deceleration, self.setup, self._unshifted, self._halt, on_event
+        )
+        corrections: tuple[Correction, ...] = (self.tracking, self.path_offset, *self.yielding.corrections)
+        self.arm_state = ArmState(self.motion, corrections, joints)
         self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._node: tuple[int, str] = (0, "")
         self.loads = JointLoads(model, plant, self.arm_state, self.setup)
         parts = (self.motion, self.arm_state, self.setup, self.signals, self.yielding, self.task)
         self.safety = SafetyControl(self, safety or SafetyLimits(), limits, *parts, speed_scale)
-        self.tracking.on_obstacle = self.safety.meet_obstacle
+        self.tracking.on_obstacle = self.path_offset.on_obstacle = self.safety.meet_obstacle
 
     def attach(self, program: ProgramPort) -> None:
         """Say what runs scripts in the phase `program`."""
@@ -299,6 +309,15 @@ class Controller:
         """Pose of the active TCP at joint positions, base frame."""
         return pose_from_transform(self.arm.forward_tcp(q, self.setup.T_flange_tcp))
 
+    def path_offset_along(self, frame: OffsetFrame) -> Six:
+        """See `commands.context.Machine.path_offset_along`."""
+        return self.path_offset.offset(frame)
+
+    def tcp_pose_along_path(self) -> Six:
+        """See `commands.context.Machine.tcp_pose_along_path`."""
+        joints = self.joints()
+        return self.tcp_pose(self.path_offset.without(Setpoint(joints.q_target, joints.qd_target)).q)
+
     def state_at(self, tick: int) -> RobotState:
         """The machine at such a tick."""
         joints = self.joints_at(tick)
@@ -373,11 +392,33 @@ class Controller:
         if isinstance(request, YieldRequest) or self.yielding.is_ended_by(request):
             if isinstance(request, YieldRequest):
                 self.safety.note_yielding(request, line, thread)
-            is_moving = self.motion.is_moving or self.tracking.is_active
+            is_moving = self.motion.is_moving or self.tracking.is_active or self.path_offset.is_active
             return self.yielding.request(request, self._tick, is_moving, Caller(line, thread))
         if isinstance(request, TrackRequest):
-            return self.tracking.request(request, self._tick, self.joints(), T_flange_tcp, line, thread)
+            nominal = self.motion.setpoint(self._tick)
+            return self.tracking.request(request, self._tick, nominal, T_flange_tcp, line, thread)
         return self.motion.request(request, self._tick, T_flange_tcp, line, thread)
+
+    def request_path_offset(self, request: PathOffsetRequest, line: int, thread: str) -> None:
+        """See `commands.context.Machine.request_path_offset`."""
+        self.power.require_ready()
+        self.safety.require("move")
+        if self.yielding.is_guiding:
+            raise MotionError(
+                "a path offset is not possible while the arm is guided by hand",
+                code="R114",
+                hint="call end_freedrive_mode first",
+            )
+        self.path_offset.request(request, self._tick, line, thread)
+
+    def _unshifted(self) -> Setpoint:
+        """Return what path offsets shift, at the present tick."""
+        return self.tracking.setpoint if self.tracking.is_active else self.motion.setpoint(self._tick)
+
+    def _halt(self, braking: SpeedProfile, tick: int, thread: str) -> None:
+        """Bring to rest what path offsets shift, together with them."""
+        self.tracking.abandon(tick)
+        self.motion.take_over(braking, tick, thread)
 
     def is_move_done(self, move: int) -> bool:
         """Whether that move is over."""
@@ -427,6 +468,7 @@ class Controller:
         self.task.name = name
         self._node = (0, "")
         self.motion.begin_program()
+        self.path_offset.begin_program(self._tick)
         self.yielding.begin_program()
         self.task.apply("start")
         self.safety.task_started()
@@ -467,10 +509,19 @@ class Controller:
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
         by = self._by
-        line = self.program.calling_line if by == PROGRAM else 0
+        line = self.program.caller[1] if by == PROGRAM else 0
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value, by, line))
         self.tracking.encoders.signal_changed(name, index, value, self._tick)
         self.safety.signal_changed(name, value)
+
+    def _write_overridden(self, name: str, index: int, level: Value) -> None:
+        point = signal_name(SIGNALS[name], index)
+        state = "runs" if self.task.is_running else "does not run"
+        shown = f"stays {'high' if level else 'low'}" if isinstance(level, bool) else f"stays at {level:g}"
+        text = f"{point} {shown}: the write has no effect while the task {state}, as the output is tied to that"
+        thread, line = self.program.caller
+        hint = "set_runstate_…_to_value with runstate 0 unties it"
+        self.emit(Warned(self._tick, text, thread, line, "W271", hint))
 
     def mark(self, number: int, label: str) -> None:
         """The program has reached a node of its tree."""

@@ -29,18 +29,17 @@ from elitescript.messages.state import ZERO_SIX, JointState
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import RobotModel
 from elitescript.motion.conveyor import Conveyor, StraightConveyor, Turntable
-from elitescript.motion.limits import JOINT_NAMES, MotionLimits, unwrapped
+from elitescript.motion.corrected import Passage
+from elitescript.motion.limits import MotionLimits, unwrapped
 from elitescript.motion.pursuit import CatchUp, Coast, caught_up
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import Obstacle, SpeedProfile, halted, obstacle_at, range_obstacle
+from elitescript.motion.speed import Obstacle, SpeedProfile, halted
 from elitescript.motion.twist import ToolMotion, singular_obstacle
 
 GENTLE_S: Final = 0.2
 """Small lags are caught up no sooner (*assumed*), so that whole counts that a program sets do not shake the arm."""
 
 WHAT: Final = "conveyor tracking"
-
-_ROUNDING: Final = 1.0 + 1e-9
 
 _SAME_COUNT: Final = 1e-6
 """Counts, or counts per second, that make no difference."""
@@ -89,11 +88,10 @@ class Tracking:
         "_law_tick",
         "_limits",
         "_line",
-        "_motion",
         "_on_event",
+        "_passage",
         "_reference",
         "_relaid",
-        "_setpoint",
         "_speed",
         "_step",
         "_step_of",
@@ -103,6 +101,7 @@ class Tracking:
         "_way",
         "encoders",
         "on_obstacle",
+        "setpoint",
     )
 
     def __init__(
@@ -123,9 +122,10 @@ class Tracking:
         self._conveyor: Conveyor | None = None
         self._encoder: Encoder = self.encoders[0]
         self._T_flange_tcp = self._T_tcp_flange = IDENTITY
-        self._motion = ToolMotion(self._arm, limits, IDENTITY, self._deceleration)
+        tool = ToolMotion(self._arm, limits, IDENTITY, self._deceleration)
+        self._passage = Passage(tool, WHAT, "on the conveyor")
         self._reference = 0.0
-        self._setpoint = Setpoint(ZERO_SIX, ZERO_SIX)
+        self.setpoint = Setpoint(ZERO_SIX, ZERO_SIX)
         self._way = self._speed = 0.0
         self._tick = self._law_tick = 0
         self._law: Following | Coast = Coast(0.0, 0.0, 0.0)
@@ -144,14 +144,14 @@ class Tracking:
         return self._conveyor is not None
 
     def request(
-        self, request: TrackRequest, tick: int, now: JointState, T_flange_tcp: Transform, line: int, thread: str
+        self, request: TrackRequest, tick: int, now: Setpoint, T_flange_tcp: Transform, line: int, thread: str
     ) -> int:
         """Begin or end at a tick; return the number of the call that ends with standstill, 0 of a beginning.
 
         Args:
             request: what is asked for.
             tick: the present one.
-            now: joints at that tick.
+            now: nominal joints at that tick.
             T_flange_tcp: active TCP; it is the point that goes along with a turntable (*assumed*: also when another
                 one is set meanwhile).
             line: of the call.
@@ -168,14 +168,14 @@ class Tracking:
                 code="R114",
                 hint="end it with stop_conveyor_tracking first",
             )
-        blocked = singularity(self._arm, now.q_target).blocked
+        blocked = singularity(self._arm, now.q).blocked
         if blocked:
-            raise singular_obstacle(self._arm, now.q_target, blocked, WHAT).error()
+            raise singular_obstacle(self._arm, now.q, blocked, WHAT).error()
         self._conveyor = _conveyor_of(request)
         self._encoder = self.encoders[request.encoder]
         self._T_flange_tcp, self._T_tcp_flange = T_flange_tcp, inverse(T_flange_tcp)
-        self._motion = self._motion._replace(T_flange_tcp=T_flange_tcp)
-        self._setpoint = Setpoint(now.q_target, now.qd_target)
+        self._passage = self._passage._replace(tool=self._passage.tool._replace(T_flange_tcp=T_flange_tcp))
+        self.setpoint = now
         self._way = self._speed = 0.0
         self._tick = tick
         self._is_paused = False
@@ -196,19 +196,24 @@ class Tracking:
             self._follow(tick, self._reference)
             self._is_paused = False
 
+    def abandon(self, tick: int) -> None:
+        """End where something else brings the arm to rest."""
+        if self._conveyor is not None:
+            self._conveyor = None
+            self._on_event(TrackingEnded(tick))
+
     def stop(self, tick: int) -> None:
         """Come to rest and end."""
         self._end(tick, self._halted(), self._thread)
 
     def _end(self, tick: int, braking: SpeedProfile, thread: str) -> int:
         if self._conveyor is not None:
-            self._conveyor = None
-            self._on_event(TrackingEnded(tick))
+            self.abandon(tick)
             self._last_call = self._take_over(braking, tick, thread)
         return self._last_call
 
     def _halted(self) -> SpeedProfile:
-        return halted(self._setpoint, None, self._deceleration, self._limits)
+        return halted(self.setpoint, None, self._deceleration, self._limits)
 
     # ---------------------------------------------------------------- from tick to tick
 
@@ -222,7 +227,7 @@ class Tracking:
         if self._relaid is not None:
             self._law, self._law_tick, self._relaid = self._relaid, tick - 1, None
         self._step = self._step_of = None
-        self._tick, self._setpoint, self._way, self._speed = tick, step.setpoint, step.way, step.speed
+        self._tick, self.setpoint, self._way, self._speed = tick, step.setpoint, step.way, step.speed
         if step.obstacle is not None and step.braking is not None:
             self.on_obstacle(tick, step.obstacle, self._thread, self._line)
             self._end(tick - 1, step.braking, self._thread)
@@ -239,10 +244,10 @@ class Tracking:
         law_tick = self._law_tick if law is self._law else self._tick
         way, speed = self._on(law, tick, (tick - law_tick) * PERIOD_S)
         # Its own state: a correction that comes after may have moved the target away from it.
-        before = self._setpoint
+        before = self.setpoint
         target = self._carried(nominal, before.q, way, speed)
         if isinstance(target, Setpoint):
-            obstacle = None if target is nominal else self.obstacle(target, before)
+            obstacle = None if target is nominal else self._passage.obstacle(before, target)
             if obstacle is None:
                 return Step(target, way, speed)
         else:
@@ -272,32 +277,6 @@ class Tracking:
             return singular_obstacle(arm, q_near, singularity(arm, q).blocked or "wrist", WHAT)
         return Setpoint(q, qd)
 
-    def obstacle(self, target: Setpoint, before: Setpoint) -> Obstacle | None:
-        """Return why the arm cannot go on to a target, one tick after a state; None if it can."""
-        limits = self._limits
-        for joint, (q, q_before, w, w_before) in enumerate(zip(target.q, before.q, target.qd, before.qd, strict=True)):
-            top, a_top = limits.qd_max[joint], limits.qdd_max[joint]
-            if abs(w) > top * _ROUNDING:
-                return _too_quick(joint, "turn with", abs(w), top, "rad/s")
-            # No acceleration within the limit makes speeds and positions differ by more than this.
-            if abs(q - q_before - 0.5 * (w + w_before) * PERIOD_S) > 0.25 * a_top * PERIOD_S * PERIOD_S * _ROUNDING:
-                return Obstacle(
-                    "R112",
-                    f"the move passes through a singularity, and on the conveyor beside it: joint {JOINT_NAMES[joint]} "
-                    f"would jump by {q - q_before:.4f} rad",
-                    q - q_before,
-                    "",
-                    "rad",
-                )
-            a = abs(w - w_before) / PERIOD_S
-            if a > a_top * _ROUNDING:
-                return _too_quick(joint, "accelerate with", a, a_top, "rad/s^2")
-        outside = obstacle_at(*target, self._deceleration, limits)
-        if outside is not None:
-            return range_obstacle(limits, outside, before.q, WHAT)
-        met = self._motion.singularity_met(*target)
-        return None if met is None else singular_obstacle(self._arm, before.q, met, WHAT)
-
     # ---------------------------------------------------------------- laws of the way
 
     def _on(self, law: Following | Coast, tick: int, elapsed_s: float) -> tuple[float, float]:
@@ -326,7 +305,7 @@ class Tracking:
         conveyor = self._conveyor
         assert conveyor is not None
         a, v = self._catch_up
-        T_base_tcp = self._arm.forward_tcp(self._setpoint.q, self._T_flange_tcp)
+        T_base_tcp = self._arm.forward_tcp(self.setpoint.q, self._T_flange_tcp)
         lever = conveyor.lever(T_base_tcp, self._limits.equivalent_radius_m)
         per_count = conveyor.way_per_count
         lag = (line.at(self._tick) - self._reference) * per_count - self._way
@@ -344,9 +323,9 @@ class Tracking:
         conveyor = self._conveyor
         if self._speed == 0.0 or conveyor is None:
             return 0.0
-        T_base_tcp = self._arm.forward_tcp(self._setpoint.q, self._T_flange_tcp)
+        T_base_tcp = self._arm.forward_tcp(self.setpoint.q, self._T_flange_tcp)
         twist = conveyor.carried_twist(ZERO_SIX, T_base_tcp, self._way, self._speed)
-        qd = joint_speeds(self._arm, self._setpoint.q, twist, self._T_flange_tcp)
+        qd = joint_speeds(self._arm, self.setpoint.q, twist, self._T_flange_tcp)
         fastest = max(map(abs, qd)) / self._deceleration if qd else 0.0
         lever = conveyor.lever(T_base_tcp, self._limits.equivalent_radius_m)
         return max(fastest, abs(self._speed) * lever / self._limits.tool_acceleration_max, PERIOD_S)
@@ -363,13 +342,3 @@ def _conveyor_of(request: TrackLinear | TrackCircular) -> Conveyor:
     if isinstance(request, TrackLinear):
         return StraightConveyor(request.direction, request.counts_per_m)
     return Turntable(request.center, request.counts_per_turn, request.turns_tool)
-
-
-def _too_quick(joint: int, does: str, value: float, limit: float, unit: str) -> Obstacle:
-    return Obstacle(
-        "R118",
-        f"{WHAT} would make joint {JOINT_NAMES[joint]} {does} {value:.4g} {unit}, it can {limit:.4g} {unit}",
-        value,
-        f"<= {limit:.6g}",
-        unit,
-    )

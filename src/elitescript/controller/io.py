@@ -33,7 +33,7 @@ from elitescript.messages.signals import (
 
 TOOL_PIN_OUT: Final = "tool_digital_out"
 TOOL_PIN_IN: Final = "tool_digital_in"
-_ANALOG: Final = ("standard_analog_in", "standard_analog_out", "tool_analog_in", "tool_analog_out")
+_ANALOG: Final = tuple(name for name, row in SIGNALS.items() if row.has_domain)
 _DEFAULT_TOOL_PINS: Final = tuple(
     SetToolPin(index, ToolPinMode.PNP, is_enabled=True, is_output=index < 2) for index in range(4)
 )
@@ -48,16 +48,19 @@ class SignalImage:
 
     Args:
         on_change: called with family, index and value of every point that changes.
+        on_override: called with family, index and level of an output that was written to without effect, as it is tied
+            to whether a program runs; once for each output and program.
     """
 
     __slots__ = (
-        "_commanded",
         "_domain_image",
         "_domains",
         "_freedrive_inputs",
         "_image",
         "_is_running",
         "_on_change",
+        "_on_override",
+        "_overridden",
         "_runstate",
         "_stale",
         "_values",
@@ -65,10 +68,16 @@ class SignalImage:
         "tool_pins",
     )
 
-    def __init__(self, on_change: Callable[[str, int, Value], None]) -> None:
+    def __init__(
+        self,
+        on_change: Callable[[str, int, Value], None],
+        on_override: Callable[[str, int, Value], None] = lambda name, index, level: None,
+    ) -> None:
         self._on_change = on_change
+        self._on_override = on_override
+        self._overridden: set[tuple[str, int]] = set()
+        """Tied outputs of which `on_override` was called since a program started."""
         self._values: dict[str, list[Value]] = {row.name: [row.default] * row.size for row in SIGNALS.values()}
-        self._commanded: dict[tuple[str, int], Value] = {}
         self._domains: dict[tuple[str, int], AnalogDomain] = {}
         self._domain_image: dict[str, tuple[AnalogDomain, ...]] | None = None
         self._runstate: dict[tuple[str, int], RunstateChoice] = {}
@@ -182,25 +191,18 @@ class SignalImage:
         self._domains[key] = request.domain
         self._domain_image = None
         is_input = SIGNALS[request.name].is_input
-        level = float(self._values[request.name][request.index] if is_input else self._commanded_level(*key))
+        level = float(self._values[request.name][request.index])
         if is_input and low <= level <= high:
             return
         fraction = min(1.0, max(0.0, (level - old_low) / (old_high - old_low)))
-        if is_input:
-            self._store(*key, low + (high - low) * fraction)
-        else:
-            self._commanded[key] = low + (high - low) * fraction
-            self._apply(*key)
-
-    def _commanded_level(self, name: str, index: int) -> Value:
-        return self._commanded.get((name, index), self._values[name][index])
+        forced = self._forced(*key)
+        self._store(*key, low + (high - low) * fraction if forced is None else forced)
 
     def set_runstate(self, request: SetRunstateChoice) -> None:
         """Tie an output to whether a program runs; takes effect at once."""
         key = (request.name, request.index)
-        self._commanded.setdefault(key, self._values[request.name][request.index])
         self._runstate[key] = request.choice
-        self._apply(*key)
+        self._follow(*key)
 
     def set_input_action(self, request: SetInputAction) -> None:
         """Bind hand guiding to an input, or unbind it."""
@@ -231,10 +233,12 @@ class SignalImage:
         self.tool_analog_mode = request.mode
 
     def set_running(self, is_running: bool) -> None:
-        """A program started or ended: outputs tied to that follow."""
+        """A program started or ended: outputs follow that are tied to it; others stay as they are."""
         self._is_running = is_running
-        for key in list(self._runstate):
-            self._apply(*key)
+        if is_running:
+            self._overridden.clear()
+        for key in self._runstate:
+            self._follow(*key)
 
     def _check_pin(self, index: int) -> None:
         if self.is_tool_output(index):
@@ -249,23 +253,24 @@ class SignalImage:
         )
 
     def _command(self, name: str, index: int, value: Value) -> None:
-        key = (name, index)
-        if key in self._runstate or name in _ANALOG:
-            self._commanded[key] = value
-        if key in self._runstate:
-            self._apply(name, index)
-        else:
+        forced = self._forced(name, index)
+        if forced is None:
             self._store(name, index, value)
+        elif forced != value and (name, index) not in self._overridden:
+            self._overridden.add((name, index))
+            self._on_override(name, index, forced)
 
-    def _apply(self, name: str, index: int) -> None:
+    def _follow(self, name: str, index: int) -> None:
+        forced = self._forced(name, index)
+        if forced is not None:
+            self._store(name, index, forced)
+
+    def _forced(self, name: str, index: int) -> Value | None:
+        """The level of an output that is tied to whether a program runs; None if it can be written now."""
         choice = self._runstate.get((name, index), RunstateChoice.KEEP)
-        if self._is_running:
-            value = self._extreme(name, index, 1) if choice is RunstateChoice.FOLLOW else self._commanded[name, index]
-        elif choice is RunstateChoice.KEEP:
-            value = self._commanded[name, index]
-        else:
-            value = self._extreme(name, index, 0 if choice in _PULLED_LOW else 1)
-        self._store(name, index, value)
+        if choice is RunstateChoice.KEEP or (self._is_running and choice is not RunstateChoice.FOLLOW):
+            return None
+        return self._extreme(name, index, int(self._is_running or choice not in _PULLED_LOW))
 
     def _extreme(self, name: str, index: int, side: int) -> Value:
         if SIGNALS[name].kind == "bool":

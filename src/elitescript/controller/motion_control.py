@@ -198,7 +198,8 @@ class MotionControl:
         else:
             self._on_event(started)
         for caution in bounded(cautions, self._notices.said):
-            self._notices.once(caution.key_line, caution.kind, Warned(tick, caution.text, thread, caution.line))
+            warned = Warned(tick, caution.text, thread, caution.line, caution.code, caution.hint)
+            self._notices.once(caution.key_line, caution.kind, warned)
         return call.number
 
     def is_done(self, number: int) -> bool:

@@ -115,6 +115,7 @@ class Pictures:
             popup=popup,
             task=task,
             overruns=overruns,
+            is_guided_by_input=controller.yielding.is_guided_by_input,
         )
 
     def _load_of_now(self, mode: RobotMode) -> Load:

@@ -25,6 +25,11 @@ NORMAL_TCP_FORCE: Final = 250.0
 REDUCED_TCP_FORCE: Final = 150.0
 """N; the order of magnitude that collaborative arms are delivered with (*assumed*)."""
 
+NOT_REPORTED: Final = "not reported"
+CONFIGURABLE_MODES: Final = ("automatic", "manual")
+OPERATIONAL_MODES: Final = {NOT_REPORTED: -1, "manual": 0, "automatic": 1}
+"""Number of every operational mode on the wire. *Assumed*."""
+
 PLANE_USES: Final = ("always", "normal", "reduced", "trigger_reduced")
 
 PAIRS: Final = ((0, 1), (2, 3), (4, 5), (6, 7))
@@ -171,12 +176,22 @@ class SafetyLimits:
             are lower, those of normal mode hold.
         planes: planes that the TCP may not pass.
         tool_direction: a cone that the tool stays in.
+        operational_mode: one of `OPERATIONAL_MODES`; the primary port shows it, nothing else depends on it.
+
+    Raises:
+        UsageError: an unknown operational mode.
     """
 
     normal: SafetyBounds = _NO_BOUNDS
     reduced: SafetyBounds = SafetyBounds(tcp_speed_max=REDUCED_TCP_SPEED)
     planes: tuple[SafetyPlane, ...] = ()
     tool_direction: ToolDirection | None = None
+    operational_mode: str = NOT_REPORTED
+
+    def __post_init__(self) -> None:
+        if self.operational_mode not in OPERATIONAL_MODES:
+            modes = " or ".join(map(repr, CONFIGURABLE_MODES))
+            raise UsageError(f"operational_mode must be {modes}, got {self.operational_mode!r}")
 
     @property
     def is_default(self) -> bool:
@@ -200,7 +215,8 @@ class SafetyLimits:
 
         Keys: `joint_range` and `joint_speed` (rad, rad/s; with `_deg` in degrees), `tcp_speed` (m/s), `tcp_force` (N),
         the same in `[safety.reduced]`; `[[safety.planes]]` with `name`, `point`, `normal`, `offset` (m), `use` and
-        `inputs`; `[safety.tool_direction]` with `axis` and `angle` or `angle_deg`.
+        `inputs`; `[safety.tool_direction]` with `axis` and `angle` or `angle_deg`; `operational_mode`, `automatic` or
+        `manual`.
 
         Raises:
             UsageError: a key that is not known, or a value that makes no sense.

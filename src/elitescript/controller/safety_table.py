@@ -9,6 +9,8 @@ from typing import Any
 
 from elitescript.controller.config_table import ConfigTable, shown
 from elitescript.controller.safety_limits import (
+    CONFIGURABLE_MODES,
+    NOT_REPORTED,
     PAIRS,
     PLANE_USES,
     REDUCED_TCP_SPEED,
@@ -31,9 +33,18 @@ def read_safety_limits(table: Mapping[str, Any]) -> SafetyLimits:
         reduced = given if given.tcp_speed_max is not None else replace(given, tcp_speed_max=REDUCED_TCP_SPEED)
         inner.finish()
     reader.value("reduced")
-    limits = SafetyLimits(normal, reduced, _planes(reader), _tool_direction(reader))
+    limits = SafetyLimits(normal, reduced, _planes(reader), _tool_direction(reader), _operational_mode(reader))
     reader.finish()
     return limits
+
+
+def _operational_mode(reader: ConfigTable) -> str:
+    mode = reader.value("operational_mode")
+    if mode is None:
+        return NOT_REPORTED
+    if mode not in CONFIGURABLE_MODES:
+        raise reader.error("operational_mode", f'must be "automatic" or "manual", got {shown(mode)}')
+    return str(mode)
 
 
 def _bounds(reader: ConfigTable) -> SafetyBounds:

@@ -14,7 +14,7 @@ from elitescript.controller.sources import NEVER, Chain, Move, Source
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, pose_from_transform
-from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveML, MoveP, MoveRequest, Six
+from elitescript.messages.motion import BLEND_SHARE, MoveC, MoveJ, MoveL, MoveML, MoveP, MoveRequest, Six
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.blending import blended
 from elitescript.motion.limits import MotionLimits
@@ -22,7 +22,6 @@ from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import BlendedSegment
 from elitescript.motion.timescale import TimeScale
 from elitescript.motion.track import JointTrack
-from elitescript.motion.zones import HALF
 
 NOTEWORTHY: Final = 1e-3
 """A waypoint that is passed more slowly than asked for by a smaller share needs no warning."""
@@ -60,6 +59,8 @@ class Caution(NamedTuple):
     kind: str
     text: str
     line: int
+    code: str = ""
+    hint: str = ""
 
 
 class Accepted(NamedTuple):
@@ -244,7 +245,7 @@ def _waypoint(request: MoveRequest, plan: Plan) -> Six:
 
 
 def _noted(plan: Plan, call: Call) -> tuple[Caution, ...]:
-    return tuple(Caution(call.line, note.kind, note.text, call.line) for note in plan.notes)
+    return tuple(Caution(call.line, note.kind, note.text, call.line, note.code, note.hint) for note in plan.notes)
 
 
 def _slow(source: Move, speed: float, least_speed: Callable[[], float], request: MoveRequest) -> Caution | None:
@@ -262,7 +263,7 @@ def _slow(source: Move, speed: float, least_speed: Callable[[], float], request:
         f": it must be able to stop there, and r = {zone.radius:.4g} m is less than its braking distance of "
         f"{braking:.3g} {unit} at a = {law.a:.4g} {unit}/s^2; choose "
     )
-    is_too_short = braking > HALF * path.length
+    is_too_short = braking > BLEND_SHARE * path.length
     if unit != "m":
         text += "a larger a" if is_too_short else "a larger r or a"
     elif not is_too_short:

@@ -42,15 +42,15 @@ class ProgramPort(Protocol):
         """Line of the main thread; 0 without a program."""
 
     @property
-    def calling_line(self) -> int:
-        """Line of the thread that runs at this moment; 0 between two threads."""
+    def caller(self) -> tuple[str, int]:
+        """Name and line of the thread that runs at this moment; an empty name and 0 while none does."""
 
 
 class NoProgram:
     """Stands in until a program port is attached."""
 
     line = 0
-    calling_line = 0
+    caller = ("", 0)
 
     def run_tick(self, tick: int) -> None:
         """Nothing runs."""

@@ -171,6 +171,11 @@ class YieldControl:
         """Whether a person may guide the arm, or the arm still comes to rest after that."""
         return self._guiding.is_on or self._guiding.is_active
 
+    @property
+    def is_guided_by_input(self) -> bool:
+        """Whether a person may guide the arm because an input asks for it."""
+        return self._is_guided_by_input
+
     def _guide(self, request: Freedrive, tick: int, caller: Caller) -> None:
         self._guiding.begin(request, caller)
         self._report(tick, request, caller)

@@ -8,7 +8,7 @@ from zlib import crc32
 
 from elitescript.controller.contact import ContactConfig
 from elitescript.controller.modes import REALISTIC, PowerTimes
-from elitescript.controller.safety_limits import SafetyLimits
+from elitescript.controller.safety_limits import OPERATIONAL_MODES, SafetyLimits
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, Profile
@@ -96,6 +96,7 @@ def describe(config: KernelConfig, model: RobotModel, profile: Profile) -> Robot
         dh_d=d,
         dh_alpha=alpha,
         safety_checksum=crc32(repr((model.name, config.safety)).encode()),
+        operational_mode=OPERATIONAL_MODES[(config.safety or SafetyLimits()).operational_mode],
     )
 
 

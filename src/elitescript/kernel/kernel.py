@@ -12,6 +12,7 @@ from typing import Any, Final
 from elitescript.controller.picture import Pictures
 from elitescript.controller.refusals import refusal_text
 from elitescript.controller.signal_view import Signals
+from elitescript.controller.warning_limit import WarningLimit
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.answers import shown_after
 from elitescript.kernel.causes import cause_of
@@ -36,6 +37,7 @@ from elitescript.messages.inputs import (
     Input,
     Interpret,
     InterpreterWord,
+    Lag,
     LoadConfiguration,
     LoadTask,
     PlayTask,
@@ -86,6 +88,7 @@ class Kernel:
         "_host",
         "_is_popup_blocking",
         "_is_remote",
+        "_limit",
         "_logs",
         "_pictures",
         "_popup",
@@ -106,6 +109,7 @@ class Kernel:
         self.description = describe(config, model, firmware)
         self.overruns = 0
         self._events: list[Event] = []
+        self._limit = WarningLimit()
         self._replies: list[Reply] = []
         self._popup = ""
         self._is_popup_blocking = False
@@ -129,7 +133,7 @@ class Kernel:
         self._logs = None if world is None else InterpreterLogs(world.files)
         self._conversations = Conversations(self._host, self._reply, self._logs)
         self._pictures = Pictures(self._controller)
-        self._programs = Programs(self._controller, self._host, is_strict=config.strict)
+        self._programs = Programs(self._controller, self._host, firmware, model, is_strict=config.strict)
         self._tasks = Tasks(
             self._controller, self._host, self._programs, outside.files, outside.channels, config.configuration
         )
@@ -238,6 +242,9 @@ class Kernel:
     def _arrived(self, item: VariablesArrived) -> None:
         self._host.watchdogs.arrived(item.names, self._controller.tick)
 
+    def _lag(self, item: Lag) -> None:
+        self._host.set_lag(item.ticks)
+
     def _add_fault(self, item: AddFault) -> None:
         try:
             if item.text:
@@ -264,12 +271,24 @@ class Kernel:
     # ---------------------------------------------------------------- outputs
 
     def _event(self, event: Event) -> None:
+        if isinstance(event, Warned) and event.thread and (event.code, event.line) in self._programs.told:
+            return  # said when the program was checked
+        if isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
+            self._events += self._limit.rest(event.tick)
+        elif self._is_of_program(event) and not self._limit.takes(event):
+            return
         self._events.append(event)
         if isinstance(event, Popup):
             self._popup, self._is_popup_blocking = event.text, event.is_blocking
         elif isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED and self._is_popup_blocking:
             # Nobody waits for it any more.
             self._popup, self._is_popup_blocking = "", False
+
+    def _is_of_program(self, event: Event) -> bool:
+        """Whether the running program causes an event. What clients are refused has its own limits."""
+        if not isinstance(event, Warned) or not (event.line or event.thread):
+            return False
+        return self._controller.task_state is not TaskState.STOPPED
 
     def _emit(self, event: Event) -> None:
         self._controller.emit(event)
@@ -303,6 +322,7 @@ HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
     InterpreterWord: lambda kernel, item: kernel._conversations.word(item),
     Query: lambda kernel, item: kernel._conversations.query(item),
     VariablesArrived: Kernel._arrived,
+    Lag: Kernel._lag,
     ShowPopup: Kernel._show_popup,
     ClosePopup: Kernel._close_popup,
     AddFault: Kernel._add_fault,

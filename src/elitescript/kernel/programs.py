@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import ast
+from collections import Counter
+from collections.abc import Sequence
 from typing import Any, Final
 
+from elitescript.commands.plausibility import ArmFacts
 from elitescript.controller.controller import Controller
+from elitescript.controller.warning_limit import MOST
 from elitescript.errors import ProgramError, ScriptError
 from elitescript.kernel.nonsense import Nonsense
-from elitescript.language.compiler import CompiledUnit, compile_task
+from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.source import SourceFile
+from elitescript.lint.engine import compile_checked
+from elitescript.lint.registry import all_rules
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import RunUnit
+from elitescript.messages.profile import Profile
 from elitescript.runtime.bindings import is_known
 from elitescript.runtime.host import SECONDARY_WARNING, ScriptHost
 
@@ -29,17 +36,26 @@ class Programs:
     Args:
         controller: the machine.
         host: runs them.
-        is_strict: refuse what a Python 3 controller refuses.
+        profile: the firmware.
+        arm: for which programs are checked.
+        is_strict: refuse what a Python 3 controller refuses, and what `check` calls an error.
 
     Attributes:
         presets: values that program globals have before a program begins.
+        told: code and line of what was found in the newest program before it began.
     """
 
-    __slots__ = ("_controller", "_host", "_is_strict", "_nonsense", "presets")
+    __slots__ = ("_arm", "_controller", "_host", "_is_strict", "_nonsense", "_profile", "presets", "told")
 
-    def __init__(self, controller: Controller, host: ScriptHost, *, is_strict: bool) -> None:
+    def __init__(
+        self, controller: Controller, host: ScriptHost, profile: Profile, arm: ArmFacts, *, is_strict: bool
+    ) -> None:
+        all_rules()  # loaded now: the first program does not wait for them
         self._controller = controller
         self._host = host
+        self._profile = profile
+        self._arm = arm
+        self.told: frozenset[tuple[str, int]] = frozenset()
         self._is_strict = is_strict
         self._nonsense = Nonsense(self._warn)
         self.presets: dict[str, object] = {}
@@ -74,15 +90,22 @@ class Programs:
         self.start(compiled, compiled.name)
 
     def compiled(self, name: str, text: str, kind: str | None) -> CompiledUnit:
-        """Compile a text; its warnings go to the log.
+        """Check and compile a text; what `check` finds goes to the log. A line runs at once, and is only compiled.
 
         Raises:
-            ProgramError: it does not compile.
+            ProgramError: it does not compile, or strictness refuses it.
         """
-        unit = compile_task(SourceFile(name, text), Options(strict=self._is_strict, kind=kind))
-        for problem in unit.diagnostics[:PROBLEMS_MAX]:
-            self._warn(_told(problem), problem.line)
-        return unit
+        source, options = SourceFile(name, text), Options(strict=self._is_strict, kind=kind)
+        if kind == LINE:
+            unit = compile_unit(source, options)
+            self._tell(unit.diagnostics)
+            return unit
+        checked = compile_checked(source, self._profile, options, presets=self.presets, arm=self._arm)
+        if checked.unit is None or checked.is_refused:
+            raise ProgramError(checked.problems)
+        self._tell(checked.problems)
+        self.told = frozenset((problem.code, problem.line) for problem in checked.problems)
+        return checked.unit
 
     def start(self, unit: CompiledUnit, name: str) -> None:
         """Start a program in the place of the running one, in this tick."""
@@ -98,15 +121,36 @@ class Programs:
             kind: of the unit; None for a task.
             origin: who sent it; stands in the place of the thread.
         """
-        problems = sorted(error.problems, key=lambda problem: not problem.is_error)
+        problems = sorted(error.problems, key=lambda problem: not problem.keeps_from_starting)
+        if self._is_strict:
+            problems.sort(key=lambda problem: not problem.is_error)
         first: Any = problems[0]
         if kind == SECONDARY:
-            self._warn(f"{SECONDARY_WARNING}SyntaxError: {first.text}", first.line)
+            self._warn(f"{SECONDARY_WARNING}SyntaxError: {first.text}", first.line, first.hint)
         else:
             hint = {"hint": first.hint} if first.hint else {}
             self._alarm(first.code, "SyntaxError", first.text, first.line, first.column, origin, "", hint)
-        for problem in () if kind == LINE else problems[1 : PROBLEMS_MAX + 1]:
-            self._warn(_told(problem), problem.line)
+        if kind != LINE:
+            self._tell(problems[1:], kind)
+
+    def _tell(self, problems: Sequence[Diagnostic], kind: str | None = None) -> None:
+        """Put findings into the log, in the words of `check`; errors of a secondary program as its first one.
+
+        At most `PROBLEMS_MAX` are shown, and of one kind of warning as many as a run shows.
+        """
+        counts: Counter[str] = Counter()
+        shown = 0
+        for problem in problems:
+            counts[problem.code] += not problem.is_error
+            if shown == PROBLEMS_MAX or counts[problem.code] > MOST:
+                continue
+            shown += 1
+            if kind == SECONDARY and problem.is_error:
+                self._warn(f"{SECONDARY_WARNING}SyntaxError: {problem.text}", problem.line)
+            else:
+                self._controller.emit(_as_event(problem, self._controller.tick))
+        if more := len(problems) - shown:
+            self._warn(f"{more} more finding{'' if more == 1 else 's'}: `elitescript check` shows all of them")
 
     def _missing_name(self, text: str) -> str:
         """The name that a line calls, if there is nothing of that name."""
@@ -119,8 +163,8 @@ class Programs:
             return first.func.id
         return ""
 
-    def _warn(self, text: str, line: int = 0) -> None:
-        self._controller.emit(Warned(self._controller.tick, text, "", line))
+    def _warn(self, text: str, line: int = 0, hint: str = "") -> None:
+        self._controller.emit(Warned(self._controller.tick, text, "", line, hint=hint))
 
     def _alarm(
         self,
@@ -137,7 +181,13 @@ class Programs:
         self._controller.emit(Alarm(tick, code, class_name, text, line, column, origin, source_line, details or {}))
 
 
-def _told(problem: Diagnostic) -> str:
-    """A problem without its line, which the warning names itself, and without the word `warning`."""
-    word = "error " if problem.is_error else ""
-    return f"column {problem.column}: {word}{problem.code}: {problem.text}"
+def _as_event(problem: Diagnostic, tick: int) -> Warned:
+    return Warned(
+        tick,
+        problem.text,
+        line=problem.line,
+        code=problem.code,
+        hint=problem.hint,
+        column=problem.column,
+        severity=str(problem.severity),
+    )

@@ -2,11 +2,16 @@
 
 What a picture does not show begins anew: the program, variables, tracking of conveyors, which inputs start hand guiding
 and what outputs do while no program runs.
+
+The picture comes from a process that has failed: what no robot can go on from, such as a joint position that is not a
+number, begins anew too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from math import inf, isfinite
 from typing import Final
 
 from elitescript.kernel.causes import RESTART
@@ -24,7 +29,7 @@ from elitescript.messages.machine import (
     SetToolAnalogMode,
     WriteSignal,
 )
-from elitescript.messages.signals import SIGNALS, signal_name
+from elitescript.messages.signals import SIGNALS, Signal, Value, signal_name
 from elitescript.messages.snapshot import RobotDescription, Snapshot
 
 _POWERED: Final = frozenset({RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE})
@@ -51,15 +56,18 @@ def restored_config(
         (signal_name(row, index), value)
         for name, row in SIGNALS.items()
         for index, value in enumerate(last.signals[name])
-        if value != row.default
+        if value != row.default and _is_level(row, value)
     ]
-    ranges = zip(description.q_min, description.q_max, strict=True)
-    a, b, c, d, e, f = (min(max(q, low), high) for q, (low, high) in zip(state.q_actual, ranges, strict=True))
+    joints = config.joints
+    if _are_finite(state.q_actual):
+        ranges = zip(description.q_min, description.q_max, strict=True)
+        a, b, c, d, e, f = (min(max(q, low), high) for q, (low, high) in zip(state.q_actual, ranges, strict=True))
+        joints = (a, b, c, d, e, f)
     return replace(
         config,
         first_tick=first_tick,
-        joints=(a, b, c, d, e, f),
-        speed=min(max(state.speed_scale, 0.0), 1.0),
+        joints=joints,
+        speed=min(max(state.speed_scale, 0.0), 1.0) if isfinite(state.speed_scale) else config.speed,
         power_on=state.robot_mode in (RobotMode.RUNNING, RobotMode.BACK_DRIVE),
         remote=last.is_remote,
         configuration=last.task.configuration or config.configuration,
@@ -70,10 +78,15 @@ def restored_config(
 def restored_inputs(last: Snapshot) -> tuple[Input, ...]:
     """What the robot is told in its first tick, because a configuration does not have it."""
     state = last.robot
-    requests: list[MachineRequest] = [
-        SetTcp(state.tcp_offset),
-        SetPayload(state.payload.mass_kg, state.payload.cog, state.payload.inertia),
-        SetGravity(state.gravity),
+    payload = state.payload
+    requests: list[MachineRequest] = []
+    if _are_finite(state.tcp_offset):
+        requests.append(SetTcp(state.tcp_offset))
+    if _are_finite((payload.mass_kg, *payload.cog, *payload.inertia)):
+        requests.append(SetPayload(payload.mass_kg, payload.cog, payload.inertia))
+    if _are_finite(state.gravity):
+        requests.append(SetGravity(state.gravity))
+    requests += [
         SetToolAnalogMode(last.tool_analog_mode),
         *(
             SetAnalogDomain(name, index, domain)
@@ -88,6 +101,7 @@ def restored_inputs(last: Snapshot) -> tuple[Input, ...]:
         for name in last.domains
         if name in SIGNALS
         for index, value in enumerate(last.signals[name])
+        if isfinite(value)
     ]
     if state.robot_mode in _POWERED:
         requests.append(PowerOn())
@@ -95,3 +109,13 @@ def restored_inputs(last: Snapshot) -> tuple[Input, ...]:
         requests.append(AskSafety(_SAFETY_ACTIONS[state.safety_mode], "it was so before the restart"))
     task = (LoadTask(RESTART, last.task.loaded),) if last.task.loaded else ()
     return (*(Do(RESTART, request) for request in requests), *task)
+
+
+def _are_finite(values: Sequence[float]) -> bool:
+    return all(map(isfinite, values))
+
+
+def _is_level(row: Signal, value: Value) -> bool:
+    low = -inf if row.low is None else row.low
+    high = inf if row.high is None else row.high
+    return isfinite(value) and low <= value <= high

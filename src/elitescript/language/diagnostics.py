@@ -65,6 +65,11 @@ class Diagnostic:
     def is_error(self) -> bool:
         return self.severity is Severity.ERROR
 
+    @property
+    def keeps_from_starting(self) -> bool:
+        """Whether the program cannot start. What contradicts the catalogue (E3xx) is raised, and may be caught."""
+        return self.is_error and not self.code.startswith("E3")
+
     def __str__(self) -> str:
         return f"line {self.line}, column {self.column}: {self.severity} {self.code}: {self.text}"
 

@@ -42,37 +42,24 @@ def arrange(command: Command, call: ast.Call) -> Arguments:
         for param, argument in zip(params, call.args, strict=False):
             given[param.name] = argument
         if len(call.args) > len(params) and not command.takes_more:
-            text = f"{command.name} takes {_count(params)}, got {len(call.args)}"
-            misfits.append(Misfit(call.args[len(params)], text))
+            misfits.append(Misfit(call.args[len(params)], command.surplus_text(len(call.args))))
     for keyword in call.keywords:
         if keyword.arg is None:
             continue
         name = _parameter(params, keyword.arg)
         if name is None:
-            names = ", ".join(param.name for param in params) or "none"
-            text = f"{command.name} has no argument `{keyword.arg}`; its arguments: {names}"
-            misfits.append(Misfit(keyword, text))
+            misfits.append(Misfit(keyword, command.unknown_argument_text(keyword.arg)))
         elif name in given:
-            misfits.append(Misfit(keyword, f"{command.name} gets the argument `{name}` twice"))
+            misfits.append(Misfit(keyword, command.twice_text(name)))
         else:
             given[name] = keyword.value
     if not spreads_list and not spreads_dict:
-        missing = [f"`{param.name}`" for param in params if param.is_required and param.name not in given]
+        missing = [param.name for param in params if param.is_required and param.name not in given]
         # A misspelt keyword is reported; that its parameter is missing then follows.
         if missing and not misfits:
-            noun = "argument" if len(missing) == 1 else "arguments"
-            misfits.append(Misfit(call.func, f"{command.name} misses the {noun} {', '.join(missing)}"))
+            misfits.append(Misfit(call.func, command.missing_text(missing)))
     return Arguments(tuple((param, given[param.name]) for param in params if param.name in given), tuple(misfits))
 
 
 def _parameter(params: tuple[Param, ...], keyword: str) -> str | None:
     return next((param.name for param in params if keyword == param.name or keyword in param.spellings), None)
-
-
-def _count(params: tuple[Param, ...]) -> str:
-    if not params:
-        return "no arguments"
-    required = sum(param.is_required for param in params)
-    most = len(params)
-    noun = "argument" if most == 1 else "arguments"
-    return f"{most} {noun}" if required == most else f"at most {most} {noun}"

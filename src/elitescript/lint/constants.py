@@ -1,7 +1,8 @@
 """Expressions whose value is certain before the run.
 
-Literals, arithmetic of literals, `d2r(90)`, `math.pi`, and names that the program sets once and that nothing
-else can change. What is not certain is `UNKNOWN`, also inside a list.
+Literals, arithmetic of literals, `d2r(90)`, `math.pi`, `pose_trans` and its like, elements of lists, names that the
+program sets once and that nothing else can change, and parameters of functions that are called once. What is not
+certain is `UNKNOWN`, also inside a list.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
+from elitescript.errors import ScriptError
 from elitescript.language.symbols import THREAD_STARTER, Binding, Resolution, Scope, Symbols
 
 _LARGEST_EXPONENT: Final = 64
@@ -20,7 +22,12 @@ _LONGEST: Final = 10_000
 _DEEPEST: Final = 40
 _EXACT_KINDS: Final = (bool, int, float, str, bytes, type(None))
 _READERS: Final = frozenset("enumerate len list max min print sorted str sum tuple zip".split())  # noqa: SIM905
+_SHOWERS: Final = frozenset(("len", "print", "str"))
 _CONVERSIONS: Final = frozenset(("d2r", "r2d"))
+_POSE_ALGEBRA: Final = frozenset(
+    "interpolate_pose pose_add pose_inv pose_sub pose_trans rotvec2rpy rpy2rotvec".split()  # noqa: SIM905
+)
+_COPIES: Final = frozenset(("copy", "list"))
 _MATH: Final = {"pi": math.pi, "tau": math.tau, "e": math.e}
 
 _ARITHMETIC: Final[dict[type[ast.operator], Callable[[Any, Any], Any]]] = {
@@ -86,7 +93,29 @@ class Constants:
             return self._attribute(node, scope)
         if isinstance(node, ast.Call):
             return self._call(node, scope, depth)
+        if isinstance(node, ast.Subscript):
+            return self._element(node, scope, depth)
         return UNKNOWN
+
+    def _element(self, node: ast.Subscript, scope: Scope, depth: int) -> Any:
+        part = node.slice
+        if isinstance(part, ast.Slice):
+            ends = (part.lower, part.upper)
+            bounds = [None if end is None else self._value(end, scope, depth + 1) for end in ends]
+            if part.step is not None or not all(bound is None or type(bound) is int for bound in bounds):
+                return UNKNOWN
+            index: Any = slice(*bounds)
+        else:
+            index = self._value(part, scope, depth + 1)
+            if type(index) is not int:
+                return UNKNOWN
+        whole = self._value(node.value, scope, depth + 1)
+        if not isinstance(whole, (list, tuple)):
+            return UNKNOWN
+        try:
+            return whole[index]
+        except IndexError:
+            return UNKNOWN
 
     def _binary(self, node: ast.BinOp, scope: Scope, depth: int) -> Any:
         compute = _ARITHMETIC.get(type(node.op))
@@ -130,6 +159,12 @@ class Constants:
 
     def _call(self, node: ast.Call, scope: Scope, depth: int) -> Any:
         name = node.func.id if isinstance(node.func, ast.Name) else ""
+        if name in _POSE_ALGEBRA:
+            return self._pose(name, node, scope, depth)
+        if name in _COPIES and len(node.args) == 1 and not node.keywords:
+            whole = self._value(node.args[0], scope, depth + 1)
+            is_list = isinstance(whole, list) and scope.resolve(name) is Resolution.BUILTIN
+            return list(whole) if is_list else UNKNOWN
         if name not in _CONVERSIONS or node.keywords or len(node.args) != 1:
             return UNKNOWN
         command = CATALOGUE.get(name)
@@ -138,13 +173,24 @@ class Constants:
         angle = self._value(node.args[0], scope, depth + 1)
         return _computed(command.function, angle) if isinstance(angle, (int, float)) else UNKNOWN
 
+    def _pose(self, name: str, node: ast.Call, scope: Scope, depth: int) -> Any:
+        """What a command of the algebra of poses makes of certain poses."""
+        command = CATALOGUE.get(name)
+        if command is None or node.keywords or scope.resolve(name) is not Resolution.BUILTIN:
+            return UNKNOWN
+        values = [self._value(argument, scope, depth + 1) for argument in node.args]
+        if any(_is_uncertain(value) for value in values):
+            return UNKNOWN
+        try:
+            return list(command.function(*command.bind(tuple(values), {})))
+        except (ScriptError, ArithmeticError, ValueError):
+            return UNKNOWN
+
     # Names
 
     def _named(self, node: ast.Name, scope: Scope, depth: int) -> Any:
         home = scope.home(node.id)
-        if home is None:
-            return UNKNOWN
-        bindings = home.bindings[node.id]
+        bindings = home.bindings[node.id] if home else self._symbols.global_bindings(node.id)
         if len(bindings) != 1:
             return UNKNOWN
         binding = bindings[0]
@@ -153,52 +199,110 @@ class Constants:
             self._values[binding] = UNKNOWN
             source = self._source(binding, home)
             if source is not None:
-                self._values[binding] = self._value(source, home, depth + 1)
+                self._values[binding] = self._value(*source, depth + 1)
         value = self._values[binding]
         if isinstance(value, (list, tuple)):
-            is_flat = not any(isinstance(element, (list, tuple)) for element in value)
-            return value if is_flat and self._is_never_changed(binding, home) else UNKNOWN
+            return value if self._is_never_changed(binding, home, _levels(value)) else UNKNOWN
         return value
 
-    def _source(self, binding: Binding, home: Scope) -> ast.expr | None:
-        """The expression that alone gives a variable its value."""
+    def _source(self, binding: Binding, home: Scope | None) -> tuple[ast.expr, Scope] | None:
+        """The expression that alone gives a variable its value, and where it stands.
+
+        Args:
+            binding: the only one of the variable.
+            home: its scope; None for a global of the program.
+        """
+        if binding.kind == "parameter":
+            return None if home is None else self._only_argument(binding, home)
         statement = self._symbols.parent(binding.node)
         if not isinstance(statement, ast.Assign) or len(statement.targets) != 1 or binding.kind != "assign":
             return None
-        if statement.targets[0] is not binding.node or home.kind not in ("body", "function"):
+        scope = self._symbols.scope_of(binding.node)
+        if statement.targets[0] is not binding.node or scope.kind not in ("body", "function"):
             return None
-        if any(binding.name in other.nonlocals for other in home.walk()):
+        if home is not None and any(binding.name in other.nonlocals for other in home.walk()):
             return None
-        return statement.value
+        return statement.value, scope
 
-    def _is_never_changed(self, binding: Binding, home: Scope) -> bool:
-        """Whether nothing can change the list in a variable, or get hold of it."""
+    def _only_argument(self, binding: Binding, home: Scope) -> tuple[ast.expr, Scope] | None:
+        """What a parameter gets from the only call of its function, if that is the only use of the function."""
+        function = home.node
+        if home.kind != "function" or not isinstance(function, ast.FunctionDef) or function.decorator_list:
+            return None
+        outer = self._symbols.scope_of(function)
+        owner = outer.home(function.name)
+        if owner is None or len(owner.bindings[function.name]) != 1:
+            return None
+        reads = self._reads(function.name, owner)
+        call = self._symbols.parent(reads[0]) if len(reads) == 1 else None
+        if not isinstance(call, ast.Call) or call.func is not reads[0]:
+            return None
+        if any(isinstance(argument, ast.Starred) for argument in call.args):
+            return None
+        scope = self._symbols.scope_of(reads[0])
+        names = [argument.arg for argument in (*function.args.posonlyargs, *function.args.args)]
+        for name, argument in zip(names, call.args, strict=False):
+            if name == binding.name:
+                return argument, scope
+        return next(((given.value, scope) for given in call.keywords if given.arg == binding.name), None)
+
+    def _reads(self, name: str, home: Scope | None) -> list[ast.Name]:
+        """All uses of the value of a variable."""
+        scopes = self._symbols.scopes if home is None else tuple(home.walk())
+        users = [other for other in scopes if other is home or other.home(name) is home]
+        return [read for user in users for read in user.reads.get(name, ())]
+
+    def _is_never_changed(self, binding: Binding, home: Scope | None, levels: int) -> bool:
+        """Whether nothing can change the list in a variable, or a list in it, or get hold of one."""
         if binding not in self._unchanged:
-            name = binding.name
-            users = [other for other in home.walk() if other is home or other.home(name) is home]
-            reads = [read for user in users for read in user.reads.get(name, ())]
-            self._unchanged[binding] = all(self._leaves_unchanged(read) for read in reads)
+            self._unchanged[binding] = False
+            reads = self._reads(binding.name, home)
+            self._unchanged[binding] = all(self._leaves_unchanged(read, levels) for read in reads)
         return self._unchanged[binding]
 
-    def _leaves_unchanged(self, read: ast.Name) -> bool:
+    def _leaves_unchanged(self, read: ast.expr, levels: int) -> bool:
+        """Whether a use changes nothing.
+
+        Args:
+            read: the use, of a variable or of an element.
+            levels: how deep lists lie in each other there; 1 for a list of numbers.
+        """
         symbols = self._symbols
         above = symbols.parent(read)
         if isinstance(above, ast.Subscript):
-            return above.value is not read or isinstance(above.ctx, ast.Load)
-        if isinstance(above, (ast.For, ast.comprehension)):
-            return above.iter is read
-        if isinstance(above, ast.Attribute):
-            return above.attr == "copy" and isinstance(symbols.parent(above), ast.Call)
+            if above.value is not read:
+                return True
+            is_element = isinstance(above.ctx, ast.Load)
+            return is_element and (levels == 1 or self._leaves_unchanged(above, levels - 1))
+        if isinstance(above, ast.Assign) and above.value is read:
+            return self._is_alias_unchanged(above, levels)
+        if levels == 1:
+            if isinstance(above, (ast.For, ast.comprehension)):
+                return above.iter is read
+            if isinstance(above, ast.Attribute):
+                return above.attr == "copy" and isinstance(symbols.parent(above), ast.Call)
         if isinstance(above, ast.keyword):
             above = symbols.parent(above)
         if not isinstance(above, ast.Call):
-            return isinstance(above, (ast.BinOp, ast.UnaryOp, ast.Compare, ast.FormattedValue))
+            return levels == 1 and isinstance(above, (ast.BinOp, ast.UnaryOp, ast.Compare, ast.FormattedValue))
         function = above.func
         if not isinstance(function, ast.Name) or function is read:
             return False
         name = function.id
-        is_harmless = name in _READERS or (name != THREAD_STARTER and CATALOGUE.get(name) is not None)
+        is_command = name != THREAD_STARTER and CATALOGUE.get(name) is not None
+        # A shallow copy of a list of lists holds the same lists.
+        is_harmless = name in (_READERS if levels == 1 else _SHOWERS) or is_command
         return is_harmless and symbols.scope_of(function).resolve(name) is Resolution.BUILTIN
+
+    def _is_alias_unchanged(self, statement: ast.Assign, levels: int) -> bool:
+        """Whether nothing changes a list under the other name that an assignment gives it."""
+        target = statement.targets[0]
+        if len(statement.targets) != 1 or not isinstance(target, ast.Name):
+            return False
+        scope = self._symbols.scope_of(target)
+        home = scope.home(target.id)
+        bindings = home.bindings[target.id] if home else self._symbols.global_bindings(target.id)
+        return len(bindings) == 1 and self._is_never_changed(bindings[0], home, levels)
 
 
 def _computed(compute: Callable[..., Any], *values: Any) -> Any:
@@ -226,6 +330,15 @@ def _joined(op: ast.operator, left: Any, right: Any) -> Any:
         if count * len(items) <= _LONGEST:
             result = items * count
     return UNKNOWN if isinstance(result, (list, tuple)) and len(result) > _LONGEST else result
+
+
+def _levels(value: Any) -> int:
+    """How deep lists lie in each other; 0 for no list."""
+    return 1 + max((_levels(item) for item in value), default=0) if isinstance(value, (list, tuple)) else 0
+
+
+def _is_uncertain(value: Any) -> bool:
+    return isinstance(value, Unknown) or (isinstance(value, (list, tuple)) and any(map(_is_uncertain, value)))
 
 
 def _is_small(value: Any) -> bool:

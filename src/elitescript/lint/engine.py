@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from typing import NamedTuple
 
-from elitescript.errors import ProgramError
-from elitescript.language.compiler import compile_parsed
+from elitescript.commands.plausibility import ArmFacts
+from elitescript.errors import CODES, ProgramError
+from elitescript.language.compiler import CompiledUnit, compile_parsed
 from elitescript.language.diagnostics import Diagnostic, Severity, diagnostic, in_order
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse
@@ -20,41 +22,91 @@ _BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")
 """Errors in lines that could be read: they are about something else than a syntax error there."""
 
 
+class Checked(NamedTuple):
+    """A text that was checked.
+
+    Attributes:
+        unit: the program, ready to run; None if it does not compile.
+        problems: all findings, in the order of the text.
+        is_strict: every error refuses the program, also one that it could catch.
+    """
+
+    unit: CompiledUnit | None
+    problems: tuple[Diagnostic, ...]
+    is_strict: bool
+
+    @property
+    def is_refused(self) -> bool:
+        """Whether the program does not start."""
+        if self.unit is None:
+            return True
+        return any(problem.is_error if self.is_strict else problem.keeps_from_starting for problem in self.problems)
+
+
 def check_source(
-    source: SourceFile, profile: Profile, *, strict: bool = False, presets: Collection[str] = ()
+    source: SourceFile,
+    profile: Profile,
+    *,
+    strict: bool = False,
+    presets: Collection[str] = (),
+    arm: ArmFacts | None = None,
 ) -> tuple[Diagnostic, ...]:
     """All problems of a text, in its order: what keeps it from starting, and what the rules find.
 
-    Never raises, whatever the text. Findings against the command catalogue (E3xx) do not keep a program from
-    starting; who runs it shows them as warnings.
+    Never raises, whatever the text.
 
     Args:
         source: the text.
         profile: the firmware that it is for.
         strict: what only this implementation accepts is an error, and what cannot be meant.
         presets: names of globals that have a value before the program begins.
+        arm: the arm that it is for, a `RobotModel`; None leaves out what depends on it.
     """
-    parsed = parse(source, Options(strict=strict))
-    problems = [] if not parsed.is_complete else _findings(parsed, profile, strict, presets)
-    problems += _compile_problems(parsed)
-    return in_order(_merged(without_suppressed(problems, parsed.source)))
+    return compile_checked(source, profile, Options(strict=strict), presets=presets, arm=arm).problems
 
 
-def _findings(parsed: Parsed, profile: Profile, strict: bool, presets: Collection[str]) -> list[Diagnostic]:
-    program = Program(parsed, profile, is_strict=strict, presets=presets)
+def compile_checked(
+    source: SourceFile,
+    profile: Profile,
+    options: Options,
+    *,
+    presets: Collection[str] = (),
+    arm: ArmFacts | None = None,
+) -> Checked:
+    """Check and compile a text, which is read once for both.
+
+    Never raises, whatever the text.
+
+    Args:
+        source: the text.
+        profile: the firmware that it is for.
+        options: how it is read.
+        presets: names of globals that have a value before the program begins.
+        arm: the arm that it is for; None leaves out what depends on it.
+    """
+    parsed = parse(source, options)
+    problems = [] if not parsed.is_complete else _findings(parsed, profile, options.strict, presets, arm)
+    unit = None
+    # Compiling uses up the tree, so the rules have looked at it before.
+    try:
+        unit = compile_parsed(parsed)
+    except ProgramError as error:
+        problems += error.problems
+    else:
+        problems += unit.diagnostics
+    found = in_order(_merged(without_suppressed(problems, parsed.source)))
+    return Checked(unit, found, options.strict)
+
+
+def _findings(
+    parsed: Parsed, profile: Profile, strict: bool, presets: Collection[str], arm: ArmFacts | None
+) -> list[Diagnostic]:
+    program = Program(parsed, profile, is_strict=strict, presets=presets, arm=arm)
     found = []
     for rule in all_rules():
         if not (rule.needs_all_lines and parsed.has_errors):
             found += [_located(finding, rule, program) for finding in rule.check(program)]
     return found
-
-
-def _compile_problems(parsed: Parsed) -> tuple[Diagnostic, ...]:
-    # Compiling uses up the tree, so the rules have looked at it before.
-    try:
-        return compile_parsed(parsed).diagnostics
-    except ProgramError as error:
-        return error.problems
 
 
 def _located(finding: Finding, rule: Rule, program: Program) -> Diagnostic:
@@ -69,7 +121,7 @@ def _located(finding: Finding, rule: Rule, program: Program) -> Diagnostic:
         end_column=span.end_column,
         hint=finding.hint,
         fix=finding.fix,
-        severity=Severity.ERROR if finding.is_error or (rule.is_structural and program.is_strict) else None,
+        severity=Severity.ERROR if program.is_strict and CODES[rule.code].is_tolerated else None,
     )
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 from typing import Final
 
-from elitescript.commands.catalogue import CATALOGUE
 from elitescript.language.symbols import Resolution, Scope
 from elitescript.lint.program import Program
 
@@ -64,8 +63,8 @@ class Flow:
         name = call.func.id
         scope = self._program.symbols.scope_of(call)
         if scope.resolve(name) is Resolution.BUILTIN:
-            command = CATALOGUE.get(name)
-            return name in _LEAVING and (command is None or self._program.is_available(command))
+            # Where the firmware lacks `halt`, the call raises an error: it does not return either.
+            return name in _LEAVING
         targets = self._program.symbols.definitions(name, scope)
         return bool(targets) and not any(self._may_return(target) for target in targets)
 

@@ -3,33 +3,29 @@
 from __future__ import annotations
 
 import ast
-import builtins
 import re
 from collections.abc import Collection, Iterator
 from functools import cached_property
-from typing import Final, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.plausibility import JUDGES, KINDS, ArmFacts, mistaken
 from elitescript.commands.registry import Command
-from elitescript.language.hooks import HOOKS
 from elitescript.language.kinds import SECONDARY
 from elitescript.language.nodes import Census
 from elitescript.language.parser import Parsed
 from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
+from elitescript.language.unknown_names import KNOWN
 from elitescript.lint.arguments import Arguments, arrange
 from elitescript.lint.constants import Constants
+from elitescript.lint.doubts import Doubted, element
+from elitescript.lint.kinds import Kinds
 from elitescript.lint.refusals import Refusal, refuse
 from elitescript.lint.registry import Span
 from elitescript.messages.profile import Profile, release_of
 
 _Node = TypeVar("_Node", bound=ast.AST)
-
-PRELOADED: Final = frozenset(("copy", "elicopy", "exit", "long", "quit", "unichr"))
-"""Names that programs find besides commands and Python's own built-ins."""
-
-KNOWN: Final = frozenset(dir(builtins)) | PRELOADED | frozenset(HOOKS)
-"""Every name that is there without a definition, but for the commands."""
 
 
 class Use(NamedTuple):
@@ -61,18 +57,26 @@ class Program:
         profile: the firmware.
         is_strict: what only this implementation accepts is an error.
         presets: names that have a value before the program begins.
+        arm: the arm that it is for; None if that is not known.
         symbols: scopes and names.
         constants: values of expressions.
     """
 
     def __init__(
-        self, parsed: Parsed, profile: Profile, *, is_strict: bool = False, presets: Collection[str] = ()
+        self,
+        parsed: Parsed,
+        profile: Profile,
+        *,
+        is_strict: bool = False,
+        presets: Collection[str] = (),
+        arm: ArmFacts | None = None,
     ) -> None:
         self.parsed = parsed
         self.source = parsed.source
         self.profile = profile
         self.is_strict = is_strict
         self.presets = presets
+        self.arm = arm
         self.symbols = Symbols(parsed)
         self.constants = Constants(self.symbols)
         self._census = Census(parsed.tree)
@@ -197,6 +201,17 @@ class Program:
             child = above
         return False
 
+    def is_tried(self, node: ast.AST) -> bool:
+        """Whether a `try` of the same function is around a node: then the program expects a refusal there."""
+        child = node
+        for above in self.symbols.ancestors(node):
+            if isinstance(above, (ast.FunctionDef, ast.Lambda)):
+                return False
+            if isinstance(above, ast.Try) and child in above.body and above.handlers:
+                return True
+            child = above
+        return False
+
     # Calls
 
     @cached_property
@@ -230,4 +245,25 @@ class Program:
                 error = refuse(param, self.constants.value(node, called.scope))
                 if error is not None:
                     found.append(Refusal(called.command, param, node, error))
+        return tuple(found)
+
+    @cached_property
+    def doubts(self) -> tuple[Doubted, ...]:
+        """The arguments that commands will take, but that are hardly meant; see `commands.plausibility`."""
+        refused = {refusal.node for refusal in self.refusals}
+        kinds = Kinds(self.symbols)
+        found = []
+        for called, arguments in zip(self.command_calls, self.arguments, strict=True):
+            for param, node in arguments.given:
+                meaning = param.quantity.meaning
+                if not meaning or node in refused:
+                    continue
+                value = self.constants.value(node, called.scope)
+                told = list(JUDGES[meaning](value, self.arm))
+                if meaning in KINDS:
+                    other = mistaken(meaning, kinds.kind(node, called.scope))
+                    told += [] if other is None else [other]
+                for doubt in told:
+                    text = f"{called.command.name}: {param.name}{doubt.text}"
+                    found.append(Doubted(element(node, doubt.element), doubt._replace(text=text)))
         return tuple(found)

@@ -42,7 +42,7 @@ class Refusal(NamedTuple):
     @property
     def hint(self) -> str:
         """What to do about it."""
-        return self.error.hint or f"it is called as {self.command.signature}"
+        return self.error.hint or self.command.call_hint
 
 
 def refuse(param: Param, value: Any) -> ScriptError | None:

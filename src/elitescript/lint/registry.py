@@ -36,14 +36,12 @@ class Finding(NamedTuple):
         text: what is wrong, in plain words, with value, limit and unit.
         hint: what to do about it; may be empty.
         fix: a repair that a tool can make.
-        is_error: it is an error although the row of its code says warning.
     """
 
     where: ast.AST | Span
     text: str
     hint: str = ""
     fix: Fix | None = None
-    is_error: bool = False
 
 
 Check = Callable[["Program"], Iterable[Finding]]
@@ -57,7 +55,6 @@ class Rule(NamedTuple):
     check: Check
     instead_of: tuple[str, ...]
     needs_all_lines: bool
-    is_structural: bool
 
     @property
     def explanation(self) -> str:
@@ -74,7 +71,6 @@ def rule(
     since: str,
     instead_of: tuple[str, ...] = (),
     needs_all_lines: bool = False,
-    is_structural: bool = False,
 ) -> Callable[[Check], Check]:
     """Make the function below a rule.
 
@@ -83,13 +79,12 @@ def rule(
         since: release of elitescript that brought it.
         instead_of: codes that say the same less well; their findings at the same place are dropped.
         needs_all_lines: a line that could not be read may be what it misses, so it is left out then.
-        is_structural: what it finds cannot be meant, so `--strict` makes an error of it.
     """
 
     def register(check: Check) -> Check:
         if code in _RULES or code not in CODES:
             raise InternalError(f"{check.__module__}: {code} is another rule's, or no code")
-        _RULES[code] = Rule(code, since, check, instead_of, needs_all_lines, is_structural)
+        _RULES[code] = Rule(code, since, check, instead_of, needs_all_lines)
         return check
 
     return register

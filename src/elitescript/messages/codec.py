@@ -24,6 +24,7 @@ from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints, ov
 
 from elitescript.errors import UsageError
 from elitescript.messages import machine, motion, outputs, snapshot, state, yielding
+from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.line import LineSettings
@@ -37,6 +38,7 @@ from elitescript.messages.shapes import (
     Shape,
     blame,
     check_list,
+    domain_image,
     enum_shape,
     floats,
     number,
@@ -77,6 +79,12 @@ TEXT_MAX: Final = 32 * 1024 * 1024
 """Characters of a JSON text."""
 
 _JSON: Final = json.JSONEncoder(allow_nan=False, check_circular=False, separators=(",", ":"))
+
+_IMAGES: Final[dict[tuple[str, str], Shape[Any]]] = {
+    ("Snapshot", "signals"): SIGNAL_IMAGE,
+    ("Snapshot", "domains"): domain_image(AnalogDomain),
+}
+"""Fields that hold all points of a table, no more and no less."""
 
 _BOUNDS: Final[dict[tuple[str, str], tuple[int, int]]] = {
     ("Snapshot", "tool_analog_mode"): (0, 255),
@@ -143,9 +151,7 @@ class Codec:
         assert is_dataclass(kind)
         name, hints = kind.__name__, get_type_hints(kind)
         return {
-            field.name: SIGNAL_IMAGE
-            if (name, field.name) == ("Snapshot", "signals")
-            else self._shape(hints[field.name], _bounds_of(name, field.name))
+            field.name: _IMAGES.get((name, field.name)) or self._shape(hints[field.name], _bounds_of(name, field.name))
             for field in fields(kind)
             if field.init
         }

@@ -7,7 +7,7 @@ with the same events did the same.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import MotionRequest, TrackCircular, TrackLinear
@@ -55,6 +55,10 @@ class Popup:
     line: int
 
 
+UNDELIVERED: Final = "W270"
+"""Code of warnings about what a program gave away and that did not arrive."""
+
+
 @dataclass(frozen=True, slots=True)
 class Warned:
     """Something that goes on, but not as the program asked."""
@@ -67,6 +71,17 @@ class Warned:
     """Row of `errors.CODES`, when `check` knows the same finding."""
     hint: str = ""
     """What to do about it."""
+    column: int = 0
+    """From 1, in characters; 0 if unknown."""
+    severity: str = "warning"
+    """`error` for a finding that `check` calls an error, though the program starts."""
+
+    def __str__(self) -> str:
+        """Place, severity, code, text and hint in one line."""
+        place = f"line {self.line}" + (f", column {self.column}" if self.column else "") if self.line else ""
+        kind = f"{self.severity} {self.code}" if self.code else "" if self.severity == "warning" else self.severity
+        words = ": ".join(part for part in (place, kind, self.text) if part)
+        return f"{words} ({self.hint})" if self.hint else words
 
 
 @dataclass(frozen=True, slots=True)

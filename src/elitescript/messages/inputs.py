@@ -157,6 +157,19 @@ class VariablesArrived:
 
 
 @dataclass(frozen=True, slots=True)
+class Lag:
+    """How far robot time is behind the wall clock from this tick on, while missed ticks are made up for.
+
+    What has arrived by then came over a longer time than the ticks take that are made up for: a peer that sends often
+    enough may seem silent in them.
+    """
+
+    origin: str
+    ticks: int
+    """0: it is not behind any more."""
+
+
+@dataclass(frozen=True, slots=True)
 class ChannelOpened:
     """The end of an attempt to connect."""
 
@@ -217,6 +230,7 @@ Input = (
     | InterpreterWord
     | Query
     | VariablesArrived
+    | Lag
     | ChannelOpened
     | ChannelData
     | ChannelCredit

@@ -9,6 +9,15 @@ from __future__ import annotations
 
 from array import array
 from dataclasses import dataclass, field
+from typing import Final
+
+BLEND_SHARE: Final = 0.5
+"""Most that a blend takes of a move."""
+
+RADIUS_SHORTENED: Final = "r = {r:g} m is shortened to {most:.4g} m: a blend takes at most half of a move"
+"""What is said about a longer radius (W235)."""
+
+RADIUS_HINT: Final = "choose r up to {most:.4g}, or leave more way between the points"
 
 Six = tuple[float, float, float, float, float, float]
 

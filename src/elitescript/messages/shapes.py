@@ -199,6 +199,24 @@ def enum_shape(kind: type[IntEnum]) -> Shape[Any]:
     return Shape(int, decode)
 
 
+def domain_image(kind: type[IntEnum]) -> Shape[dict[str, tuple[Any, ...]]]:
+    """The domains of the analog signals: a member for each point of each family that has one."""
+    one = enum_shape(kind)
+    sizes = {row.name: row.size for row in SIGNALS.values() if row.has_domain}
+
+    def encode(image: Mapping[str, tuple[Any, ...]]) -> dict[str, list[int]]:
+        return {name: list(map(int, domains)) for name, domains in image.items()}
+
+    def decode(data: Any) -> dict[str, tuple[Any, ...]]:
+        if type(data) is not dict or data.keys() != sizes.keys():
+            raise CodecError(f"domains of {', '.join(sizes)} are expected, not {shown(data)}")
+        for name, size in sizes.items():
+            check_list(data[name], size)
+        return {name: tuple(map(one.decode, domains)) for name, domains in data.items()}
+
+    return Shape(encode, decode)
+
+
 def floats(count: int) -> Shape[tuple[float, ...]]:
     """`count` floats; any number of them if it is negative."""
     only_floats = {float}

@@ -37,6 +37,11 @@ class Signal(NamedTuple):
     """Whether a state file has it: the controller remembers it when it is switched off."""
 
     @property
+    def has_domain(self) -> bool:
+        """Whether it is a voltage or a current, as is chosen for each point."""
+        return self.unit == "V or A"
+
+    @property
     def default(self) -> Value:
         """Value at power-on."""
         return {"bool": False, "int": 0, "float": 0.0}[self.kind]

@@ -83,6 +83,8 @@ class Snapshot:
     task: TaskPicture
     overruns: int
     """Ticks that began late, since the start."""
+    is_guided_by_input: bool = False
+    """Whether a person guides the arm because an input asks for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,3 +115,5 @@ class RobotDescription:
     dh_alpha: Six
     """Modified (Craig) parameters, m and rad: row i holds a(i-1), alpha(i-1), d(i)."""
     safety_checksum: int
+    operational_mode: int = -1
+    """0 manual, 1 automatic, -1 not reported."""

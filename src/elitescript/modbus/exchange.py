@@ -40,6 +40,7 @@ class Exchange:
     Args:
         complain: tells what is wrong with a signal.
         note: records what has come of it: signal, what, data.
+        lose: tells why a request that is sent once is given up.
         is_single: whether the device is known to take one request at a time.
 
     Attributes:
@@ -47,6 +48,7 @@ class Exchange:
         is_single: whether the device takes one request at a time.
         answered: good answers so far.
         strays: answers that nobody waited for, so far.
+        broadcasts: what was sent to all slaves, which nobody answers, since the connection last had taken everything.
         is_lost: whether what comes is no MODBUS any more.
         has_heard: whether the connection has brought an answer.
     """
@@ -58,6 +60,7 @@ class Exchange:
         "_heard_tick",
         "_is_pressed",
         "_is_suspect",
+        "_lose",
         "_note",
         "_probe_begin",
         "_probe_end",
@@ -71,6 +74,7 @@ class Exchange:
         "_transaction",
         "_turns",
         "answered",
+        "broadcasts",
         "has_heard",
         "is_single",
         "strays",
@@ -81,6 +85,7 @@ class Exchange:
         self,
         complain: Callable[[Signal, str], None],
         note: Callable[[Signal, str, str], None],
+        lose: Callable[[Signal, str], None],
         *,
         is_single: bool,
     ) -> None:
@@ -89,8 +94,10 @@ class Exchange:
         self.answered = 0
         self.strays = 0
         self.has_heard = False
+        self.broadcasts: list[Signal] = []
         self._complain = complain
         self._note = note
+        self._lose = lose
         self._queue: deque[Signal] = deque()
         self._flight: dict[int, tuple[Signal, bytes, int]] = {}
         """Signal, request and tick of sending, by transaction; the oldest one first."""
@@ -146,6 +153,16 @@ class Exchange:
         """Requests that wait to be sent once."""
         return sum(signal.is_once for signal in self._queue)
 
+    @property
+    def owed(self) -> list[Signal]:
+        """Signals that wait, are under way or were sent to all slaves, and are owed."""
+        under_way = [signal for signal, _, _ in self._flight.values()]
+        return [signal for signal in (*self._queue, *under_way, *self.broadcasts) if signal.is_owed]
+
+    def is_under_way(self, signal: Signal) -> bool:
+        """Whether an answer to the present request of a signal is waited for."""
+        return any(one is signal and request is signal.request for one, request, _ in self._flight.values())
+
     def next_tick(self, tick: int) -> int | None:
         """Earliest tick after `tick` at which something is due without anything arriving."""
         if self._probe_size:
@@ -177,7 +194,7 @@ class Exchange:
     def drop_once(self, reason: str) -> None:
         """Forget what is sent once: it does not wait for another connection."""
         for signal in [signal for signal in self._queue if signal.is_once]:
-            self._complain(signal, f"not sent, {reason}")
+            self._lose(signal, f"not sent, {reason}")
             self._queue.remove(signal)
 
     # ---------------------------------------------------------------- the connection
@@ -192,8 +209,9 @@ class Exchange:
         """It stands no longer; what was under way is lost."""
         for signal, _, _ in self._flight.values():
             if signal.is_once:
-                self._complain(signal, "the connection was lost before the answer")
+                self._lose(signal, "the connection was lost before the answer")
         self._flight.clear()
+        self.broadcasts.clear()
         self._chained = None
         self._probe_size = 0
 
@@ -231,7 +249,8 @@ class Exchange:
             if signal is self._chained:
                 self._chained = None
             signal.fail(tick, NO_ERROR, TIMED_OUT)
-            self._complain(signal, f"no answer within {seconds(REPLY_TICKS):g} s")
+            tell = self._lose if signal.is_once else self._complain
+            tell(signal, f"no answer within {seconds(REPLY_TICKS):g} s")
         return bool(late) and tick - self._heard_tick >= SILENCE_TICKS
 
     # ---------------------------------------------------------------- bytes
@@ -278,6 +297,7 @@ class Exchange:
             signal.turn = self._turns
             if signal.unit == BROADCAST:
                 signal.work(tick)
+                self.broadcasts.append(signal)
                 if window == 1:
                     break
             else:
@@ -317,6 +337,8 @@ class Exchange:
                 self.strays += 1
                 continue
             signal, request, sent = entry
+            if request is signal.request:
+                signal.is_owed = False
             if signal is self._chained:
                 self._chained = None
             if tick - sent > self._slowest_ticks:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
+from elitescript.messages.events import UNDELIVERED
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW, TIME_OUT_REASONS
 from elitescript.messages.timing import TICKS_PER_S, seconds
@@ -75,7 +76,7 @@ class Link:
         port: of the device.
         channels: carry the bytes.
         listen: tells who listens to a channel, or with None that nobody does.
-        warn: records a warning; asked for each event, those that repeat are its business.
+        warn: records a warning, with a code if it has one; asked for each event, those that repeat are its business.
         note: records what passes: name of the signal or of the connection, what, data.
         tick: the present one.
         is_single: whether the device is known to take one request at a time.
@@ -115,7 +116,7 @@ class Link:
         port: int,
         channels: Channels,
         listen: Callable[[int, Link | None], None],
-        warn: Callable[[str], None],
+        warn: Callable[..., None],
         note: Callable[[str, str, str], None],
         *,
         tick: int,
@@ -124,7 +125,7 @@ class Link:
         self.address = address
         self.port = port
         self.signals: dict[int, list[Signal]] = {}
-        self.exchange = Exchange(self._complain, self._note_of, is_single=is_single)
+        self.exchange = Exchange(self._complain, self._note_of, self._give_up, is_single=is_single)
         self.connection_code = NO_ERROR
         self.retry_tick: int | None = tick + 1
         self._channels = channels
@@ -156,6 +157,11 @@ class Link:
         return self._state is _OPEN
 
     @property
+    def channel(self) -> int:
+        """Number of the channel; 0 without one."""
+        return self._channel
+
+    @property
     def is_settled(self) -> bool:
         """Whether the attempt to connect that was asked for is over."""
         return not self._is_reset
@@ -184,6 +190,18 @@ class Link:
         self.exchange.forget(signal)
         self._forget(signal)
 
+    def part(self, signal: Signal) -> None:
+        """Ask for it no more, except once for what is owed."""
+        if signal.is_owed and self._state is _CLOSED and self._attempts:
+            self._give_up(signal, "not sent, the device cannot be reached")
+        if not signal.is_owed:
+            self.remove(signal)
+            return
+        signal.is_once = True
+        if not self.exchange.is_under_way(signal):
+            self.exchange.ask(signal)
+        self._forget(signal)
+
     def retime(self, signal: Signal, frequency_hz: int) -> None:
         """Change how often it is asked for."""
         self._forget(signal)
@@ -199,8 +217,16 @@ class Link:
     def _complain(self, signal: Signal, trouble: str) -> None:
         if not signal.is_removed:
             self._note_of(signal, "timeout" if trouble.startswith(LATE) else "refused", trouble)
-            what = f"MODBUS signal {signal.name!r}" if signal.name else "a MODBUS request"
-            self._warn(f"{what} to {self.name}, slave {signal.unit}: {trouble}")
+            self._warn(f"{self.title(signal)}: {trouble}")
+
+    def _give_up(self, signal: Signal, trouble: str) -> None:
+        signal.is_owed = False
+        self._warn(f"{self.title(signal)}: {trouble}", UNDELIVERED)
+
+    def title(self, signal: Signal) -> str:
+        """A signal or request in words."""
+        what = f"MODBUS signal {signal.name!r}" if signal.name else "a MODBUS request"
+        return f"{what} to {self.name}, slave {signal.unit}"
 
     def _note_of(self, signal: Signal, what: str, data: str) -> None:
         """Record what has come of a signal, unless it is the same as before."""
@@ -295,6 +321,10 @@ class Link:
                 self._taken = 0
         elif isinstance(event, ChannelCredit):
             self._room += event.size
+            if self._room >= CHANNEL_WINDOW and self.exchange.broadcasts:
+                for signal in self.exchange.broadcasts:
+                    signal.is_owed = False
+                self.exchange.broadcasts.clear()
         elif isinstance(event, ChannelOpened) and event.is_open:
             self._state = _OPEN
             self._is_reset = False

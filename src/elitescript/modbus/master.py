@@ -30,7 +30,7 @@ class Master:
     Args:
         channels: carry the bytes.
         listeners: who is told what happens on which channel.
-        warn: records a warning.
+        warn: records a warning, with a code if it has one.
         note: records what passes: name of the signal or of the connection, what, data; see `runtime.traffic`.
         tick: the present one.
 
@@ -59,7 +59,7 @@ class Master:
         self,
         channels: Channels,
         listeners: dict[int, Any],
-        warn: Callable[[str], None],
+        warn: Callable[..., None],
         note: Callable[[str, str, str], None] = lambda name, what, data: None,
         *,
         tick: int = 0,
@@ -151,7 +151,7 @@ class Master:
         signal = self.find(name)
         place = self.where.pop(name)
         del self.signals[name]
-        self.links[place].remove(signal)
+        self.links[place].part(signal)
 
     def find(self, name: str) -> Signal:
         """The signal of a name.
@@ -176,6 +176,7 @@ class Master:
         signal.set(values)
         self._prepare(signal, is_running=self._is_running)
         if not signal.frequency_hz:
+            signal.is_owed = True
             self.links[self.where[name]].exchange.ask(signal)
 
     def choose(self, name: str, choice: int) -> None:
@@ -270,10 +271,13 @@ class Master:
         else:
             self._listeners[channel] = link
 
-    def _warn_once(self, text: str) -> None:
+    def _warn_once(self, text: str, code: str = "") -> None:
         if text not in self._warned and len(self._warned) < WARNINGS_MAX:
             self._warned.add(text)
-            self._warn(text)
+            if code:
+                self._warn(text, code)
+            else:
+                self._warn(text)
 
     # ---------------------------------------------------------------- time
 
@@ -285,26 +289,59 @@ class Master:
             is_running: whether a program runs; a paused one does (*assumed*).
         """
         self.now = tick
-        if is_running != self._is_running:
-            self._is_running = is_running
-            self._program_changed()
+        self.set_running(is_running)
         for place, link in list(self.links.items()):
             link.tick(tick)
             if link.is_unused:
                 self._part(place, link)
 
-    def _program_changed(self) -> None:
-        if self._is_running:
+    def set_running(self, is_running: bool) -> None:
+        """A program begins or ends: repeated requests end with it, outputs that are tied to that follow."""
+        if is_running == self._is_running:
+            return
+        self._is_running = is_running
+        if is_running:
             self._warned.clear()
         else:
             for (address, port, _, _), signal in self._repeated.items():
-                self.links[address, port].remove(signal)
+                self.links[address, port].part(signal)
             self._repeated.clear()
         for name, signal in self.signals.items():
             before = signal.request
             self._prepare(signal, is_running=self._is_running)
             if signal.request is not before and not signal.frequency_hz:
                 self.links[self.where[name]].exchange.ask(signal)
+
+    # ---------------------------------------------------------------- what is owed
+
+    @property
+    def channels(self) -> list[int]:
+        """Open channels."""
+        return [link.channel for link in self.links.values() if link.channel]
+
+    def pending(self) -> tuple[str, ...]:
+        """Outputs that were set and not written yet, and single requests without an answer; a text for each."""
+        return tuple(link.title(signal) for link, signal in self._owed())
+
+    def give_up(self) -> tuple[str, ...]:
+        """Wait for that no more, and return it; signals go on to be written."""
+        given_up = []
+        for link, signal in self._owed():
+            given_up.append(link.title(signal))
+            signal.is_owed = False
+            if signal.is_once:
+                signal.is_removed = True
+                link.exchange.forget(signal)
+        return tuple(given_up)
+
+    def _owed(self) -> list[tuple[Link, Signal]]:
+        owed = {id(signal): (link, signal) for link in self.links.values() for signal in link.exchange.owed}
+        for name, signal in self.signals.items():
+            if signal.is_owed:
+                owed[id(signal)] = self.links[self.where[name]], signal
+        return list(owed.values())
+
+    # ---------------------------------------------------------------- connections
 
     def _part(self, place: tuple[str, int], link: Link) -> None:
         if link.exchange.is_single and len(self._singles) < SINGLES_MAX:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from elitescript.errors import ArgumentRangeError, InvalidValueError
+from elitescript.errors import ArgumentRangeError, InvalidValueError, MirroredAddressError
 from elitescript.messages.machine import MachineRequest, WriteSignal
 from elitescript.messages.signals import WORD_MAX
 from elitescript.modbus.port_map import COIL_COUNT, COILS, REGISTER_COUNT, REGISTERS, View, Words
@@ -96,7 +96,7 @@ def coil_writes(first: int, values: Sequence[bool]) -> list[MachineRequest]:
 
     Raises:
         ArgumentRangeError: no such coils.
-        InvalidValueError: a coil that nobody writes.
+        MirroredAddressError: a coil that nobody writes.
     """
     check_writable_coils(first, len(values))
     requests: list[MachineRequest] = []
@@ -120,7 +120,7 @@ def check_writable_registers(first: int, count: int) -> None:
 
     Raises:
         ArgumentRangeError: no such registers.
-        InvalidValueError: one of them is not to be written.
+        MirroredAddressError: one of them is not to be written.
     """
     check_registers(first, count)
     for address in range(first, first + count):
@@ -134,7 +134,7 @@ def check_writable_coils(first: int, count: int) -> None:
 
     Raises:
         ArgumentRangeError: no such coils.
-        InvalidValueError: one of them is not to be written.
+        MirroredAddressError: one of them is not to be written.
     """
     _check(first, count, COIL_COUNT, "coil")
     for address in range(first, first + count):
@@ -151,5 +151,5 @@ def _check(first: int, count: int, limit: int, what: str) -> None:
         )
 
 
-def _read_only(what: str, address: int, content: str) -> InvalidValueError:
-    return InvalidValueError(f"{what} {address} ({content}) cannot be written", value=address)
+def _read_only(what: str, address: int, content: str) -> MirroredAddressError:
+    return MirroredAddressError(f"{what} {address} ({content}) cannot be written", value=address)

@@ -91,6 +91,7 @@ class Signal:
         device_code: what the device has to say against it.
         connection_code: an error number of TCP/IP.
         is_waiting: whether it is due and not sent.
+        is_owed: whether what a program has set is not written yet; an answer ends that, whatever it says.
         is_removed: whether nobody wants to know any more.
         noted: the last entry of the record about it, what and which data; None if the next one is news in any case.
         missed: how often it was due again while it still waited.
@@ -109,6 +110,7 @@ class Signal:
         "frequency_hz",
         "inputs",
         "is_once",
+        "is_owed",
         "is_removed",
         "is_sequential",
         "is_waiting",
@@ -165,6 +167,7 @@ class Signal:
         self.device_code = CONNECTING
         self.connection_code = NO_ERROR
         self.is_waiting = False
+        self.is_owed = is_once
         self.is_removed = False
         self.noted: tuple[str, str] | None = None
         self.missed = 0
@@ -211,6 +214,7 @@ class Signal:
             self.request = request
             self.tail = tcp_frame(0, self.unit, request)[2:]
             self.answer = b""
+            self.is_owed = self.is_once or not self.is_asking
 
     def _request(self, is_running: bool) -> bytes:
         forced = self.forced(is_running)

@@ -34,7 +34,7 @@ from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import singularity
 from elitescript.kinematics.rotations import multiply, rotvec_from_rotation, transpose
 from elitescript.kinematics.transforms import IDENTITY, Transform, compose, rotation_of, transform_from_pose
-from elitescript.messages.motion import MoveC, MoveJ, MoveL, Six
+from elitescript.messages.motion import RADIUS_HINT, RADIUS_SHORTENED, MoveC, MoveJ, MoveL, Six
 from elitescript.motion.jointline import JointLine
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.path import CartesianPath, arc, line
@@ -90,6 +90,9 @@ class Note:
 
     kind: NoteKind
     text: str
+    code: str = ""
+    """Row of `errors.CODES`, where the checker says the same."""
+    hint: str = ""
 
 
 _NO_LAW: Final = Law(0.0, 0.0, 0.0)
@@ -294,7 +297,9 @@ def _with_zone(plan: Plan, arm: Arm, T_flange_tcp: Transform, r: float) -> Plan:
         return replace(plan, zone=zone)
     note = Note(
         NoteKind.RADIUS_SHORTENED,
-        f"r = {r:g} m is shortened to {zone.radius:.4g} m: a blend takes at most half of a move",
+        RADIUS_SHORTENED.format(r=r, most=zone.radius),
+        "W235",
+        RADIUS_HINT.format(most=zone.radius),
     )
     return replace(plan, zone=zone, notes=(*plan.notes, note))
 

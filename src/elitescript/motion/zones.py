@@ -13,12 +13,10 @@ from typing import Final, NamedTuple
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.transforms import Transform, position_of
+from elitescript.messages.motion import BLEND_SHARE
 from elitescript.motion.path import ArcPath, LinePath
 from elitescript.motion.segment import JointPath
 from elitescript.motion.track import JointTrack
-
-HALF: Final = 0.5
-"""Most that a blend takes of a move."""
 
 LOOKS: Final = 16
 """Places of half a joint move at which the distance from the waypoint is looked at."""
@@ -39,7 +37,7 @@ class Zone(NamedTuple):
 
 def zone_before(path: JointPath, r: float, arm: Arm, T_flange_tcp: Transform) -> Zone:
     """Return the zone of radius r, m, about the end of a path."""
-    half = HALF * path.length
+    half = BLEND_SHARE * path.length
     near = _near(path, r)
     if near is None:
         waypoint = position_of(path.T_base_tcp_end)
@@ -61,7 +59,7 @@ def zone_before(path: JointPath, r: float, arm: Arm, T_flange_tcp: Transform) ->
 
 def way_within(path: JointPath, r: float, arm: Arm, T_flange_tcp: Transform) -> float:
     """Return how far a path can be followed from its start until the TCP is r, m, away; at most half of it."""
-    half = HALF * path.length
+    half = BLEND_SHARE * path.length
     near = _near(path, r)
     if near is None:
         start = _tcp(arm, path, 0.0, T_flange_tcp)

@@ -60,7 +60,7 @@ def _mark(event: Event) -> dict[str, Any] | None:
     if isinstance(event, Popup):
         return _entry("popup", event.tick, f"{event.title}: {event.text}" if event.title else event.text, event.line)
     if isinstance(event, Warned):
-        return _entry("warning", event.tick, event.text, event.line) | _hints(event.hint)
+        return _entry("warning", event.tick, f"{event.code} {event.text}".lstrip(), event.line) | _hints(event.hint)
     if isinstance(event, DeviceNoted):
         kind = "warning" if event.is_warning else "device"
         return _entry(kind, event.tick, f"{event.device}: {event.text}", 0)

@@ -364,7 +364,8 @@ signals.forEach((signal, index) => {
     cursorLine(g, w, h);
     const value = signalAt(signal, state.t);
     g.font = "600 12px " + SANS; g.textAlign = "right"; g.textBaseline = "middle";
-    g.fillStyle = value ? C.green : C.soft; g.fillText(fitText(g, levelText(signal, value), 50), GUTTER - 10, 11);
+    g.fillStyle = value ? C.green : C.soft; const text = levelText(signal, value), short = g.measureText(text).width > 54 && value !== null ? value.toPrecision(3) : text;
+    g.fillText(fitText(g, short, 56), GUTTER - 10, 11);
   }, (px, py, t) => {
     const i = before(signal.t, t), cause = causeText(D.signals.causes[signal.by[i]]);
     const since = i || cause ? `since ${fix(signal.t[i], 3)} s` + (cause ? `, by ${cause}` : "") : "since the start";

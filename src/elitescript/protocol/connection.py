@@ -48,6 +48,10 @@ class Connection(ABC):
             ProtocolError: the stream makes no sense; the connection is to be closed.
         """
 
+    def posted(self, tick: int) -> None:
+        """The inputs that `receive` has just returned go in at that tick, or later if many wait."""
+        return
+
     @abstractmethod
     def publish(self, output: Output) -> None:
         """Take note of a tick: queue what this client is to hear of it."""

@@ -1,5 +1,9 @@
 """Interpreter mode, port 30020: a client sends statements line by line, each is acknowledged or discarded.
 
+A line that is the header of a function and nothing else begins a *block*: it and the lines up to an `end` at the start
+of a line are one statement, with one reply. One-line functions are *documented*; a sample of the vendor sends several
+lines, and that they are one statement is *assumed*.
+
 The texts of all replies are here; the robot, which numbers and queues the statements, makes them with these functions
 and sends them as `Reply` to the origin of the statement or the word.
 
@@ -13,6 +17,7 @@ own statements and no others, are *assumed*.
 
 from __future__ import annotations
 
+import re
 from typing import Final, NamedTuple
 
 from elitescript.messages.events import Alarm
@@ -24,6 +29,9 @@ from elitescript.protocol.lines import Line, PacedLines, one_line, shown
 
 LINE_LIMIT: Final = 65536
 """Bytes of a line; a function is written on one."""
+BLOCK_HEADER: Final = re.compile(r"def\b.*:\s*(#.*)?")
+BLOCK_END: Final = re.compile(r"end\s*;?\s*(#.*)?")
+"""Whole lines that begin and close a block."""
 LINES_PER_TICK: Final = 20
 """Of one client; the rest waits for the next tick (*assumed*)."""
 QUEUE_LIMIT: Final = 8500
@@ -131,12 +139,18 @@ class InterpreterConnection(Connection):
     that it is known which lines have no reply yet.
     """
 
-    __slots__ = ("_count", "_due", "_given_up", "_lines", "_start", "_unanswered")
+    __slots__ = ("_block", "_block_size", "_count", "_due", "_given_up", "_lines", "_problem", "_start", "_unanswered")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
         self._lines = PacedLines(LINE_LIMIT, LINES_PER_TICK)
         self._due: list[Input] = []
+        self._block: list[str] = []
+        """Lines of the block that is open."""
+        self._block_size = 0
+        """In bytes; lines beyond `LINE_LIMIT` are not kept."""
+        self._problem = ""
+        """Why the block cannot be a statement."""
         self._count = 0
         self._start = f"{origin}/"
         self._unanswered: dict[str, str] = {}
@@ -152,23 +166,51 @@ class InterpreterConnection(Connection):
     def _inputs(self, lines: list[Line]) -> list[Input]:
         inputs: list[Input] = []
         for line in lines:
+            if self._block or (not line.problem and BLOCK_HEADER.fullmatch(line.text)):
+                inputs += self._in_block(line)
+                continue
             text = line.text.strip()
             if not text and not line.problem:
                 continue
-            self._count += 1
-            origin = f"{self._start}{self._count}"
-            if line.problem:
-                text = shown(text)
-                inputs.append(Interpret(origin, text, line.problem))
-                self._unanswered[origin] = not_compiled(line.problem, text)
-            elif text in WORDS:
+            if line.problem or text not in WORDS:
+                inputs.append(self._statement(text, line.problem))
+            else:
+                origin = self._origin()
                 inputs.append(InterpreterWord(origin, text))
                 if WORDS[text].reply:
                     self._unanswered[origin] = session_state(False) if text == "state" else state_of(0, text)
-            else:
-                inputs.append(Interpret(origin, text))
-                self._unanswered[origin] = discarded(INVALID_STATE, text)
         return inputs
+
+    def _in_block(self, line: Line) -> list[Input]:
+        """One more line of a block; what it asks for once it is whole."""
+        self._block_size += len(line.text.encode()) + 1
+        if line.problem:
+            self._problem = self._problem or f"line {len(self._block) + 1}, column 1, {line.problem}"
+        elif self._block_size > LINE_LIMIT:
+            number = len(self._block) + 1
+            self._problem = self._problem or f"line {number}, column 1, the function is longer than {LINE_LIMIT} bytes"
+        if not self._problem:
+            self._block.append(line.text.rstrip("\r"))
+        return [self._close_block()] if BLOCK_END.fullmatch(line.text) else []
+
+    def _close_block(self) -> Input:
+        text, problem = "\n".join(self._block), self._problem
+        self._block.clear()
+        self._block_size, self._problem = 0, ""
+        return self._statement(text, problem)
+
+    def _statement(self, text: str, problem: str) -> Input:
+        origin = self._origin()
+        if problem:
+            text = shown(one_line(text))
+            self._unanswered[origin] = not_compiled(problem, text)
+            return Interpret(origin, text, problem)
+        self._unanswered[origin] = discarded(INVALID_STATE, text)
+        return Interpret(origin, text)
+
+    def _origin(self) -> str:
+        self._count += 1
+        return f"{self._start}{self._count}"
 
     @property
     def is_busy(self) -> bool:
@@ -203,8 +245,12 @@ class InterpreterConnection(Connection):
         return due
 
     def closed(self) -> list[Input]:
-        """See `Connection.closed`: what the client has sent still counts."""
-        return self.due() + self._inputs(self._lines.rest())
+        """See `Connection.closed`: what the client has sent still counts; a function without its end is discarded."""
+        inputs = self.due() + self._inputs(self._lines.rest())
+        if self._block:
+            self._problem = self._problem or "line 1, column 1, the function has no `end` at the start of a line"
+            inputs.append(self._close_block())
+        return inputs
 
     def _say(self, text: str) -> None:
         self.send(one_line(text).encode() + b"\n")

@@ -96,7 +96,14 @@ HEAD: Final = (
     Field("kind", UINT8, "", DOCUMENTED),
 )
 
-TEXT: Final = MessageKind("text", 0, ASSUMED, "`textmsg`; lines that clients add to the log", (), ("text",))
+TEXT: Final = MessageKind(
+    "text",
+    0,
+    ASSUMED,
+    "`textmsg`; lines that clients add to the log; advice on a line of a program, with `warning: ` in front",
+    (),
+    ("text",),
+)
 POPUP: Final = MessageKind(
     "popup",
     2,
@@ -131,7 +138,7 @@ ROBOT_ERROR: Final = MessageKind(
     6,
     DOCUMENTED,
     "stops of the safety system; as warnings: commands that are refused, exceptions of secondary programs, bytes that "
-    "are not UTF-8, whatever else the log warns of",
+    "are not UTF-8, whatever else the log warns of without a line of a program",
     (
         Field("code", INT32, "", DOCUMENTED, "always 0"),
         Field("sub-code", INT32, "", DOCUMENTED, "always 0"),
@@ -264,8 +271,13 @@ def _alarm(event: Alarm, terminator: bytes) -> Note:
 
 
 def _warned(event: Warned, terminator: bytes) -> Note:
+    """Advice on a line of a program is a text: a monitor takes a robot error for a fault of the robot."""
     is_exception = event.text.startswith(SECONDARY_PREFIX)
-    return error_note(event.tick, WARNING, event.text, terminator=terminator, is_vital=is_exception)
+    if is_exception or not (event.line or event.thread or event.code):
+        return error_note(event.tick, WARNING, event.text, terminator=terminator, is_vital=is_exception)
+    place = f"line {event.line}: " if event.line else ""
+    text = str(event) if event.code else f"warning: {place}{event.text}"
+    return Note(TEXT.pack(event.tick, (), text, terminator=terminator), is_vital=False)
 
 
 def _text_message(event: TextMessage, terminator: bytes) -> Note:

@@ -4,9 +4,10 @@ A message is its size (u16, of the whole message), a command (one letter) and wh
 is the table of commands.
 
 Evidence: framing, commands and replies are what the vendor's client sends and parses. *Assumed*: a refused set-up has
-the number 0; commands may come before `V`; `S` without recipes succeeds; recipes may be added while data flows; inputs
-apply in local control too; texts of messages; messages that cannot be obeyed are answered with a text message, at most
-one a second of each kind, and otherwise ignored.
+the number 0; inputs that are sent while paused apply, and the first package after the start shows them; commands may
+come before `V`; `S` without recipes succeeds; recipes may be added while data flows; inputs apply in local control too;
+texts of messages; messages that cannot be obeyed are answered with a text message, at most one a second of each kind,
+and otherwise ignored.
 """
 
 from __future__ import annotations
@@ -32,6 +33,8 @@ from elitescript.protocol.rtsi_recipes import (
 )
 from elitescript.protocol.rtsi_variables import OUTPUTS
 
+HELD_BACK_TICKS: Final = TICKS_PER_S // 2
+"""How long packages wait after the start for inputs that were sent before it; a robot that begins anew loses them."""
 PROTOCOL_VERSION: Final = 1
 MESSAGE_MAX: Final = 65535
 RECIPES_MAX: Final = 254
@@ -92,9 +95,12 @@ class RtsiConnection(Connection):
     """
 
     __slots__ = (
+        "_answers",
         "_buffer",
         "_complaints",
         "_failure",
+        "_first_tick",
+        "_held_back_until",
         "_inputs",
         "_is_started",
         "_outputs",
@@ -112,7 +118,11 @@ class RtsiConnection(Connection):
         self._inputs: list[InputRecipe] = []
         self._values: dict[str, WireValue] = {}
         self._is_started = False
+        self._answers = 0
         self._written_tick: int | None = None
+        self._first_tick = 0
+        """Of the first package after the start: the one that knows the inputs that were sent before the start."""
+        self._held_back_until = 0
         self._complaints: dict[str, int] = {}
 
     @property
@@ -121,9 +131,13 @@ class RtsiConnection(Connection):
         return self._is_started
 
     @property
-    def has_inputs(self) -> bool:
-        """Whether the client has set up a recipe to write with."""
-        return bool(self._inputs)
+    def answers(self) -> int:
+        """Input packages of a client that gets packages, since its start or since `forget_answers`; 0 for any other."""
+        return self._answers if self._outputs else 0
+
+    def forget_answers(self) -> None:
+        """Count input packages anew."""
+        self._answers = 0
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         """Take bytes; answer what is complete. See `Connection.receive`.
@@ -160,17 +174,28 @@ class RtsiConnection(Connection):
         """Queue the packages that are due at this tick.
 
         A client that has just written an input hears of no tick before that: it takes the next package for an answer.
+        The first package after a start holds all that was written before the start.
         """
         if not self._is_started or output.tick == self._written_tick:
             return
+        if self._first_tick:
+            if output.snapshot.robot.tick < self._first_tick and output.tick < self._held_back_until:
+                return
+            self._first_tick = 0
         for recipe in self._outputs:
             if recipe.schedule.is_due(output.tick):
                 self.send(recipe.package(self._port.packages.body(recipe, output)))
+
+    def posted(self, tick: int) -> None:
+        """See `Connection.posted`."""
+        if self._first_tick:
+            self._first_tick = max(self._first_tick, tick)
 
     def closed(self) -> list[Input]:
         """Give the client's inputs free. They keep their values."""
         self._port.claims.release(self.origin)
         self._is_started = False
+        self._answers = 0
         return []
 
     def say(self, level: int, text: str) -> None:
@@ -285,11 +310,13 @@ class RtsiConnection(Connection):
             self._is_started = True
             for recipe in self._outputs:
                 recipe.schedule.reset()
+            self._held_back_until = output.tick + HELD_BACK_TICKS
             self.publish(output)
         return []
 
     def _pause(self, _body: bytes, _output: Output) -> list[Input]:
         self._is_started = False
+        self._answers = 0
         self._reply("P", b"\x01")
         return []
 
@@ -309,8 +336,11 @@ class RtsiConnection(Connection):
         inputs: list[Input] = [Do(self.origin, request) for request in requests_of(recipe.effects, arrival)]
         self._values = values
         self._written_tick = output.tick
+        self._answers += self._is_started
         for name, text in arrival.problems.items():
             self._complain(name, text, output)
+        if not self._is_started:
+            self._first_tick = output.tick + 1
         inputs.append(VariablesArrived(self.origin, recipe.names))
         return inputs
 

@@ -7,22 +7,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from types import CodeType, TracebackType
+from types import CodeType, FrameType, TracebackType
 from typing import Any, Final, NamedTuple
 
 from elitescript.commands.quantities import shown
 from elitescript.commands.registry import Catalogue
+from elitescript.commands.vocabulary import newer_firmware_hint, newer_firmware_text, vocabulary_of
 from elitescript.errors import CODES, ProgramError, ScriptError
 from elitescript.language.compiler import column_of
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Alarm
-from elitescript.messages.profile import PROFILES, Profile, release_of
+from elitescript.messages.profile import Profile, release_of
 from elitescript.runtime.strand import INNER_TEXTS, Strand
 
-CLOSE_ENOUGH: Final = 0.7
-"""Similarity from which a name is suggested for a wrong one."""
-
 UNCAUGHT: Final = "R100"
+_MISCALLED: Final = ("R101", "R102", "R103")
 
 
 class Place(NamedTuple):
@@ -36,6 +35,12 @@ class Place(NamedTuple):
     """Names that the code there could have used."""
     inner: str = ""
     """Where in a text that the program made for `eval` or `exec`, in words."""
+    source: SourceFile | None = None
+    """The text."""
+    expression: str = ""
+    """What was computed there, as it is written; empty if unknown."""
+    frame: FrameType | None = None
+    """Where the variables are."""
 
 
 NOWHERE: Final = Place(0, 0, "", ())
@@ -76,8 +81,13 @@ def alarm_of(
         # A program can extend the class and set what it likes.
         code = error.code if type(error.code) is str and error.code in CODES else UNCAUGHT
         details = details_of(error)
-    elif isinstance(error, NameError) and type(error.name) is str and not isinstance(error, UnboundLocalError):
+        command = catalogue.get(error.command) if type(error.command) is str else None
+        if command is not None and code in _MISCALLED and "hint" not in details:
+            details["hint"] = command.call_hint
+    elif type(error) is NameError and type(error.name) is str and text.endswith("is not defined"):
         code, class_name, text, details = _unknown_name(error.name, text, place, known, catalogue, profile)
+    elif type(error).__module__ == "builtins":
+        text, details = _in_plain_words(class_name, text, place)
     if place.inner:
         text = f"{text} ({place.inner})"
     return Alarm(clock(), code, class_name, text, place.line, place.column, thread, place.source_line, details)
@@ -142,14 +152,33 @@ def place_of(trace: TracebackType | None, builtins: dict[str, Any], sources: Map
     if found is None:
         return NOWHERE
     frame, code = found.tb_frame, found.tb_frame.f_code
-    line, offset = _position(code, found.tb_lasti, found.tb_lineno or 0)
+    span = _position(code, found.tb_lasti, found.tb_lineno or 0)
+    line = span[0]
     source = sources.get(code.co_filename)
     names = (*code.co_varnames, *code.co_freevars, *code.co_cellvars, *frame.f_globals)
     where = "" if inner is found or inner is None else _inner_place(inner)
     if source is None:
         return Place(line, 0, "", names, where)
-    column = 0 if offset is None else column_of(source, line, offset)
-    return Place(line, column, source.line(line), names, where)
+    column, expression = 0, ""
+    if None not in span:
+        column = column_of(source, line, span[2])
+        expression = _between(source, line, column, span[1], column_of(source, span[1], span[3]))
+    is_made = inner is not found
+    return Place(line, column, source.line(line), names, where, source, "" if is_made else expression, frame)
+
+
+_LONGEST_EXPRESSION: Final = 20
+"""Lines of an expression that is looked at."""
+
+
+def _between(source: SourceFile, line: int, column: int, end_line: int, end_column: int) -> str:
+    """The text from one place to another."""
+    if end_line - line > _LONGEST_EXPRESSION:
+        return ""
+    rows = [source.line(number) for number in range(line, end_line + 1)]
+    rows[-1] = rows[-1][: end_column - 1]
+    rows[0] = rows[0][column - 1 :]
+    return "\n".join(rows)
 
 
 def _inner_place(trace: TracebackType) -> str:
@@ -159,13 +188,13 @@ def _inner_place(trace: TracebackType) -> str:
     return f"line {trace.tb_lineno} of the text that {file[1:5]} ran"
 
 
-def _position(code: CodeType, instruction: int, line: int) -> tuple[int, int | None]:
-    """Line and UTF-8 column, from 0, of an instruction."""
+def _position(code: CodeType, instruction: int, line: int) -> tuple[Any, Any, Any, Any]:
+    """Line, end line, UTF-8 column and end column, from 0, of an instruction; None for what is not known."""
     index = instruction // 2
-    for number, (start, _, column, _) in enumerate(code.co_positions()):
+    for number, (start, end, column, end_column) in enumerate(code.co_positions()):
         if number == index:
-            return start or line, column
-    return line, None
+            return start or line, end, column, end_column
+    return line, None, None, None
 
 
 def _unknown_name(
@@ -176,32 +205,35 @@ def _unknown_name(
     if command is not None and release_of(command.since) > profile.release:
         text = newer_firmware_text(name, command.since, profile)
         return "R105", "NameError", text, {"command": name, "hint": newer_firmware_hint(command.since)}
-    suggestion = closest(name, (*place.names, *known))
-    if suggestion:
-        return UNCAUGHT, "NameError", text, {"hint": f"did you mean {suggestion!r}?"}
-    return UNCAUGHT, "NameError", text, {}
+    hint = _advice(name, place, known, profile)
+    return UNCAUGHT, "NameError", text, {"hint": hint} if hint else {}
 
 
-def newer_firmware_text(name: str, since: str, profile: Profile) -> str:
-    """What is said about a command that the firmware does not have yet."""
-    return f"{name} needs firmware {since} or newer; this robot has {profile.name}"
+def _advice(name: str, place: Place, known: Iterable[str], profile: Profile) -> str:
+    """What `check` says to the same name in the same place; of a text that the program made, what is written alike."""
+    from elitescript.language.unknown_names import advice, nearest
+
+    if place.source is not None and not place.inner:
+        from elitescript.language.parser import parse
+        from elitescript.language.symbols import Symbols
+
+        symbols = Symbols(parse(place.source))
+        for scope in symbols.scopes:
+            for node in scope.reads.get(name, ()):
+                if symbols.place(node) == (place.line, place.column):
+                    return advice(node, scope, symbols, vocabulary_of(profile))[1]
+    meant = nearest(name, (item for item in (*place.names, *known) if item.isidentifier() and item[:2] != "__"))
+    return f"is `{meant}` meant?" if meant else ""
 
 
-def newer_firmware_hint(since: str) -> str:
-    """What to do about it."""
-    newest = max(PROFILES.values(), key=lambda profile: profile.release)
-    if release_of(since) > newest.release:
-        return f"the newest firmware that is simulated is {newest.name}"
-    return f"choose a newer firmware: --firmware {newest.name}"
+def _in_plain_words(class_name: str, text: str, place: Place) -> tuple[str, dict[str, Any]]:
+    """Text and details for an exception of Python's own."""
+    from elitescript.runtime.plain_words import Scene, plain_words
 
-
-def closest(name: str, known: Iterable[str]) -> str:
-    """The known name that looks most like one; empty when none does."""
-    from difflib import get_close_matches
-
-    candidates = sorted({item for item in known if item.isidentifier() and not item.startswith("__")})
-    matches = get_close_matches(name, candidates, 1, CLOSE_ENOUGH)
-    return matches[0] if matches else ""
+    frame = place.frame
+    names = {} if frame is None else {**frame.f_globals, **frame.f_locals}
+    words = plain_words(class_name, text, Scene(place.expression, "" if place.inner else place.source_line, names))
+    return words.text, {"hint": words.hint} if words.hint else {}
 
 
 _ADDRESS: Final = r" at 0x[0-9a-fA-F]{8,16}>"

@@ -5,6 +5,7 @@ Nothing of it exists before a program asks for it.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from elitescript.commands.context import Machine
@@ -12,7 +13,7 @@ from elitescript.runtime.scheduler import Scheduler
 
 if TYPE_CHECKING:
     from elitescript.runtime.connection import Receiver
-    from elitescript.runtime.line import Line
+    from elitescript.runtime.line import Line, Wire
     from elitescript.runtime.modbus_signals import ModbusSignals
     from elitescript.runtime.traffic import Traffic
     from elitescript.runtime.world import Channels
@@ -61,6 +62,32 @@ class Background:
             self._modbus = ModbusSignals(self._machine, self._scheduler, channels, self._connections, self.traffic)
         return self._modbus
 
+    @property
+    def channels(self) -> Collection[int]:
+        """Open channels of the MODBUS TCP signals."""
+        return () if self._modbus is None else self._modbus.master.channels
+
+    def program_ended(self) -> None:
+        """The program is over: outputs that are tied to that follow, repeated requests end."""
+        if self._modbus is not None:
+            self._modbus.master.set_running(False)
+
+    def pending(self) -> tuple[str, ...]:
+        """What programs have given away and no device has, besides bytes on their way; a text for each."""
+        requests = () if self._modbus is None else self._modbus.master.pending()
+        return (*requests, *(_waiting(device, wire) for device, wire in self._held()))
+
+    def give_up(self) -> tuple[str, ...]:
+        """Forget what is pending, except that MODBUS signals keep their values; return it."""
+        given_up = [] if self._modbus is None else list(self._modbus.master.give_up())
+        for device, wire in self._held():
+            given_up.append(_waiting(device, wire))
+            wire.discard()
+        return tuple(given_up)
+
+    def _held(self) -> list[tuple[str, Wire]]:
+        return [(name, line.wire) for name, line in self.lines.items() if line.wire is not None and line.wire.unsent]
+
     def run_tick(self, tick: int, *, is_running: bool) -> None:
         """Do what is due in a tick, before the threads run."""
         if self._modbus is not None:
@@ -75,3 +102,7 @@ class Background:
         if self._modbus is not None:
             self._modbus.close()
             self._modbus = None
+
+
+def _waiting(device: str, wire: Wire) -> str:
+    return f"{wire.unsent} bytes that wait for room on {device}"

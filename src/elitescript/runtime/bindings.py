@@ -16,10 +16,10 @@ from typing import Any, Final, NoReturn
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.registry import Command
+from elitescript.commands.vocabulary import newer_firmware_hint, newer_firmware_text
 from elitescript.errors import FirmwareError, ScriptPermissionError, ScriptStateError
 from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, STOP, TICK
 from elitescript.messages.profile import Profile, release_of
-from elitescript.runtime.alarms import newer_firmware_hint, newer_firmware_text
 from elitescript.runtime.context import Context
 from elitescript.runtime.facades import Facade, ModuleShelf
 from elitescript.runtime.files import OpenFiles

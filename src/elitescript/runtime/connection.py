@@ -47,6 +47,7 @@ class Connection:
     Attributes:
         reason: why it is closed; empty if the peer or the program did it.
         received: what has arrived and is not read.
+        is_behind_numbers: whether the last thing that was read was a list of numbers in parentheses.
     """
 
     __slots__ = (
@@ -58,6 +59,7 @@ class Connection:
         "_taken",
         "_waiting",
         "channel",
+        "is_behind_numbers",
         "log",
         "queued",
         "reason",
@@ -70,6 +72,7 @@ class Connection:
         self.log = log
         self.reason = ""
         self.received = bytearray()
+        self.is_behind_numbers = False
         self.queued = 0
         """Bytes that the program has sent so far."""
         self.sent = 0
@@ -154,11 +157,14 @@ class Connection:
         Raises:
             Stopped: the thread was stopped.
         """
-        until = deadline.tick
         if silence_ticks is not None:
-            silent = self._scheduler.now + silence_ticks
-            until = silent if until is None else min(until, silent)
-        return not self.wait(reason, until) or deadline.is_over
+            silent, until = self._scheduler.now + silence_ticks, deadline.tick
+            return not self.wait(reason, silent if until is None else min(until, silent)) or deadline.is_over
+        while not self.wait(reason, deadline.tick):
+            # Robot time may have caught up with the wall clock meanwhile, which puts the end off.
+            if deadline.is_over:
+                return True
+        return deadline.is_over
 
     def _wake(self) -> None:
         for strand in self._waiting:
@@ -227,6 +233,16 @@ class Connection:
             del self._outgoing[:size]
             self._room -= size
             self.sent += size
+
+    @property
+    def unsent(self) -> int:
+        """Bytes that the program has sent and that wait for room."""
+        return len(self._outgoing)
+
+    def discard(self) -> None:
+        """Forget the bytes that wait for room."""
+        self.sent += len(self._outgoing)
+        self._outgoing.clear()
 
     def close(self, reason: str = "") -> None:
         """Close it from this side, whatever is under way."""

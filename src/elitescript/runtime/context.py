@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol
 
 from elitescript.commands.context import Machine
@@ -17,10 +17,12 @@ from elitescript.messages.motion import (
     MoveL,
     MoveRequest,
     ServoJ,
+    Six,
     SpeedJ,
     SpeedL,
     TrackRequest,
 )
+from elitescript.messages.path_offset import PathOffsetRequest
 from elitescript.messages.profile import Profile
 from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.alarms import without_addresses
@@ -29,6 +31,7 @@ from elitescript.runtime.strand import Stopped, Strand
 from elitescript.runtime.world import TASK_PATH, Files, World
 
 if TYPE_CHECKING:
+    from elitescript.commands.plausibility import Doubt
     from elitescript.runtime.background import Background
     from elitescript.runtime.connection import Receiver
     from elitescript.runtime.interpreter import Interpreter
@@ -48,6 +51,14 @@ POPUP: Final = "somebody to confirm a popup"
 
 MOVE_END: Final = "the end of its move"
 """What a thread waits for in `movej` and its like."""
+
+
+KINDS_MAX: Final = 200
+"""Poses and joint positions that commands have returned, and that are known again where the other belongs."""
+
+
+ZEROS_MAX: Final = 3
+"""Six numbers with more zeros than that can be the same by chance."""
 
 
 class TaskPort(Protocol):
@@ -101,7 +112,9 @@ class Context:
     """
 
     __slots__ = (
+        "_doubts",
         "_generator",
+        "_kinds",
         "_lines",
         "_partial_line",
         "_port",
@@ -133,6 +146,8 @@ class Context:
         self._world = world
         self._port = port
         self._warned: set[str] = set()
+        self._doubts: Sequence[Doubt] = ()
+        self._kinds: dict[Six, str] = {}
         self._partial_line = ""
         self._procedures: RemoteProcedures | None = None
         self._sockets: Sockets | None = None
@@ -244,6 +259,13 @@ class Context:
         """Begin to go along with a conveyor, or ask for the end of that and wait for standstill."""
         self._wait_for_move(request, "standstill")
 
+    def shift(self, request: PathOffsetRequest) -> None:
+        """Shift the motion by an offset, or set how that is done; returns at once."""
+        strand = self.strand
+        if strand.is_dying:
+            raise Stopped
+        self.machine.request_path_offset(request, strand.line, strand.name)
+
     def stop_motion(self, request: MotionRequest | YieldRequest) -> None:
         """Ask for a stop and wait for standstill."""
         self._wait_for_move(request, "standstill")
@@ -254,6 +276,9 @@ class Context:
             raise Stopped
         machine = self.machine
         move = machine.request_motion(request, strand.line, strand.name)
+        if self._doubts:
+            # Before this thread waits: the warning belongs to the begin of the move, and other threads have their own.
+            self.tell_doubts()
         movers = self._port.movers
         strand.cancel = lambda: machine.cancel_move(move)
         movers.setdefault(move, []).append(strand)
@@ -375,17 +400,54 @@ class Context:
         if is_blocking and not is_confirmed:
             self.scheduler.wait(POPUP)
 
-    def warn(self, text: str) -> None:
-        """Record a warning."""
+    def warn(self, text: str, *, code: str = "", hint: str = "") -> None:
+        """Record a warning; `code` and `hint` are those of `check`, if it knows the same finding."""
         strand = self.scheduler.current
         name, line = ("", 0) if strand is None else (strand.name, strand.line)
-        self.machine.emit(Warned(self.machine.tick, text, name, line))
+        self.machine.emit(Warned(self.machine.tick, text, name, line, code, hint))
 
-    def warn_once(self, key: str, text: str) -> None:
+    def warn_once(self, key: str, text: str, *, code: str = "", hint: str = "") -> None:
         """Record a warning, the first time in this program that `key` comes by."""
         if key not in self._warned:
             self._warned.add(key)
-            self.warn(text)
+            self.warn(text, code=code, hint=hint)
+
+    # ---------------------------------------------------------------- doubts about values
+
+    def mistaken(self, meaning: str, value: Six) -> Doubt | None:
+        """See `commands.context.Robot.mistaken`."""
+        kind = self._kinds.get(value)
+        if kind is None or kind == meaning:
+            return None
+        from elitescript.commands.plausibility import mistaken
+
+        return mistaken(meaning, kind)
+
+    def remember(self, kind: str, value: Six) -> None:
+        """Keep what a command returns; of the numbers that are returned, only the newest are known."""
+        if value.count(0.0) > ZEROS_MAX:
+            return
+        kinds = self._kinds
+        known = kinds.setdefault(value, kind)
+        if known != kind:
+            kinds[value] = ""
+        elif len(kinds) > KINDS_MAX:
+            del kinds[next(iter(kinds))]
+
+    def hold_doubts(self, doubts: Sequence[Doubt]) -> None:
+        """See `commands.context.Robot.hold_doubts`."""
+        self._doubts = doubts
+
+    def tell_doubts(self) -> None:
+        """Record the doubts that are held, each code once for a line."""
+        doubts, self._doubts = self._doubts, ()
+        strand = self.strand
+        for doubt in doubts:
+            key = f"{doubt.code} {strand.line} {doubt.text.partition('[')[0].partition(' is ')[0]}"
+            if key not in self._warned:
+                self._warned.add(key)
+                tick = self.machine.tick
+                self.machine.emit(Warned(tick, doubt.text, strand.name, strand.line, doubt.code, doubt.hint))
 
     # ---------------------------------------------------------------- the task
 

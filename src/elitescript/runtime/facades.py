@@ -94,13 +94,13 @@ _name = hidden_slot(Facade, "_name")
 
 def _advice(attribute: str, facade: Facade) -> str:
     """The name that was meant, or the few that there are."""
-    from elitescript.runtime.alarms import closest
+    from elitescript.language.unknown_names import nearest
 
     names = sorted(vars(facade))
     if len(names) <= FEW_NAMES:
         return f"; it has {', '.join(names)}"
-    meant = closest(attribute, names)
-    return f"; did you mean {meant!r}?" if meant else ""
+    meant = nearest(attribute, names)
+    return f"; is `{meant}` meant?" if meant else ""
 
 
 FEW_NAMES: Final = 24

@@ -254,10 +254,10 @@ class ScriptHost:
         return 0 if self._main is None else self._main.line
 
     @property
-    def calling_line(self) -> int:
-        """Line of the thread that runs at this moment; 0 between two threads."""
+    def caller(self) -> tuple[str, int]:
+        """Name and line of the thread that runs at this moment; an empty name and 0 while none does."""
         strand = self._scheduler.current
-        return 0 if strand is None else strand.line
+        return ("", 0) if strand is None else (strand.name, strand.line)
 
     @property
     def waits_for_outside(self) -> bool:
@@ -311,6 +311,10 @@ class ScriptHost:
         """Something has happened on a channel; the threads that wait for it go on at the next `run_tick`."""
         if (connection := self.connections.get(event.channel)) is not None:
             connection.take(event)
+
+    def set_lag(self, ticks: int) -> None:
+        """Robot time is that many ticks behind the wall clock from now on."""
+        self._scheduler.lag_ticks = ticks
 
     def _settle(self) -> bool:
         """Do what must be done between two strands; whether there was anything."""
@@ -371,6 +375,7 @@ class ScriptHost:
         self.watchdogs.clear()
         if main is not None:
             program.close()
+            self.background.program_ended()
         self.result, self._ending = self._ending, ""
         self._on_end(self.result)
 

@@ -185,7 +185,8 @@ class Interpreter:
             statement = compile_statement(SourceFile(FILE, text), program.has_global)
         except ProgramError as error:
             first = next(found for found in error.problems if found.is_error)
-            self.answers.discarded(origin, COMPILE_ERROR, text, f"line 1, column {first.column}, {first.text}")
+            trace = f"line {first.line}, column {first.column}, {first.text}"
+            self.answers.discarded(origin, COMPILE_ERROR, text, trace)
             return
         if "start_thread" in statement.calls:
             self.answers.discarded(origin, COMPILE_ERROR, text, "a statement may not start threads")

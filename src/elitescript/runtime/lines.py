@@ -135,6 +135,10 @@ class Lines:
         line = self._lines.get(device)
         return line is not None and line.is_open
 
+    def open_devices(self) -> list[str]:
+        """Devices of the ports that are enabled, sorted."""
+        return sorted(device for device, line in self._lines.items() if line.is_open)
+
     def mode(self, device: str) -> str:
         """`RS485`, `MODBUS-RTU` or `CLOSE`."""
         return self._lines[device].mode if self.is_open(device) else CLOSED

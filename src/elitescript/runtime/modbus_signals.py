@@ -50,8 +50,8 @@ class ModbusSignals:
         self._traffic = traffic
         self.master = Master(channels, connections, self._warn, self._note, tick=machine.tick)
 
-    def _warn(self, text: str) -> None:
-        self._machine.emit(Warned(self._machine.tick, text))
+    def _warn(self, text: str, code: str = "") -> None:
+        self._machine.emit(Warned(self._machine.tick, text, code=code))
 
     def _note(self, name: str, what: str, data: str) -> None:
         self._traffic.note_of_caller("modbus", name, what, cut(data))

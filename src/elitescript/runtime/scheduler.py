@@ -57,6 +57,7 @@ class Scheduler:
         is_ending: whether the running strand was stopped.
         needs_attention: keeps `run_ready` from going on; set by `call_attention`.
         is_paused: whether only secondary programs run.
+        lag_ticks: by which robot time is behind the wall clock, see `Deadline`.
         timers: when waits end.
     """
 
@@ -79,6 +80,7 @@ class Scheduler:
         "fuel",
         "is_ending",
         "is_paused",
+        "lag_ticks",
         "needs_attention",
         "now",
         "strands",
@@ -100,6 +102,7 @@ class Scheduler:
         self.is_ending = False
         self.needs_attention = False
         self.is_paused = False
+        self.lag_ticks = 0
         self._work_per_tick = max(work_per_tick, WORK_PER_ACTIVATION + 1)
         self._portion = [True] * portion
         self._loaded = 0

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.commands.context import Rule
+from elitescript.commands.socket_rules import Floats, Texts
 from elitescript.errors import ScriptStateError
 from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.messages.timing import TICKS_PER_S, seconds
@@ -25,6 +26,10 @@ CONNECT_TICKS: Final = 2 * TICKS_PER_S
 CONNECTIONS_MAX: Final = 64
 """Names that one program may have in use (*assumed*)."""
 
+_READ_LINE_END: Final = 'read it away with socket_read_string(suffix="\\n"), or let the sender leave it out'
+_SHOWN: Final = 253
+"""Characters of an address in a warning: those of a host name."""
+
 NO_NETWORK: Final = "this run has no network"
 
 
@@ -36,7 +41,7 @@ class Sockets:
         scheduler: runs the threads.
         connections: of every program of the host, by channel.
         traffic: records what passes.
-        warn_once: records a warning, once for each key.
+        warn_once: records a warning, once for each key: key, text, perhaps code and hint.
     """
 
     __slots__ = ("_by_name", "_channels", "_connections", "_is_over", "_scheduler", "_traffic", "_warn_once")
@@ -47,7 +52,7 @@ class Sockets:
         scheduler: Scheduler,
         connections: dict[int, Receiver],
         traffic: Traffic,
-        warn_once: Callable[[str, str], None],
+        warn_once: Callable[..., None],
     ) -> None:
         self._channels = channels
         self._scheduler = scheduler
@@ -85,7 +90,8 @@ class Sockets:
                 connection.close("its thread was stopped")
         if connection is None or not connection.is_open:
             reason = NO_NETWORK if connection is None else connection.reason or "closed at once"
-            self._warn_once(f"socket {name} {reason}", f"socket {name!r} cannot connect to {address}:{port}: {reason}")
+            shown = address if len(address) <= _SHOWN else f"{address[:_SHOWN]}..."
+            self._warn_once(f"socket {name} {reason}", f"socket {name!r} cannot connect to {shown}:{port}: {reason}")
             return False
         return True
 
@@ -162,11 +168,30 @@ class Sockets:
         reason = f"data on socket {name!r}"
         if connection is not None and self._caller.is_secondary and rule(connection.received, False)[0] is None:
             self._warn_once(f"sec read {name}", NOT_ALL_THERE.format(what=f"socket {name!r}"))
-        if connection is not None and (value := connection.read(rule, reason, timeout_s)) is not None:
-            return value
+        if connection is not None:
+            looked = self._looking_for_line_end(name, connection, rule)
+            if (value := connection.read(looked, reason, timeout_s)) is not None:
+                connection.is_behind_numbers = isinstance(rule, Floats) and bool(value)
+                return value
         if not self._caller.is_secondary:
             self._scheduler.wait(reason, self._scheduler.now + 1)
         return rule(bytearray(), True)[0] if connection is None else connection.rest(rule)
+
+    def _looking_for_line_end(self, name: str, connection: Connection, rule: Rule) -> Rule:
+        """The rule; if it reads text behind numbers, one that tells of a line end that is left of these."""
+        if not (connection.is_behind_numbers and isinstance(rule, Texts) and not rule.prefix):
+            return rule
+
+        def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
+            value, used = rule(data, is_last)
+            if used and data.startswith((b"\r", b"\n")):
+                text = (
+                    f"the text read from socket {name!r} begins with the line end that socket_read_ascii_float has left"
+                )
+                self._warn_once(f"line end {name}", text, code="W272", hint=_READ_LINE_END)
+            return value, used
+
+        return looking
 
     @property
     def _caller(self) -> Strand:

@@ -10,7 +10,7 @@ that folder, with `/` between its parts and without `..`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import IO, TYPE_CHECKING, Any, Final, Protocol
 
 from elitescript.errors import ArgumentTypeError, ScriptPermissionError
@@ -94,6 +94,16 @@ class Channels(Protocol):
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
         """What has happened; asked before each tick that is run, which for real channels is held back to its time."""
 
+    def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """Bytes that were sent and have not arrived, and connections whose end has not: a text for each channel.
+
+        Args:
+            ignoring: open channels that do not count.
+        """
+
+    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """Drop what is pending; return it, with what was lost on closed channels since the last call."""
+
     def next_tick(self, tick: int) -> int | None:
         """The next tick at which something may arrive."""
 
@@ -169,6 +179,14 @@ class NoChannels:
         """There is no channel."""
 
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
+        """Nothing."""
+        return ()
+
+    def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """Nothing."""
+        return ()
+
+    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
         """Nothing."""
         return ()
 

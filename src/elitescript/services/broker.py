@@ -3,6 +3,7 @@
 The robot asks by channel requests and hears by channel events; it never has a socket. Everything is bounded: channels,
 attempts to connect, and the bytes that are on their way in either direction (`messages.outputs.CHANNEL_WINDOW`). A
 program that does not read stops its peer; a peer that does not read stops the program, by the credit that it misses.
+Programs reach the addresses that the user allows (`connect_policy`); what is bound to a serial port the user chose.
 
 A peer that ends its own half of a connection has ended it for the program: what it sent before can be read, what the
 program sent before still arrives, more cannot be sent (*assumed*; servers of the vendor's client end both at once).
@@ -19,7 +20,7 @@ from os import strerror
 from re import search
 from typing import Any, Final
 
-from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
+from elitescript.messages.inputs import AddLog, ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import (
     CHANNEL_WINDOW,
     NOT_CONNECTED,
@@ -30,6 +31,7 @@ from elitescript.messages.outputs import (
     OpenLine,
     SendChannel,
 )
+from elitescript.services.connect_policy import HOST_MAX, ConnectPolicy
 from elitescript.services.liveness import watch_peer
 from elitescript.services.serial_ports import SerialPorts
 from elitescript.worlds.line_bindings import bridge_address
@@ -49,7 +51,7 @@ LINE_TIMEOUT_S: Final = 2.0
 LINGER_S: Final = 5.0
 """How long a connection that is closed has to get rid of what was sent before."""
 
-Post = Callable[[list[Input]], None]
+Post = Callable[[list[Input]], object]
 
 
 class Broker:
@@ -58,12 +60,14 @@ class Broker:
     Args:
         post: takes what the robot is to hear.
         lines: what is on the robot's serial ports, by device; see `worlds.line_bindings`.
+        policy: what programs may reach.
     """
 
-    __slots__ = ("_attempts", "_channels", "_leaving", "_lines", "_look_ups", "_ports", "_post", "_resolver")
+    __slots__ = ("_attempts", "_channels", "_leaving", "_lines", "_look_ups", "_ports", "_post", "_resolver", "policy")
 
-    def __init__(self, post: Post, lines: Mapping[str, str] | None = None) -> None:
+    def __init__(self, post: Post, lines: Mapping[str, str] | None = None, policy: ConnectPolicy | None = None) -> None:
         self._post = post
+        self.policy = policy or ConnectPolicy()
         self._channels: dict[int, _Channel] = {}
         self._attempts: dict[int, asyncio.Task[None]] = {}
         self._leaving: deque[_Channel] = deque()
@@ -83,7 +87,7 @@ class Broker:
         for request in requests:
             match request:
                 case OpenChannel():
-                    self._open(request)
+                    self._open(request, self.policy)
                 case OpenLine():
                     self._open_line(request)
                 case SendChannel(number, data) if number in self._ports:
@@ -111,18 +115,21 @@ class Broker:
         self._leaving.clear()
         self._ports.close_all()
 
-    def _open(self, request: OpenChannel) -> None:
+    def _open(self, request: OpenChannel, policy: ConnectPolicy | None) -> None:
         why = ""
         if request.channel in self._channels or request.channel in self._attempts:
             why = f"channel {request.channel} is in use"
         elif request.kind != "tcp":
-            why = f"there is no kind of channel called {request.kind!r}"
+            why = f"there is no kind of channel called {request.kind[:40]!r}"
+        elif len(request.address) > HOST_MAX:
+            # Looking it up would take seconds, of everybody.
+            why = f"the address has {len(request.address)} characters; a host name has {HOST_MAX} at most"
         elif self.count >= CHANNELS_MAX:
             why = f"{CHANNELS_MAX} connections are open"
         if why:
             self._post([ChannelOpened(request.channel, False, why)])
             return
-        self._attempts[request.channel] = asyncio.get_running_loop().create_task(self._connect(request))
+        self._attempts[request.channel] = asyncio.get_running_loop().create_task(self._connect(request, policy))
 
     def _open_line(self, request: OpenLine) -> None:
         """Open what is bound to a serial port. Another channel of the same port is closed already, by the robot."""
@@ -137,13 +144,16 @@ class Broker:
         if address is None:
             self._ports.open(number, target, request.settings)
         else:
-            self._open(OpenChannel(number, "tcp", *address, LINE_TIMEOUT_S))
+            self._open(OpenChannel(number, "tcp", *address, LINE_TIMEOUT_S), None)
 
-    async def _connect(self, request: OpenChannel) -> None:
+    async def _connect(self, request: OpenChannel, policy: ConnectPolicy | None) -> None:
         number = request.channel
+        # In this order NaN becomes 0.
+        timeout_s = min(max(0.0, request.timeout_s), TIMEOUT_MAX_S)
         try:
-            async with asyncio.timeout(min(max(request.timeout_s, 0.0), TIMEOUT_MAX_S)):
-                channel = await self._first_of(await self._found(request.address, request.port), number)
+            async with asyncio.timeout(timeout_s):
+                found = await self._found(request.address, request.port)
+                channel = await self._first_of(_allowed(found, request, policy), number)
         except TimeoutError:
             self._give_up(number, f"no answer within {request.timeout_s:g} s")
         except (OSError, ValueError, OverflowError) as error:
@@ -217,7 +227,7 @@ class Broker:
         if len(self._leaving) > LEAVING_MAX:
             self._leaving = deque(one for one in self._leaving if not one.is_gone)
         if len(self._leaving) > LEAVING_MAX:
-            self._leaving.popleft().drop()
+            self._leaving.popleft().give_up()
 
 
 class _Channel(asyncio.BufferedProtocol):
@@ -283,7 +293,14 @@ class _Channel(asyncio.BufferedProtocol):
         self._is_closed = True
         if self._transport is not None:
             self._transport.close()
-            self._linger = asyncio.get_running_loop().call_later(LINGER_S, self.drop)
+            self._linger = asyncio.get_running_loop().call_later(LINGER_S, self.give_up)
+
+    def give_up(self) -> None:
+        """Close at once; what has not left is lost, and the robot's log says so."""
+        transport = self._transport
+        if transport is not None and (size := transport.get_write_buffer_size()):
+            self._post([AddLog("", f"not delivered: {size} bytes to {_place(transport)}", is_warning=True)])
+        self.drop()
 
     def drop(self) -> None:
         """Close at once."""
@@ -347,6 +364,26 @@ class _Channel(asyncio.BufferedProtocol):
                 transport.resume_reading()
             else:
                 transport.pause_reading()
+
+
+def _place(transport: asyncio.Transport) -> str:
+    peer = transport.get_extra_info("peername")
+    return f"{peer[0]}:{peer[1]}" if peer else "a peer that has gone"
+
+
+def _allowed(found: list[Any], request: OpenChannel, policy: ConnectPolicy | None) -> list[Any]:
+    """Of what was found for an address, what a program may connect to.
+
+    Raises:
+        OSError: nothing; why it may not connect to the first of it.
+    """
+    if policy is None:
+        return found
+    refusals = [policy.refusal(request.address, row[4][0], request.port) for row in found]
+    allowed = [row for row, refusal in zip(found, refusals, strict=True) if not refusal]
+    if found and not allowed:
+        raise OSError(f"refused: {refusals[0]}")
+    return allowed
 
 
 def reason_of(error: BaseException) -> str:

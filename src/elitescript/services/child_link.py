@@ -12,7 +12,7 @@ import asyncio
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from elitescript.errors import ElitescriptError, UsageError
@@ -20,29 +20,31 @@ from elitescript.kernel import KernelConfig
 from elitescript.kernel.restart import restored_config, restored_inputs
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import Warned
-from elitescript.messages.inputs import Input
+from elitescript.messages.inputs import Input, Interpret, LoadTask, PlayTask, Query, RunUnit
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.world import Files, FilesRefused
-from elitescript.services import frames
+from elitescript.services import frames, output_changes
 from elitescript.services.child_process import ChildProcess
 from elitescript.services.config_codec import full_codec
 from elitescript.services.cycle import CATCH_UP_TICKS
 from elitescript.services.held_inputs import BEHIND_TICKS, HELD_MAX, HeldInputs, room_for
 from elitescript.services.jail import MEMORY_MAX, Layer
 from elitescript.services.journal import Journal
-from elitescript.services.last_words import last_words
+from elitescript.services.last_words import COMPILE_HINT, FILES_HINT, HINT, last_words
 from elitescript.services.output_buffer import OutputBuffer
 from elitescript.services.output_changes import OutputReader
-from elitescript.services.patience import PATIENCE_S, Patience
+from elitescript.services.patience import FILES_MAX_S, PATIENCE_S, Patience, compile_s
 from elitescript.services.remote_files import FileDesk
 
 GRACE_S: Final = 0.1
 """How long outputs that are late are waited for, if the others were in time: ticks leave late then, but all of them."""
 GRACE_PER_TICK_S: Final = 0.0025
 """How much of it every tick gives back; timers of an event loop may add 1 ms."""
+LONG_TEXT: Final = 20_000
+"""Bytes of program text that take several ticks to compile: nothing is waited for then."""
 LAG_MAX: Final = CATCH_UP_TICKS
 """Ticks behind which time waits for a child that goes on answering: what is asked for is done half a second later."""
 LAG_S: Final = 0.1
@@ -53,8 +55,12 @@ READING_MAX_S: Final = 0.25
 READING_KEPT: Final = 0.99
 """Time that the outputs of the last hundred ticks or so may take to be read: more than half of it."""
 BOOT_S: Final = 20.0
-UNANSWERED_MAX: Final = 2000
-"""Ticks that may wait for an answer; more than `ABSENCE_MAX_S` has."""
+UNANSWERED_MAX: Final = 6000
+"""Ticks that may wait for an answer; more than `COMPILE_MAX_S` has."""
+BOOTS_FROM_PICTURE: Final = 3
+"""From so many of them on, one begins as the first did: perhaps nobody can go on from the last picture."""
+FAILURE_MAX: Final = 8000
+"""Characters of the reason that a child gives for its end."""
 BOOTS_MAX: Final = 5
 """Children that may end one after the other before they have answered a tick."""
 CALM_TICKS: Final = 10 * TICKS_PER_S
@@ -72,6 +78,10 @@ class _Sent:
     text: str
     """The inputs as JSON text."""
     answers: list[Any] = field(default_factory=list)
+    size: int = 0
+    """Bytes of program text that came with it, or were read in it to load a task."""
+    asking_since_s: float = 0.0
+    """When the first question about files came in it."""
 
 
 class ChildLink:
@@ -108,6 +118,8 @@ class ChildLink:
         "_grace_s",
         "_held",
         "_input_shape",
+        "_is_catching_up",
+        "_is_described",
         "_is_describing",
         "_is_jailed",
         "_is_locked_in",
@@ -156,7 +168,8 @@ class ChildLink:
         self._held = HeldInputs()
         self._changed: asyncio.Future[None] | None = None
         self._is_locked_in = False
-        self._is_describing = False
+        self._is_describing = self._is_described = False
+        self._is_catching_up = False
         self._end_reason = ""
         self._failure = ""
         self._given_up_s = 0.0
@@ -216,7 +229,8 @@ class ChildLink:
         self._held.add(inputs)
         if self._child is None and tick >= self._restart_at:
             self._start_again(tick)
-        if len(self._unanswered) >= LAG_MAX and self._patience.silent_s() < LAG_S:
+        self._is_catching_up = self._is_catching_up and len(self._unanswered) >= LAG_MAX
+        if len(self._unanswered) >= LAG_MAX and not self._is_catching_up and self._patience.silent_s() < LAG_S:
             # Its ticks last longer than a period; whoever keeps time finds itself late, and counts it.
             await self._wait_until(lambda: len(self._unanswered) < LAG_MAX or bool(self._end_reason), LAG_S)
         if len(self._unanswered) >= UNANSWERED_MAX:
@@ -258,7 +272,7 @@ class ChildLink:
     # ---------------------------------------------------------------- down
 
     def _start_child(self) -> None:
-        self._is_locked_in = self._is_describing = False
+        self._is_locked_in = self._is_describing = self._is_described = False
         self._end_reason = self._failure = ""
         self._given_up_s = self._reading_s = 0.0
         self._boots += 1
@@ -276,9 +290,12 @@ class ChildLink:
         self._child.send(frames.BEGIN, to_text(self._codec.shape(KernelConfig).encode(config)))
 
     def _go_on(self, tick: int) -> None:
-        """Have a fresh child go on at this tick from the last picture."""
+        """Have a fresh child go on at this tick from the last picture; as at first, if others could not."""
         last = self._outputs.newest
         assert last is not None
+        if self._boots >= BOOTS_FROM_PICTURE:
+            self._begin(replace(self._config, first_tick=tick))
+            return
         self._begin(restored_config(self._config, self.description, last, tick))
         self._held.put_first(restored_inputs(last))
         if self._journal is not None:
@@ -290,7 +307,10 @@ class ChildLink:
         if self._grace_s >= self._patience.patience_s:
             return self._patience.patience_s
         # A fresh child has its robot to make.
-        is_behind = self._boots or (self._unanswered and tick - self._unanswered[0].tick >= BEHIND_TICKS)
+        if self._boots:
+            return 0.0
+        oldest = self._unanswered[0] if self._unanswered else None
+        is_behind = oldest is not None and (tick - oldest.tick >= BEHIND_TICKS or oldest.size >= LONG_TEXT)
         return 0.0 if is_behind else self._grace_left_s
 
     def _send_tick(self, tick: int) -> None:
@@ -302,30 +322,41 @@ class ChildLink:
         if not self._unanswered:
             self._patience.begin(self._child.worked_s())
         text = to_text([self._input_shape.encode(item) for item in inputs])
-        self._unanswered.append(_Sent(tick, inputs, text))
+        size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
+        self._unanswered.append(_Sent(tick, inputs, text, size=size))
         self._child.send(frames.TICK, text)
 
     # ---------------------------------------------------------------- up
 
     def _message(self, letter: str, text: bytes) -> None:
-        """A message of the child; what makes no sense ends it."""
+        """A message of the child; what makes no sense ends it, and nothing more of it is read."""
+        if self._end_reason:
+            return
         try:
             if letter in (frames.OUTPUT, frames.OUTPUT_CHANGES):
                 self._take_output(letter, text)
             elif letter == frames.QUESTION:
                 self._take_question(text)
             elif letter == frames.LOCKED_IN and not self._is_locked_in:
+                output_changes.check_values(text)
                 self.layers = tuple(Layer(str(name), active is True, str(why)) for name, active, why in from_text(text))
                 self._is_locked_in = True
-            elif letter == frames.DESCRIBED:
+            elif letter == frames.DESCRIBED and self._is_describing and not self._is_described:
+                self._is_described = True
+                output_changes.check_values(text)
                 self._description = self._codec.shape(RobotDescription).decode(from_text(text))
             elif letter == frames.FAILED:
-                kind, why = map(str, from_text(text))
+                output_changes.check_values(text)
+                kind, why = (str(part)[:FAILURE_MAX] for part in from_text(text))
                 self._failure = why if kind == "usage" else f"a mistake of ours, please report it:\n{why}"
+                self._ended("it has ended")
             else:
                 raise CodecError(f"a message {letter!r} that was not asked for")
-        except (CodecError, ValueError, TypeError) as error:
+        except CodecError as error:
             self._ended(f"what it says makes no sense: {error}")
+        except Exception as error:
+            # No message of a child may end this process, whatever we have not thought of.
+            self._ended(f"what it says makes no sense: {type(error).__name__}: {error}")
         self._wake()
 
     def _take_output(self, letter: str, text: bytes) -> None:
@@ -344,6 +375,9 @@ class ChildLink:
         self._crashes = 0 if self._answered >= CALM_TICKS else self._crashes
         self._given_up_s = 0.0
         self._patience.begin(None if self._child is None else self._child.worked_s())
+        if sent.size and len(self._unanswered) >= LAG_MAX:
+            # What queued up while it compiled is soon made up for; clients need not wait for that.
+            self._is_catching_up = True
         self._outputs.add(output)
         self._held.note(output.requests)
         if self._journal is not None:
@@ -353,9 +387,17 @@ class ChildLink:
     def _take_question(self, text: bytes) -> None:
         assert self._child is not None
         answer = self._desk.answer(from_text(text))
+        answer_text = to_text(answer)
         if self._unanswered:
-            self._unanswered[0].answers.append(answer)
-        self._child.send(frames.ANSWER, to_text(answer))
+            sent = self._unanswered[0]
+            sent.answers.append(answer)
+            if any(isinstance(item, LoadTask | PlayTask) for item in sent.inputs):
+                sent.size += len(answer_text)
+            now_s = time.monotonic()
+            sent.asking_since_s = sent.asking_since_s or now_s
+            if now_s - sent.asking_since_s < FILES_MAX_S:
+                self._patience.begin(self._child.worked_s())
+        self._child.send(frames.ANSWER, answer_text)
 
     def _ended(self, reason: str) -> None:
         self._end_reason = self._end_reason or reason
@@ -370,16 +412,29 @@ class ChildLink:
             return
         if not self._unanswered or self._child is None:
             return
-        asked_ticks = tick - self._unanswered[0].tick
-        if not self._patience.is_over(asked_ticks, self._child.worked_s, is_fresh=bool(self._boots)):
+        sent = self._unanswered[0]
+        more_s = compile_s(sent.size)
+        if not self._patience.is_over(
+            tick - sent.tick, self._child.worked_s, is_fresh=bool(self._boots), more_s=more_s
+        ):
             return
         if not self._given_up_s:
             self._given_up_s = time.monotonic()
             self._child.ask_where()
         elif self._child.where() is not None or time.monotonic() - self._given_up_s > TRACE_S:
-            self._replace(tick, f"a call of the program did not come back for {self._patience.silent_s():.2f} s")
+            self._replace(tick, *self._why_silent(sent))
 
-    def _replace(self, tick: int, reason: str) -> None:
+    def _why_silent(self, sent: _Sent) -> tuple[str, str]:
+        """Why a child is given up that does not answer, and what to do about it."""
+        assert self._child is not None
+        silent_s = self._patience.silent_s()
+        if self._child.is_compiling and self._child.where() is None:
+            return f"a program text of {sent.size} bytes was not compiled within {silent_s:.1f} s", COMPILE_HINT
+        if sent.asking_since_s and time.monotonic() - sent.asking_since_s >= FILES_MAX_S:
+            return f"the program has worked with files for more than {FILES_MAX_S:g} s in one tick", FILES_HINT
+        return f"a call of the program did not come back for {silent_s:.2f} s", HINT
+
+    def _replace(self, tick: int, reason: str, hint: str = "") -> None:
         """Kill the child, report it, and start a fresh one."""
         assert self._child is not None
         where = self._child.where() if self._given_up_s else None
@@ -391,7 +446,7 @@ class ChildLink:
         pause = PAUSES_TICKS[min(self._crashes, len(PAUSES_TICKS) - 1)]
         # The oldest of the ticks is what it died of; it has not seen the others.
         self._lost = self._unanswered[0].inputs if self._unanswered else ()
-        self._report(tick, reason, where, pause)
+        self._report(tick, reason, where, pause, hint)
         self._outputs.add_own(requests=self._held.end_connections())
         self._outputs.flush()
         self._held.put_first(item for sent in list(self._unanswered)[1:] for item in sent.inputs)
@@ -418,11 +473,10 @@ class ChildLink:
             self._replaced_because = str(error)
             self._restart_at = tick + PAUSES_TICKS[-1]
 
-    def _report(self, tick: int, reason: str, where: tuple[str, int] | None, pause: int) -> None:
+    def _report(self, tick: int, reason: str, where: tuple[str, int] | None, pause: int, hint: str) -> None:
         if pause:
             reason += f"; after {self._crashes} times in a row it starts {seconds(pause):g} s later"
-        hangs = bool(self._given_up_s)
-        events = last_words(tick, reason, self._outputs.newest, self._lost, where=where, hangs=hangs)
+        events = last_words(tick, reason, self._outputs.newest, self._lost, where=where, hint=hint)
         self._outputs.add_own(*events)
         if self._journal is not None:
             self._journal.told(tick, events)

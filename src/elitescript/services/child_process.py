@@ -36,6 +36,8 @@ _SCHEDULER_CLOCK: Final = 2
 """Kind of clock that counts what the scheduler has given to a process, in user and system mode."""
 
 _TRACE_BEGIN: Final = b"most recent call first"
+_LANGUAGE: Final = f"{os.sep}elitescript{os.sep}language{os.sep}"
+"""In the names of the files that compile programs."""
 _TRACE_LINE: Final = re.compile(r'^  File "([^"]*)", line (\d+) in ', re.MULTILINE)
 
 
@@ -136,14 +138,21 @@ class ChildProcess:
 
     def where(self) -> tuple[str, int] | None:
         """Name and line of the program text that it was in when asked; None if that is not known (yet)."""
-        _, found, trace = bytes(self._log).rpartition(_TRACE_BEGIN)
-        if not found:
-            return None
-        for name, line in _TRACE_LINE.findall(trace.decode("utf-8", "replace")):
+        for name, line in self._trace():
             # Texts of programs are the only ones that are no files.
             if not name.endswith(".py") and not name.startswith("<frozen") and len(line) < 8:
                 return name[:200], int(line)
         return None
+
+    @property
+    def is_compiling(self) -> bool:
+        """Whether it was compiling a program when asked where it is."""
+        return any(_LANGUAGE in name for name, _ in self._trace())
+
+    def _trace(self) -> list[tuple[str, str]]:
+        """File and line of every call that it was in when asked, the innermost first."""
+        _, found, trace = bytes(self._log).rpartition(_TRACE_BEGIN)
+        return _TRACE_LINE.findall(trace.decode("utf-8", "replace")) if found else []
 
     def kill(self) -> None:
         """End it at once; what it leaves behind is cleared away as soon as it is gone, which much memory delays."""

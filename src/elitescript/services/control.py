@@ -6,7 +6,7 @@ only the user can enter; elsewhere a TCP port of this computer, whose number and
 A request is `{"verb": …, "arguments": […], "values": {…}}` (on TCP also `"token"`), its answer
 `{"ok": true, "text": …, "result": {…}}` or `{"ok": false, "error": …}`. Requests of one connection are answered in
 their order; an order is answered when the robot has done or refused it, `play` with `"wait": true` when the task has
-ended.
+ended. A web browser is not answered.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S, seconds
+from elitescript.protocol.browsers import is_web_request
 from elitescript.services.control_verbs import VERBS, Request, Verb, outcome_text
 from elitescript.services.station import Station
 
@@ -88,6 +89,11 @@ class ControlChannel:
         """Path of the socket, or of the file that tells port and secret."""
         return str(self._path)
 
+    @property
+    def port(self) -> int:
+        """Number of the TCP port; 0 if it is a socket in a folder."""
+        return 0 if _HAS_UNIX or self._server is None else int(self._server.sockets[0].getsockname()[1])
+
     async def open(self) -> None:
         """Listen. If another living robot has the address, take one of our own beside it."""
         if await _is_alive(self._path):
@@ -125,6 +131,8 @@ class ControlChannel:
         try:
             while line := await reader.readline():
                 number += 1
+                if number == 1 and is_web_request(line):
+                    break
                 writer.write(json.dumps(await self._answer(f"{origin}/{number}", line)).encode() + b"\n")
                 await writer.drain()
         except (ConnectionError, ValueError, asyncio.CancelledError):

@@ -52,11 +52,12 @@ class Cycle:
 
     Attributes:
         overruns: ticks that began late by a period or more.
+        lag_ticks: whole periods by which the present tick began late; those that are left out do not count.
         left_out: ticks that never were, because the computer was away or too slow.
         worst_ns: the latest beginning of a tick since `worst_ns` was last set to 0.
     """
 
-    __slots__ = ("_alarm", "_due_ns", "_on_left_out", "_outlet_alarm", "left_out", "overruns", "worst_ns")
+    __slots__ = ("_alarm", "_due_ns", "_on_left_out", "_outlet_alarm", "lag_ticks", "left_out", "overruns", "worst_ns")
 
     def __init__(
         self,
@@ -69,6 +70,7 @@ class Cycle:
         self._on_left_out = on_left_out
         self._due_ns = 0
         self.overruns = 0
+        self.lag_ticks = 0
         self.left_out = 0
         self.worst_ns = 0
 
@@ -77,7 +79,11 @@ class Cycle:
         self._due_ns = 0
 
     async def next(self) -> None:
-        """Return when the next tick is due; others are served before it in any case."""
+        """Return when the next tick is due; others are served before it in any case.
+
+        Before a tick that begins late, whatever has arrived by the time that `lag_ticks` tells is read: of what arrives
+        later the tick knows nothing, and of what is not read nobody could tell when it came.
+        """
         now_ns = time.monotonic_ns()
         if self._due_ns == 0:
             self._due_ns = now_ns
@@ -88,6 +94,10 @@ class Cycle:
         else:
             now_ns = await _until(self._due_ns, self._alarm)
         self._note(now_ns - self._due_ns, now_ns)
+        if self.lag_ticks:
+            # The loop looks for what has arrived in the first of these rounds, and hands it on in the second.
+            await asyncio.sleep(0)
+            await asyncio.sleep(0)
 
     async def outlet(self) -> None:
         """Return when what the present tick gives is to leave; at once if that was before, or no alarm is so exact."""
@@ -101,6 +111,7 @@ class Cycle:
 
     def _note(self, late_ns: int, now_ns: int) -> None:
         self.worst_ns = max(self.worst_ns, late_ns)
+        self.lag_ticks = 0
         if late_ns < LATE_NS:
             return
         self.overruns += 1
@@ -110,6 +121,8 @@ class Cycle:
             self._due_ns = now_ns
             if self._on_left_out is not None:
                 self._on_left_out(missed)
+        else:
+            self.lag_ticks = missed
 
 
 class LoopAlarm:

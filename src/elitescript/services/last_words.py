@@ -12,6 +12,8 @@ from elitescript.messages.inputs import Input, PlayTask, RunUnit
 from elitescript.messages.snapshot import Snapshot
 
 HINT: Final = "a call into Python's own functions cannot be interrupted; do less in one call"
+COMPILE_HINT: Final = "split the program, or read long lists of points from a file"
+FILES_HINT: Final = "read and write less in one control period: put a sync() or sleep() into the loop"
 _NAME_MAX: Final = 100
 
 
@@ -22,7 +24,7 @@ def last_words(
     lost: Sequence[Input] = (),
     *,
     where: tuple[str, int] | None = None,
-    hangs: bool = False,
+    hint: str = "",
 ) -> tuple[Event, ...]:
     """The events.
 
@@ -35,7 +37,7 @@ def last_words(
         last: its last picture; None if there is none.
         lost: inputs of the tick that it has not answered.
         where: text and line of the program that it was in; None if that is not known.
-        hangs: whether it was given up because it did not answer.
+        hint: what to do about it, if it was given up because it did not answer.
     """
     state = None if last is None else last.robot
     is_running = state is not None and state.task_state is not TaskState.STOPPED
@@ -50,7 +52,7 @@ def last_words(
     line = where[1] if where else 0
     if not line and state is not None and begun is None:
         line = state.line
-    details = {"program": where[0], "hint": HINT} if where else {"hint": HINT} if hangs else {}
+    details = {"program": where[0], "hint": hint or HINT} if where else {"hint": hint} if hint else {}
     text = f"the controller was restarted: {reason}"
     events.append(Alarm(tick, "R132", "ControllerRestarted", text, line, 0, "", "", details))
     if is_running:

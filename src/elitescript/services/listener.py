@@ -1,7 +1,7 @@
 """A port of a robot: it accepts clients at a pace that leaves everybody else their time.
 
-A client that finds no room is refused politely: its connection is accepted and ended at once. How many were refused is
-told once at the begin of a burst and once at its end.
+A client that finds no room is refused politely: its connection is accepted and ended at once. How many were refused,
+or were web browsers, is told once at the begin of a burst and once at its end.
 """
 
 from __future__ import annotations
@@ -33,6 +33,48 @@ NO_ROOM_S: Final = 0.25
 """How long to wait when this process can have no more sockets."""
 
 
+class Burst:
+    """Refusals that come without a pause: the first is told, and how many there were at the end.
+
+    Args:
+        hub: the robot.
+        head: what the lines begin with.
+        more: what the refused are called.
+
+    Attributes:
+        count: of all refusals.
+    """
+
+    __slots__ = ("_head", "_hub", "_last_tick", "_more", "_told", "_told_tick", "count")
+
+    def __init__(self, hub: Hub, head: str, more: str) -> None:
+        self.count = 0
+        self._hub = hub
+        self._head = head
+        self._more = more
+        self._told = self._told_tick = self._last_tick = 0
+
+    def add(self, why: str) -> None:
+        """Another one."""
+        self.count += 1
+        tick = self._hub.output.tick
+        is_first = self._told == self.count - 1 and (not self._told or tick - self._last_tick >= BURST_TICKS)
+        self._last_tick = tick
+        if is_first:
+            self._tell(why)
+
+    def tell_due(self) -> None:
+        """Tell how many there were if the burst is over, or lasts long."""
+        if self._told < self.count:
+            tick = self._hub.output.tick
+            if tick - self._last_tick >= BURST_TICKS or tick - self._told_tick >= REPORT_TICKS:
+                self._tell(f"refused {self.count - self._told} more {self._more}")
+
+    def _tell(self, text: str) -> None:
+        count, self._told, self._told_tick = self.count - self._told, self.count, self._hub.output.tick
+        self._hub.note("refused", f"{self._head}: {text}", is_problem=True, count=count)
+
+
 class Listener:
     """One service of one robot on one port.
 
@@ -45,25 +87,22 @@ class Listener:
     Attributes:
         clients: by origin.
         number: of the port.
-        refused: clients that found no room.
         expected_ns: what accepting takes, see `shares.Waiting`.
     """
 
     __slots__ = (
         "_accepted",
         "_bound",
+        "_browsers",
         "_count",
+        "_crowd",
         "_hub",
-        "_refused_tick",
         "_task",
-        "_told",
-        "_told_tick",
         "_turn",
         "clients",
         "connect",
         "expected_ns",
         "number",
-        "refused",
         "service",
     )
 
@@ -71,14 +110,15 @@ class Listener:
         self.service = service
         self.clients: dict[str, Client] = {}
         self.number: int = bound.getsockname()[1]
-        self.refused = 0
         self.expected_ns = 0
         self._hub = hub
+        self._crowd = Burst(hub, service.name, "clients")
+        """Clients that found no room."""
+        self._browsers = Burst(hub, service.name, "web browsers")
         self.connect = connect
         self._bound = bound
         self._count = 0
         self._accepted = 0
-        self._told = self._told_tick = self._refused_tick = 0
         self._turn: asyncio.Future[None] | None = None
         self._task: asyncio.Task[None] | None = None
 
@@ -97,15 +137,18 @@ class Listener:
         return sum(not client.is_leaving for client in self.clients.values())
 
     def begin_tick(self) -> None:
-        """There is time for more clients; and whoever reads the log is told how many were refused."""
+        """There is time for more clients; the log hears how many were refused."""
         if self._accepted:
             self._accepted = 0
             if self._turn is not None:
                 self._hub.shares.wait(self, is_light=True)
-        if self._told < self.refused:
-            tick = self._hub.output.tick
-            if tick - self._refused_tick >= BURST_TICKS or tick - self._told_tick >= REPORT_TICKS:
-                self._tell_refused(f"refused {self.refused - self._told} more clients")
+        self._crowd.tell_due()
+        self._browsers.tell_due()
+
+    @property
+    def refused(self) -> int:
+        """Clients that found no room."""
+        return self._crowd.count
 
     def go_on(self) -> None:
         """It is its turn to accept."""
@@ -140,14 +183,14 @@ class Listener:
                 raw, address = await loop.sock_accept(self._bound)
             except OSError as error:
                 if error.errno in (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM):
-                    self._refuse(f"this process can have no more sockets ({error.strerror})")
+                    self._crowd.add(f"this process can have no more sockets ({error.strerror})")
                     await asyncio.sleep(NO_ROOM_S)
                 # Any other error is of the client that was to be accepted: it has gone already.
                 continue
             start_ns = time.thread_time_ns()
             if self.count >= CLIENTS_MAX or len(self.clients) >= LEAVING_MAX:
                 raw.close()
-                self._refuse(f"refused {_host_of(address)}: {CLIENTS_MAX} clients are connected")
+                self._crowd.add(f"refused {_host_of(address)}: {CLIENTS_MAX} clients are connected")
             else:
                 await self._welcome(raw)
             self.expected_ns = time.thread_time_ns() - start_ns
@@ -163,11 +206,13 @@ class Listener:
     async def _welcome(self, raw: socket.socket) -> None:
         self._count += 1
         origin = f"{self.service.name}#{self._count}"
-        client = Client(self._hub, self.service, self.connect(origin), self._forget)
+        client = Client(self._hub, self.service, self.connect(origin), self._forget, self._browsers.add)
         self.clients[origin] = client
-        try:
+        with contextlib.suppress(OSError):
+            # It may have gone already; what it sent before counts.
             raw.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             watch_peer(raw)
+        try:
             await asyncio.get_running_loop().connect_accepted_socket(lambda: client, raw)
         except OSError:
             # It has gone already.
@@ -176,18 +221,6 @@ class Listener:
 
     def _forget(self, origin: str) -> None:
         self.clients.pop(origin, None)
-
-    def _refuse(self, why: str) -> None:
-        self.refused += 1
-        tick = self._hub.output.tick
-        is_first = self._told == self.refused - 1 and (not self._told or tick - self._refused_tick >= BURST_TICKS)
-        self._refused_tick = tick
-        if is_first:
-            self._tell_refused(why)
-
-    def _tell_refused(self, text: str) -> None:
-        count, self._told, self._told_tick = self.refused - self._told, self.refused, self._hub.output.tick
-        self._hub.note("refused", f"{self.service.name}: {text}", is_problem=True, count=count)
 
 
 def _host_of(address: object) -> str:

@@ -10,11 +10,13 @@ an arm that moves is numbers: those travel as they are, all else as JSON. The me
 - if there is more: JSON `[events, requests, replies, changes of the snapshot, changes of its robot]`, where changes are
   indices of fields with their values.
 
-Little-endian. What arrives is checked like any other message, field by field.
+Little-endian. What arrives is checked like any other message, field by field, and before it is read, whether it has so
+many values that reading them would take the time of others.
 """
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Callable
 from operator import attrgetter
@@ -32,6 +34,11 @@ from elitescript.services.config_codec import output_text, without_points
 _HEAD: Final = struct.Struct("<qqQ")
 _ROBOT: Final = "robot"
 _TICK: Final = "tick"
+SAID_MAX: Final = 10_000
+"""Events, requests and replies of one output, of each: a program says less, by its work in a tick."""
+VALUES_MAX: Final = 100_000
+"""Values of one output, about; as many take 50 ms to be read."""
+_TEXT: Final = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"', re.DOTALL)
 _SAID: Final = ("events", "requests", "replies")
 
 
@@ -162,8 +169,11 @@ class OutputReader:
         Raises:
             CodecError: it is none, or changes come before there is anything to change.
         """
+        check_values(content)
         if letter == frames.OUTPUT:
             data = from_text(content)
+            if type(data) is list and len(data) == len(Output.__dataclass_fields__):
+                _check_said(data[1:4])
             output = self._shape.decode(data)
             snapshot = output.snapshot
             self._data = data
@@ -185,6 +195,7 @@ class OutputReader:
             if at < len(content):
                 more = from_text(content[at:])
                 check_list(more, 5)
+                _check_said(more[:3])
                 events, requests, replies = [read(item) for read, item in zip(self._said, more, strict=False)]
                 _apply(more[3], self._snapshot, whole[4], values)
                 _apply(more[4], self._robot, whole[4][self._robot_index], robot_values)
@@ -224,6 +235,27 @@ class OutputReader:
             else:
                 self._values[column.index] = value
         return at
+
+
+def check_values(content: bytes) -> None:
+    """Refuse a message that has too many values.
+
+    Raises:
+        CodecError: it has.
+    """
+    # Most are short; in those that are not, commas in texts do not count.
+    if (
+        len(content) > VALUES_MAX
+        and content.count(b",") > VALUES_MAX
+        and _TEXT.sub(b"", content).count(b",") > VALUES_MAX
+    ):
+        raise CodecError(f"an output of more than {VALUES_MAX} values; reading it takes the time of everybody else")
+
+
+def _check_said(said: list[Any]) -> None:
+    for items in said:
+        if type(items) is list and len(items) > SAID_MAX:
+            raise CodecError(f"an output with {len(items)} events, requests or replies; {SAID_MAX} are read")
 
 
 def _encoders(codec: Codec, kind: type, taken: set[int]) -> list[tuple[int, str, Encode]]:

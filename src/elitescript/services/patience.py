@@ -2,7 +2,8 @@
 
 One that has worked for `PATIENCE_S` without saying anything is in a call that does not come back. Its own processor
 time counts, so that a busy computer does not look like such a call; one that does not work either, because it sleeps,
-is given up after `ABSENCE_MAX_S`.
+is given up after `ABSENCE_MAX_S`. Reading a long program and its questions about files are no such calls: see
+`compile_s` and `FILES_MAX_S`.
 """
 
 from __future__ import annotations
@@ -17,8 +18,19 @@ FIRST_PATIENCE_S: Final = 3.0
 """The same before the first output of a fresh child, which has its robot to make."""
 ABSENCE_MAX_S: Final = 5.0
 """Wall time without a word after which a child is given up, whatever it does."""
+COMPILE_S_PER_BYTE: Final = 10e-6
+"""Added for every byte of program text; compiling takes a fifth of it (*measured*)."""
+COMPILE_MAX_S: Final = 20.0
+"""Added at most."""
+FILES_MAX_S: Final = 10.0
+"""How long questions about files in one tick count as being heard."""
 PATIENCE_TICKS: Final = 20
 """Ticks that have gone by as well: whoever was away himself has no reason to complain."""
+
+
+def compile_s(size: int) -> float:
+    """How much longer a child may be silent that has so many bytes of program text to compile."""
+    return min(size * COMPILE_S_PER_BYTE, COMPILE_MAX_S)
 
 
 class Patience:
@@ -48,16 +60,17 @@ class Patience:
         """How long it has not been heard."""
         return time.monotonic() - self._since_s
 
-    def is_over(self, ticks: int, worked_s: Callable[[], float | None], *, is_fresh: bool) -> bool:
+    def is_over(self, ticks: int, worked_s: Callable[[], float | None], *, is_fresh: bool, more_s: float = 0.0) -> bool:
         """Whether the child is to be given up.
 
         Args:
             ticks: that have gone by since it was asked what it has not answered.
             worked_s: tells its processor time.
             is_fresh: it has not answered anything yet.
+            more_s: how much longer it may be silent than others.
         """
         silent_s = self.silent_s()
-        patience_s = max(self.patience_s, FIRST_PATIENCE_S) if is_fresh else self.patience_s
+        patience_s = (max(self.patience_s, FIRST_PATIENCE_S) if is_fresh else self.patience_s) + more_s
         if silent_s < patience_s or ticks < PATIENCE_TICKS:
             return False
         now_s = worked_s()

@@ -14,7 +14,7 @@ from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase, TextIO
 from typing import IO, Any, Final, cast
 
 from elitescript.errors import ScriptPermissionError
-from elitescript.messages.shapes import CodecError
+from elitescript.messages.shapes import CodecError, is_large
 from elitescript.runtime.world import Files
 
 OPEN_MAX: Final = 300
@@ -57,6 +57,8 @@ class FileDesk:
             raise CodecError(f"{question[0]}: wrong arguments")
         if any(len(argument) > 2 * PIECE_MAX for argument in arguments if type(argument) is str):
             raise CodecError(f"{question[0]}: an argument is too long")
+        if any(map(is_large, arguments)):
+            raise CodecError(f"{question[0]}: a number is too large")
         try:
             return ["ok", act(self, *arguments)]
         except ScriptPermissionError as error:

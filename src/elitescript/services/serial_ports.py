@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
-from elitescript.messages.inputs import ChannelClosed, Input
+from elitescript.messages.inputs import AddLog, ChannelClosed, Input
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.messages.timing import PERIOD_S
@@ -29,7 +29,7 @@ class SerialPorts:
 
     __slots__ = ("_leaving", "_open", "_post", "_timer")
 
-    def __init__(self, post: Callable[[list[Input]], None]) -> None:
+    def __init__(self, post: Callable[[list[Input]], object]) -> None:
         self._post = post
         self._open: dict[int, SerialChannel] = {}
         self._leaving: list[tuple[float, SerialChannel]] = []
@@ -96,8 +96,9 @@ class SerialPorts:
         if self._open or self._leaving:
             self._timer = loop.call_later(PERIOD_S, self._look)
 
-    @staticmethod
-    def _has_gone(until_s: float, channel: SerialChannel, now_s: float) -> bool:
+    def _has_gone(self, until_s: float, channel: SerialChannel, now_s: float) -> bool:
         if not channel.is_over and (channel.has_left or now_s > until_s):
             channel.drop()
+            if channel.lost:
+                self._post([AddLog("", f"not delivered: {channel.lost} bytes to {channel.place}", is_warning=True)])
         return channel.is_over

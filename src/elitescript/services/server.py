@@ -64,6 +64,10 @@ class Server:
                 control = ControlChannel(station, self._instance + index)
                 await control.open()
                 self._controls.append(control)
+            own = {number for station in self.stations for number in station.ports.values()}
+            own.update(control.port for control in self._controls if control.port)
+            for station in self.stations:
+                station.broker.policy.own_ports |= own
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
             gc.freeze()

@@ -17,16 +17,17 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event
-from elitescript.messages.inputs import Input
+from elitescript.messages.inputs import Input, Lag
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.services.binding import bind_one
 from elitescript.services.broker import Broker
+from elitescript.services.connect_policy import ConnectPolicy
 from elitescript.services.cycle import Cycle
 from elitescript.services.inbox import WAITING_MAX, Inbox
 from elitescript.services.listener import Listener
-from elitescript.services.lockstep import Gate, gate
+from elitescript.services.lockstep import TIMEOUT_S, Lockstep
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.shares import Shares
 from elitescript.services.state_keeper import StateKeeper
@@ -49,7 +50,8 @@ BUSY_STEPS: Final = 64
 """Ticks in lockstep after which everybody else is served."""
 
 
-_ALL_BUT_OVERRUNS: Final = attrgetter(*list(Snapshot.__dataclass_fields__)[:-1])
+_ALL_FIELDS: Final = attrgetter(*Snapshot.__dataclass_fields__)
+_OVERRUNS_AT: Final = list(Snapshot.__dataclass_fields__).index("overruns")
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +75,12 @@ class Station:
         name: tells it from the other robots of this `serve`.
         link: the way to the robot.
         is_lockstep: time waits for RTSI clients; see `services.lockstep`.
+        lockstep_timeout_s: how long it waits for each of them, wall time, s.
         listen: hears every event of the robot and every note; must not block.
         lines: what is on the robot's serial ports; see `worlds.line_bindings`.
         world: virtual devices beside the robot.
         keeper: remembers what the robot keeps; nobody does if None.
+        policy: what programs may reach.
     """
 
     __slots__ = (
@@ -89,11 +93,16 @@ class Station:
         "_inbox",
         "_is_lockstep",
         "_is_standing",
+        "_is_under_way",
         "_keeper",
+        "_lag_ticks",
         "_listen",
+        "_lockstep",
+        "_lockstep_timeout_s",
         "_news",
         "_overruns_before",
         "_relief",
+        "_relieved_s",
         "_stepped",
         "_task",
         "_world",
@@ -113,30 +122,39 @@ class Station:
         listen: Listen,
         *,
         is_lockstep: bool = False,
+        lockstep_timeout_s: float = TIMEOUT_S,
         lines: Mapping[str, str] | None = None,
         world: World | None = None,
         keeper: StateKeeper | None = None,
+        policy: ConnectPolicy | None = None,
     ) -> None:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
         self._by_urgency: list[Listener] = []
-        self.broker = Broker(self.post, lines)
+        self.broker = Broker(self.post, lines, policy)
         self.output: Output
         self.shares = Shares()
         self.waits_for = ""
         """Origin of the client that time waits for in lockstep."""
         self._listen = listen
         self._is_lockstep = is_lockstep
+        self._lockstep_timeout_s = lockstep_timeout_s
+        self._lockstep: Lockstep
         self._is_standing = False
+        self._is_under_way = False
+        """Whether a tick has taken its inputs and has not given its output yet."""
         self._keeper = keeper
         if keeper is not None:
             keeper.tell = lambda text: self.note("state", text, is_problem=True)
         self._overruns_before = 0
+        self._lag_ticks = 0
+        """That the robot was told last."""
         self._failure: Exception | None = None
         # Time that waits for clients waits for what they ask, too.
         self._inbox = Inbox(inf) if is_lockstep else Inbox()
         self._relief: asyncio.TimerHandle | None = None
+        self._relieved_s = 0.0
         self._news = asyncio.Event()
         self._stepped: list[asyncio.Future[Output]] = []
         """Wait for the tick that begins next."""
@@ -155,9 +173,10 @@ class Station:
 
     # ---------------------------------------------------------------- what clients call
 
-    def post(self, inputs: list[Input]) -> None:
-        """Take inputs for the next tick."""
+    def post(self, inputs: list[Input]) -> int:
+        """Take inputs for the next tick that begins; return its number."""
         self._inbox.post(inputs)
+        return self.output.tick + (2 if self._is_under_way else 1)
 
     def waiting_of(self, origin: str) -> int:
         """Inputs of a client that could not go in at the last tick."""
@@ -168,7 +187,7 @@ class Station:
         if not self._is_standing or self._failure is not None:
             return
         tick_now = getattr(self.link, "tick_now", None)
-        found = self._gate()
+        found = self._lockstep.gate()
         if tick_now is None or not found.is_open or not found.has_participants:
             self._news.set()
             return
@@ -180,7 +199,7 @@ class Station:
             self._failure = error
             self._news.set()
             return
-        found = self._gate()
+        found = self._lockstep.gate()
         self.waits_for = found.waits_for
         if found.is_open:
             self._news.set()
@@ -263,6 +282,8 @@ class Station:
             await listener.open()
         self._hear(self.output)
         self._cycle = Cycle(on_left_out=self._left_out)
+        if self._is_lockstep:
+            self._lockstep = Lockstep(self.listeners[RTSI].clients, self._let_go, self._lockstep_timeout_s)
         run = self._run_in_lockstep() if self._is_lockstep else self._run_paced()
         self._task = asyncio.get_running_loop().create_task(run)
 
@@ -303,12 +324,19 @@ class Station:
             before = cycle.overruns
             for _ in range(REPORT_TICKS):
                 await cycle.next()
-                output = await self.link.tick(self._taken())
+                output = await self.link.tick([*self._lag(cycle.lag_ticks), *self._taken()])
                 if cycle.overruns:
                     output = replace(output, snapshot=_counted(output.snapshot, cycle.overruns))
                 await cycle.outlet()
                 self._pass_on(output)
             self._tell_late(cycle, cycle.overruns - before)
+
+    def _lag(self, ticks: int) -> tuple[Lag, ...]:
+        """What tells the robot how far its time is behind, if that is new and its programs may wait for peers."""
+        if ticks == self._lag_ticks or (ticks and not self.broker.count):
+            return ()
+        self._lag_ticks = ticks
+        return (Lag(self.name, ticks),)
 
     def _tell_late(self, cycle: Cycle, late: int) -> None:
         """Say how many ticks began late of the last `REPORT_TICKS`."""
@@ -321,13 +349,14 @@ class Station:
         cycle = self._cycle
         assert cycle is not None
         steps = 0
+        self._relieved_s = asyncio.get_running_loop().time()
         self._relieve()
         while True:
-            found = self._gate()
+            found = self._lockstep.gate()
             self.waits_for = found.waits_for
             if not found.has_participants:
                 await cycle.next()
-                if not self._gate().has_participants:
+                if not self._lockstep.gate().has_participants:
                     await self.step()
                 continue
             cycle.restart()
@@ -353,10 +382,14 @@ class Station:
                 if len(self._inbox) < PENDING_MAX or client.origin == self.waits_for:
                     client.relieve()
         self._begin_reading()
-        self._relief = asyncio.get_running_loop().call_later(PERIOD_S, self._relieve)
+        loop = asyncio.get_running_loop()
+        before_s, self._relieved_s = self._relieved_s, loop.time()
+        if self._lockstep.watch(self.output.tick, self._relieved_s - before_s):
+            self._news.set()
+        self._relief = loop.call_later(PERIOD_S, self._relieve)
 
-    def _gate(self) -> Gate:
-        return gate(self.listeners[RTSI].clients)
+    def _let_go(self, text: str, origin: str) -> None:
+        self.note("let_go", text, is_problem=True, origin=origin)
 
     async def step(self) -> None:
         """One tick, whose output leaves as soon as it is there."""
@@ -364,6 +397,7 @@ class Station:
 
     def _taken(self) -> list[Input]:
         """What the tick that begins now is given."""
+        self._is_under_way = True
         self._answered += self._stepped
         self._stepped.clear()
         self._followers += self._comers
@@ -381,6 +415,7 @@ class Station:
     def _pass_on(self, output: Output) -> None:
         """Give everybody what the robot has said."""
         self.output = output
+        self._is_under_way = False
         for listener in self._by_urgency:
             if listener.clients:
                 listener.publish(output)
@@ -422,5 +457,6 @@ class Station:
 
 def _counted(snapshot: Snapshot, overruns: int) -> Snapshot:
     """A snapshot with that many overruns. `dataclasses.replace` takes some times as long."""
-    fields: tuple[Any, ...] = (*_ALL_BUT_OVERRUNS(snapshot), overruns)
+    fields = list(_ALL_FIELDS(snapshot))
+    fields[_OVERRUNS_AT] = overruns
     return Snapshot(*fields)

@@ -8,20 +8,25 @@ What arrives is decoded at once, what a tick gives leaves at once; each message 
 - one that reads slower than its stream misses samples of the stream (they are counted); one that lets `BACKLOG_MAX`
   bytes pile up, or takes nothing for `STALLED_TICKS`, is cut off;
 - one that sends what cannot be is closed;
-- one that ends its own half is answered what it asked, and gets the stream where the service is one.
+- one that begins like a web browser is closed before anything of it is read: no page reaches a robot;
+- one that ends its own half is answered what it asked, and gets the stream where the service is one;
+- of one that closes at once, or whose connection breaks, everything that had arrived by then is read and counts.
 """
 
 from __future__ import annotations
 
 import asyncio
+import socket
 import time
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, Final, Protocol
 
 from elitescript.messages.inputs import Input, VariablesArrived
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.protocol.browsers import FirstBytes
 from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.services.shares import READ_MAX, SHARE_NS, Shares
 from elitescript.services.table import Service
@@ -48,8 +53,8 @@ class Hub(Protocol):
     shares: Shares
     """The time that clients have."""
 
-    def post(self, inputs: list[Input]) -> None:
-        """Take inputs for the next tick."""
+    def post(self, inputs: list[Input]) -> int:
+        """Take inputs for the next tick that begins; return its number."""
 
     def waiting_of(self, origin: str) -> int:
         """Inputs of a client that could not go in at the last tick."""
@@ -69,6 +74,7 @@ class Client(asyncio.BufferedProtocol):
         service: where it came in.
         connection: what it says and hears.
         forget: called once when it has gone.
+        refuse: called with the reason if it is a web browser.
 
     Attributes:
         peer: its address, once it is connected.
@@ -80,6 +86,7 @@ class Client(asyncio.BufferedProtocol):
     __slots__ = (
         "_buffer",
         "_deadline",
+        "_first_bytes",
         "_forget",
         "_hub",
         "_is_light",
@@ -87,7 +94,9 @@ class Client(asyncio.BufferedProtocol):
         "_is_silent",
         "_is_waiting",
         "_late_ns",
+        "_left",
         "_ns_per_byte",
+        "_refuse",
         "_service",
         "_size",
         "_spent_ns",
@@ -100,14 +109,25 @@ class Client(asyncio.BufferedProtocol):
         "peer",
     )
 
-    def __init__(self, hub: Hub, service: Service, connection: Connection, forget: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        hub: Hub,
+        service: Service,
+        connection: Connection,
+        forget: Callable[[str], None],
+        refuse: Callable[[str], None],
+    ) -> None:
         self._hub = hub
         self._service = service
         self._forget = forget
+        self._refuse = refuse
+        self._first_bytes: FirstBytes | None = FirstBytes()
         self._buffer = memoryview(bytearray(READ_MAX))
         self._size = READ_MAX
         self._ns_per_byte = NS_PER_BYTE
         self._transport: asyncio.Transport | None = None
+        self._left: socket.socket | None = None
+        """What is to be read of a connection that broke."""
         self._is_light = True
         self._is_silent = False
         self._is_paused = False
@@ -153,8 +173,11 @@ class Client(asyncio.BufferedProtocol):
     def _read(self, nbytes: int) -> None:
         connection, hub = self.connection, self._hub
         start_ns = time.thread_time_ns()
+        data = bytes(self._buffer[:nbytes])
+        if self._first_bytes is not None and self._is_browser(self._first_bytes, data):
+            return
         try:
-            inputs = connection.receive(bytes(self._buffer[:nbytes]), hub.output)
+            inputs = connection.receive(data, hub.output)
         except ProtocolError as error:
             self._offend(str(error))
             return
@@ -162,7 +185,7 @@ class Client(asyncio.BufferedProtocol):
             self._fail()
             return
         if inputs:
-            hub.post(inputs)
+            connection.posted(hub.post(inputs))
             if self.owes_input and any(isinstance(item, VariablesArrived) for item in inputs):
                 self.owes_input = False
         self._write()
@@ -171,6 +194,19 @@ class Client(asyncio.BufferedProtocol):
             self._finish()
         elif connection.is_busy or self._has_taken_enough(nbytes):
             self._pause()
+
+    def _is_browser(self, first_bytes: FirstBytes, data: bytes) -> bool:
+        """Whether a web browser speaks; then the connection ends, and nothing of it counts."""
+        if found := first_bytes.feed(data):
+            self._is_silent = True
+            self.owes_input = False
+            self.connection.closed()
+            self._refuse(f"{self.origin} from {self.peer}: closed: it sent {found}, as a web browser does")
+            self.abort()
+            return True
+        if first_bytes.is_decided:
+            self._first_bytes = None
+        return False
 
     def _account(self, size: int, spent_ns: int) -> None:
         whole_ns, self._late_ns = spent_ns + self._late_ns, 0
@@ -196,12 +232,23 @@ class Client(asyncio.BufferedProtocol):
         return True
 
     def connection_lost(self, exc: Exception | None) -> None:
-        self.expected_ns = 0
-        self._end_of_input()
-        self._forget(self.origin)
         reason = f": {exc}" if exc else ""
         self._hub.note("gone", f"{self.origin}: gone{reason}", origin=self.origin, dropped=self.dropped)
+        transport, self._transport = self._transport, None
+        if exc is not None and transport is not None and self._deadline is None and not self._is_silent:
+            # A client that closes without having read its stream resets the connection. What it sent before waits in
+            # the socket still, which the transport is about to close.
+            with suppress(OSError):
+                self._left = transport.get_extra_info("socket").dup()
+        if self._left is None:
+            self._part()
+            return
+        self._left.setblocking(False)
+        self._is_paused = True
+        self._stalled_since = None
+        self.owes_input = False
         self._hub.wake()
+        self._read_left(self._left)
 
     def pause_writing(self) -> None:
         self._stalled_since = self._hub.output.tick
@@ -219,8 +266,8 @@ class Client(asyncio.BufferedProtocol):
 
     @property
     def is_leaving(self) -> bool:
-        """Whether it has said that it sends nothing more, or is to be closed."""
-        return self._deadline is not None
+        """Whether it has said that it sends nothing more, is to be closed, or has gone."""
+        return self._deadline is not None or self._left is not None
 
     def publish(self, output: Output) -> None:
         """Give the client a tick."""
@@ -289,7 +336,9 @@ class Client(asyncio.BufferedProtocol):
     def go_on(self) -> None:
         """It is its turn to be read."""
         self._is_waiting = False
-        if self._may_be_read() and self._transport is not None and not self._transport.is_closing():
+        if self._left is not None:
+            self._read_left(self._left)
+        elif self._may_be_read() and self._transport is not None and not self._transport.is_closing():
             self._is_paused = False
             self._transport.resume_reading()
 
@@ -302,17 +351,24 @@ class Client(asyncio.BufferedProtocol):
         """End the connection once what waits has been sent."""
         if self._transport is not None:
             self._transport.close()
+        elif self._left is not None:
+            self._part()
 
     def abort(self) -> None:
         """End the connection at once."""
         if self._transport is not None:
             self._transport.abort()
+        elif self._left is not None:
+            self._part()
 
     # ---------------------------------------------------------------- inside
 
     def _write(self) -> None:
         connection, transport = self.connection, self._transport
         if transport is None:
+            if self._left is not None:
+                # Nobody is there to hear it. Before the connection is made, what is queued is still to be sent.
+                connection.take()
             return
         is_sample = self._service.is_sample
         for message in connection.take():
@@ -341,6 +397,30 @@ class Client(asyncio.BufferedProtocol):
         if not self._is_paused and self._transport is not None and not self._transport.is_closing():
             self._is_paused = True
             self._transport.pause_reading()
+
+    def _read_left(self, left: socket.socket) -> None:
+        """Read on of a connection that broke, as much as its share allows; then it is over."""
+        while self._left is not None and self._may_be_read():
+            try:
+                count = left.recv_into(self.get_buffer(0))
+            except OSError:
+                count = 0
+            if not count:
+                self._part()
+                return
+            self._read(count)
+            if self._has_taken_enough(count):
+                return
+
+    def _part(self) -> None:
+        """It has gone, and all that it sent is read."""
+        if self._left is not None:
+            self._left.close()
+            self._left = None
+        self.expected_ns = 0
+        self._end_of_input()
+        self._forget(self.origin)
+        self._hub.wake()
 
     def _end_of_input(self) -> None:
         if self._is_silent:

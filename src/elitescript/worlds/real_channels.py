@@ -7,7 +7,7 @@ second has to find a program that is still waiting for it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Final
 
@@ -23,6 +23,15 @@ HOPE_TICKS: Final = 6 * TICKS_PER_S
 """How long a lost connection holds time back; longer than MODBUS signals ever wait before they try again."""
 
 
+LINGER_S: Final = 0.1
+"""How long, at the end of a run, peers that have everything may take to end their side (*assumed*)."""
+
+LOST_MAX: Final = 100
+"""Losses on closed channels that are remembered."""
+
+_LOOK_S: Final = 0.001
+
+
 class RealChannels:
     """Implements `runtime.world.Channels` with the network and the serial ports of this computer.
 
@@ -33,7 +42,19 @@ class RealChannels:
         UsageError: a binding that makes no sense.
     """
 
-    __slots__ = ("_first_tick", "_hope_tick", "_last", "_lines", "_met", "_open", "_places", "_start_s", "_tick")
+    __slots__ = (
+        "_first_tick",
+        "_hope_tick",
+        "_last",
+        "_leaving",
+        "_lines",
+        "_lost",
+        "_met",
+        "_open",
+        "_places",
+        "_start_s",
+        "_tick",
+    )
 
     def __init__(self, lines: Mapping[str, str] | None = None) -> None:
         self._last = 0
@@ -43,6 +64,10 @@ class RealChannels:
 
             self._lines = check_bindings(lines)
         self._open: dict[int, TcpChannel | SerialChannel] = {}
+        self._leaving: list[TcpChannel | SerialChannel] = []
+        """Channels that the program has closed, as long as something of what was sent may be under way."""
+        self._lost: list[str] = []
+        """What was lost on them, for `give_up`."""
         self._places: dict[int, tuple[str, int]] = {}
         """Where each TCP connection leads."""
         self._met: set[tuple[str, int]] = set()
@@ -55,8 +80,8 @@ class RealChannels:
 
     @property
     def is_real(self) -> bool:
-        """Whether a connection is open, being opened, or lost not long ago."""
-        return bool(self._open) or self._tick < self._hope_tick
+        """Whether a connection is open, being opened, being closed with bytes under way, or lost not long ago."""
+        return bool(self._open) or self._tick < self._hope_tick or any(channel.pending for channel in self._leaving)
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
         """Begin to connect."""
@@ -100,10 +125,16 @@ class RealChannels:
         self._places.pop(channel, None)
         if open_channel is not None:
             open_channel.close()
+            self._leaving.append(open_channel)
+            self._look_at_leaving()
 
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
         """Wait for the time of a tick and look at every connection."""
         self._tick = tick
+        if self._leaving:
+            for channel in self._leaving:
+                channel.leave()
+            self._look_at_leaving()
         if not self.is_real:
             self._first_tick = -1
             return ()
@@ -123,6 +154,38 @@ class RealChannels:
                     self._hope_tick = tick + HOPE_TICKS
         return events
 
+    def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """See `runtime.world.Channels.pending`."""
+        return tuple(_words(channel, channel.pending) for channel in self._pending(ignoring))
+
+    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """See `runtime.world.Channels.give_up`; lets peers that answer to the last bytes end their side before."""
+        end_s = perf_counter() + LINGER_S
+        while any(not channel.pending for channel in self._leaving) and perf_counter() < end_s:
+            sleep(_LOOK_S)
+            for channel in self._leaving:
+                channel.leave()
+            self._look_at_leaving()
+        for channel in self._leaving:
+            channel.drop()
+        self._look_at_leaving()
+        given_up, self._lost = self._lost, []
+        for channel in self._pending(ignoring):
+            given_up.append(_words(channel, channel.pending))
+            channel.discard()
+        return tuple(given_up)
+
+    def _pending(self, ignoring: Collection[int]) -> list[TcpChannel | SerialChannel]:
+        channels = [*self._leaving, *(channel for number, channel in self._open.items() if number not in ignoring)]
+        return [channel for channel in channels if channel.pending]
+
+    def _look_at_leaving(self) -> None:
+        """Forget the channels that are closed by now."""
+        for channel in self._leaving:
+            if channel.is_over and channel.lost and len(self._lost) < LOST_MAX:
+                self._lost.append(_words(channel, channel.lost))
+        self._leaving = [channel for channel in self._leaving if not channel.is_over]
+
     def next_tick(self, tick: int) -> int | None:
         """Every tick while time is held back."""
         return tick + 1 if self.is_real else None
@@ -134,3 +197,7 @@ class RealChannels:
         due_s = self._start_s + (tick - self._first_tick) * PERIOD_S
         if now_s < due_s:
             sleep(due_s - now_s)
+
+
+def _words(channel: TcpChannel | SerialChannel, size: int) -> str:
+    return f"{size} bytes to {channel.place}"

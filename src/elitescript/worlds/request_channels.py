@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Final
 
 from elitescript.messages.inputs import ChannelEvent
@@ -92,6 +92,14 @@ class RequestChannels:
 
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
         """Nothing: whoever holds the connections tells the host."""
+        return ()
+
+    def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """Not known here: whoever holds the connections brings to its end what was asked for."""
+        return ()
+
+    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """Not done here."""
         return ()
 
     def next_tick(self, tick: int) -> int | None:

@@ -6,7 +6,7 @@ import os
 import sys
 from contextlib import suppress
 from importlib import import_module
-from time import monotonic, sleep
+from time import monotonic
 from typing import Any, Final
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
@@ -25,7 +25,6 @@ if sys.platform != "win32":
 CLOSING_S: Final = 2.0
 """How long a port that is closed may take to get rid of what was sent."""
 
-_LOOK_S: Final = 0.002
 _PARITIES: Final = ("N", "O", "E")
 
 
@@ -40,10 +39,23 @@ class SerialChannel:
     Attributes:
         room: bytes that may come.
         device: see above.
+        lost: bytes that were sent and had not left when the port was closed.
         is_over: whether nothing will come any more; the port is closed then.
     """
 
-    __slots__ = ("_channel", "_failure", "_is_open", "_left", "_outgoing", "_port", "device", "is_over", "room")
+    __slots__ = (
+        "_channel",
+        "_closing_end_s",
+        "_failure",
+        "_is_open",
+        "_left",
+        "_outgoing",
+        "_port",
+        "device",
+        "is_over",
+        "lost",
+        "room",
+    )
 
     def __init__(self, channel: int, device: str, settings: LineSettings) -> None:
         self._channel = channel
@@ -52,7 +64,9 @@ class SerialChannel:
         self._is_open = False
         self._outgoing = bytearray()
         self._left = 0
+        self._closing_end_s = 0.0
         self.device = device
+        self.lost = 0
         self.room = CHANNEL_WINDOW
         self.is_over = False
         try:
@@ -72,9 +86,22 @@ class SerialChannel:
             self._failure = _words(error)
 
     @property
+    def place(self) -> str:
+        """Name of the port; for messages."""
+        return self.device
+
+    @property
     def unsent(self) -> int:
         """Bytes that the system has not taken yet."""
         return len(self._outgoing)
+
+    @property
+    def pending(self) -> int:
+        """Bytes that are not out of the port yet, as far as the system can say."""
+        try:
+            return len(self._outgoing) + (0 if self._port is None else self._port.out_waiting)
+        except _FAILURES:
+            return len(self._outgoing)
 
     def send(self, data: bytes) -> None:
         """Send what the port takes now, the rest at a later `poll`."""
@@ -119,15 +146,27 @@ class SerialChannel:
             return True
 
     def close(self) -> None:
-        """Close the port, once what was sent has left it."""
-        until_s = monotonic() + CLOSING_S
-        while not self.has_left and monotonic() < until_s:
-            sleep(_LOOK_S)
-        self.drop()
+        """Begin to close the port, which ends at once if all that was sent has left it; else call `leave`."""
+        self._closing_end_s = monotonic() + CLOSING_S
+        self.leave()
+
+    def leave(self) -> None:
+        """Go on with closing."""
+        if self.has_left or monotonic() >= self._closing_end_s:
+            self.drop()
+
+    def discard(self) -> None:
+        """Drop what has not left the port."""
+        self._left += len(self._outgoing)
+        self._outgoing.clear()
+        with suppress(*_FAILURES):
+            if self._port is not None and self._port.out_waiting:
+                self._port.reset_output_buffer()
 
     def drop(self) -> None:
         """Close the port at once. What has not left it is lost: some systems would wait for it for half a minute."""
         self.is_over = True
+        self.lost = self.pending
         if self._port is not None:
             with suppress(*_FAILURES):
                 if self._port.out_waiting:

@@ -80,5 +80,9 @@ class Surroundings:
     def signal_changed(self, name: str, value: Value) -> None:
         """A signal of the robot has changed in the tick that runs."""
 
+    def next_tick(self, tick: int) -> int | None:
+        """The next tick after `tick` at which a device does something."""
+        return None
+
     def settle(self) -> None:
         """The tick has run: act on the signals that have changed in it."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import socket
+import sys
 from contextlib import suppress
 from errno import EINPROGRESS, EINTR, EWOULDBLOCK
 from os import strerror
 from threading import Thread
+from time import monotonic
 from typing import Any, Final
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
@@ -34,18 +36,24 @@ class TcpChannel:
     Attributes:
         room: bytes that the peer may send.
         is_over: whether nothing will come any more; the connection is closed then.
+        place: address and port; for messages.
+        lost: bytes that were sent and had not left when the connection ended.
     """
 
     __slots__ = (
         "_address",
         "_channel",
+        "_closing_end_s",
         "_failure",
         "_found",
         "_is_open",
+        "_is_shut",
         "_left",
         "_outgoing",
         "_socket",
         "is_over",
+        "lost",
+        "place",
         "room",
     )
 
@@ -58,8 +66,12 @@ class TcpChannel:
         self._is_open = False
         self._outgoing = bytearray()
         self._left = 0
+        self._is_shut = False
+        self._closing_end_s = 0.0
+        self.place = f"{address}:{port}"
         self.room = CHANNEL_WINDOW
         self.is_over = False
+        self.lost = 0
         try:
             self._look_up(socket.AI_NUMERICHOST)
         except (OSError, ValueError):
@@ -164,24 +176,73 @@ class TcpChannel:
 
     # ---------------------------------------------------------------- the end
 
+    @property
+    def pending(self) -> int:
+        """Bytes that the peer's computer does not have yet, as far as this one can say."""
+        return len(self._outgoing) + (0 if self._socket is None or self.is_over else _unacknowledged(self._socket))
+
     def close(self) -> None:
-        """Close the connection, once what was sent has left."""
-        if self._socket is not None and self._is_open:
-            with suppress(OSError):
-                if self._outgoing:
-                    self._socket.settimeout(CLOSING_S)
-                    self._socket.sendall(self._outgoing)
-                    self._socket.setblocking(False)
-                self._socket.shutdown(socket.SHUT_WR)
+        """Begin to close the connection, which ends at once if all that was sent has left; else call `leave`."""
+        self._closing_end_s = monotonic() + CLOSING_S
+        if self._is_open:
+            self.leave()
+        else:
+            self._end()
+
+    def leave(self) -> None:
+        """Go on with closing: send what is left, end this half, then wait until the peer has ended the other half.
+
+        What the peer still sends is read and dropped: a connection that is closed with unread bytes, or gets more after
+        it is closed, is reset, and the peer loses what it has not read.
+        """
+        assert self._socket is not None
+        try:
+            self._flush()
+            if not self._outgoing:
+                if not self._is_shut:
+                    self._is_shut = True
+                    self._socket.shutdown(socket.SHUT_WR)
                 unread = _UNREAD_MAX
                 while unread > 0 and (data := self._socket.recv(CHANNEL_WINDOW)):
                     unread -= len(data)
+                if unread > 0:
+                    self._end()
+                    return
+        except BlockingIOError:
+            pass
+        except OSError:
+            self._end()
+            return
+        if monotonic() >= self._closing_end_s:
+            self._end()
+
+    def discard(self) -> None:
+        """Drop what has not left."""
+        self._left += len(self._outgoing)
+        self._outgoing.clear()
+
+    def drop(self) -> None:
+        """Close the connection at once, whatever is under way."""
         self._end()
 
     def _end(self) -> None:
+        self.lost = self.pending
         self.is_over = True
         if self._socket is not None:
             self._socket.close()
+
+
+def _unacknowledged(connection: socket.socket) -> int:
+    """Bytes that the system has taken and the peer's system has not confirmed; 0 where that cannot be asked."""
+    if sys.platform != "linux":
+        return 0
+    from fcntl import ioctl
+    from termios import TIOCOUTQ
+
+    try:
+        return int.from_bytes(ioctl(connection, TIOCOUTQ, bytes(4)), sys.byteorder)
+    except OSError:
+        return 0
 
 
 def _words(error: OSError) -> str:

@@ -43,7 +43,7 @@ def test_a_value_that_a_name_always_has_counts():
 
 def test_a_name_that_may_change_does_not():
     assert body("lamp = 16", "lamp = 1", "set_standard_digital_out(lamp, True)") == []
-    assert body("global lamp", "lamp = 16", "set_standard_digital_out(lamp, True)") == []
+    assert body("global lamp", "lamp = 16", "lamp = 1", "set_standard_digital_out(lamp, True)") == []
 
 
 def test_the_text_has_value_limit_and_unit():

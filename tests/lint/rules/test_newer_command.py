@@ -12,14 +12,14 @@ def test_a_command_of_a_newer_firmware_is_found_wherever_it_is_named(firmware, f
 
 def test_the_needed_firmware_is_named():
     problem = only("def job():\n  halt()\nend\n", firmware="2.10")
-    assert problem.text == "halt needs firmware 2.14 or newer; the program is checked for 2.10"
+    assert problem.text == "halt needs firmware 2.14 or newer; the chosen one is 2.10"
     assert problem.hint == "if the robot has it, choose --firmware 2.14"
 
 
 def test_no_firmware_of_ours_has_it_yet():
     problem = only("def job():\n  set_tool_second_power_on(True)\nend\n")
     assert problem.code == "E302"
-    assert problem.hint == "it cannot be chosen here yet"
+    assert problem.hint == "the newest firmware that is simulated is 2.14"
 
 
 def test_its_arguments_are_not_looked_at():

@@ -143,7 +143,7 @@ sleep(0.1)
     server = Server()
     found = run(body, server)
     assert [text.strip() for text in found.log] == ["1.1", "1.2", "2.1"]
-    assert seen == [(1, 1)]
+    assert seen == [(1, 1), (2, 0)]
 
 
 def test_the_device_closes_and_the_program_is_told():

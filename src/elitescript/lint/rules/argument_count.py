@@ -21,4 +21,4 @@ def argument_count(program: Program) -> Iterator[Finding]:
     """Report what is surplus, missing, misnamed or given twice."""
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):
         for misfit in arguments.misfits:
-            yield Finding(misfit.node, misfit.text, f"it is called as {called.command.signature}")
+            yield Finding(misfit.node, misfit.text, called.command.call_hint)

@@ -25,7 +25,7 @@ from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W217", since="0.2", is_structural=True)
+@rule(code="W217", since="0.2")
 def duplicate_function(program: Program) -> Iterator[Finding]:
     """Report each later definition."""
     for scope in program.symbols.scopes:

@@ -19,7 +19,7 @@ from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W205", since="0.1", is_structural=True)
+@rule(code="W205", since="0.1")
 def forbidden_in_secondary(program: Program) -> Iterator[Finding]:
     """Report such calls inside `sec`."""
     inside = [(node.lineno, node.end_lineno or node.lineno) for node in program.secondaries]

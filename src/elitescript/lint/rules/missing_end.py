@@ -26,7 +26,7 @@ from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, Span, rule
 
 
-@rule(code="W216", since="0.2", needs_all_lines=True, is_structural=True)
+@rule(code="W216", since="0.2", needs_all_lines=True)
 def missing_end(program: Program) -> Iterator[Finding]:
     """Report each such block at its header."""
     if program.parsed.options.kind == LINE or program.parsed.has_line_marks:

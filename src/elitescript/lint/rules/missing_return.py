@@ -25,7 +25,7 @@ from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W220", since="0.2", needs_all_lines=True, is_structural=True)
+@rule(code="W220", since="0.2", needs_all_lines=True)
 def missing_return(program: Program) -> Iterator[Finding]:
     """Report each such function at its name."""
     flow = Flow(program)

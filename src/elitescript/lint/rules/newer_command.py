@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.vocabulary import newer_firmware_hint, newer_firmware_text
 from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
-from elitescript.messages.profile import PROFILES, Release, release_of
 
 
 @rule(code="E302", since="0.1")
@@ -24,10 +24,5 @@ def newer_command(program: Program) -> Iterator[Finding]:
         command = CATALOGUE.get(use.name)
         if command is None or program.is_available(command) or program.expects_missing_names(use.node):
             continue
-        text = f"{use.name} needs firmware {command.since} or newer; the program is checked for {program.profile.name}"
-        yield Finding(use.node, text, _advice(release_of(command.since)))
-
-
-def _advice(needed: Release) -> str:
-    newer = [profile.name for profile in PROFILES.values() if profile.release >= needed]
-    return f"if the robot has it, choose --firmware {newer[0]}" if newer else "it cannot be chosen here yet"
+        text = newer_firmware_text(use.name, command.since, program.profile)
+        yield Finding(use.node, text, newer_firmware_hint(command.since))

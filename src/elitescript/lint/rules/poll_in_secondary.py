@@ -17,7 +17,7 @@ from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W221", since="0.2", is_structural=True)
+@rule(code="W221", since="0.2")
 def poll_in_secondary(program: Program) -> Iterator[Finding]:
     """Report such calls inside `sec`."""
     inside = [(node.lineno, node.end_lineno or node.lineno) for node in program.secondaries]

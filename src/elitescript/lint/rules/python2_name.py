@@ -32,7 +32,7 @@ def python2_name(program: Program) -> Iterator[Finding]:
             new, hint = _NAMES[use.name]
             fix = _replacement(program.span(use.node), new) if new else None
             text = f"`{use.name}` is Python 2; a Python 3 controller does not know it"
-            yield Finding(use.node, text, hint or f"write {new}", fix, is_error=program.is_strict)
+            yield Finding(use.node, text, hint or f"write {new}", fix)
     for call in program.nodes(ast.Call):
         if isinstance(call.func, ast.Attribute):
             yield from _method(call, call.func, program)
@@ -61,15 +61,15 @@ def _method(call: ast.Call, function: ast.Attribute, program: Program) -> Iterat
     if name == "has_key" and len(call.args) == 1 and not call.keywords:
         fix = _membership(call, function, program)
         text = "dictionaries have no `has_key` in Python 3"
-        yield Finding(place, text, "write `key in dictionary`", fix, is_error=program.is_strict)
+        yield Finding(place, text, "write `key in dictionary`", fix)
     elif name in _ITERATORS and not call.args and not call.keywords:
         new = _ITERATORS[name]
         text = f"dictionaries have no `{name}` in Python 3"
-        yield Finding(place, text, f"write {new}()", _replacement(place, new), is_error=program.is_strict)
+        yield Finding(place, text, f"write {new}()", _replacement(place, new))
     elif name == "sort" and call.args and not _is_module(function.value, program):
         text = "`sort` takes no comparing function in Python 3: it has no positional arguments"
         hint = "write sort(key=...), with functools.cmp_to_key for a comparing function"
-        yield Finding(call.args[0], text, hint, is_error=program.is_strict)
+        yield Finding(call.args[0], text, hint)
 
 
 def _is_own_method(name: str, program: Program) -> bool:

@@ -23,7 +23,7 @@ from elitescript.lint.registry import Finding, rule
 _OPERATIONS = (ast.BoolOp, ast.BinOp, ast.Compare, ast.UnaryOp, ast.If, ast.While, ast.IfExp, ast.Assert)
 
 
-@rule(code="W215", since="0.1", is_structural=True)
+@rule(code="W215", since="0.1")
 def uncalled_command(program: Program) -> Iterator[Finding]:
     """Report the name of a command or function where only its call can be meant."""
     yield from _commands(program)

@@ -21,7 +21,7 @@ from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, Span, rule
 
 
-@rule(code="W214", since="0.1", needs_all_lines=True, is_structural=True)
+@rule(code="W214", since="0.1", needs_all_lines=True)
 def uncalled_program(program: Program) -> Iterator[Finding]:
     """Report the function with which a text that does nothing was meant to begin."""
     if program.parsed.kind == SCRIPT and not program.parsed.tree.body:

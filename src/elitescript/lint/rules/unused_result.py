@@ -22,7 +22,7 @@ from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W219", since="0.2", is_structural=True)
+@rule(code="W219", since="0.2")
 def unused_result(program: Program) -> Iterator[Finding]:
     """Report each such statement."""
     if program.parsed.options.kind == LINE:

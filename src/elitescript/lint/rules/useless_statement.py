@@ -23,7 +23,7 @@ from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W218", since="0.2", is_structural=True)
+@rule(code="W218", since="0.2")
 def useless_statement(program: Program) -> Iterator[Finding]:
     """Report each such statement."""
     if program.parsed.options.kind == LINE:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any, Final
 
 from elitescript.errors import UsageError
@@ -50,6 +50,7 @@ class _Channel:
     __slots__ = (
         "credits",
         "hears",
+        "held",
         "inner",
         "is_message",
         "last",
@@ -66,6 +67,9 @@ class _Channel:
         self.inner = 0
         self.hears = True
         """Whether the robot still wants to hear of it."""
+        self.held: dict[int, tuple[int, Callable[[], None]]] = {}
+        """What faults hold back on its way to the device, by a number: how many bytes, 0 for the end of the connection,
+        and the call that lets it go on."""
         self.request = b""
         self.last = {TO_ROBOT: 0, TO_DEVICE: 0}
         """The tick in which the last piece leaves, in each direction."""
@@ -95,6 +99,8 @@ class FaultyChannels:
         "_channels",
         "_events",
         "_faults",
+        "_held",
+        "_holding",
         "_inner",
         "_last",
         "_say",
@@ -115,6 +121,10 @@ class FaultyChannels:
         self._by_inner: dict[int, _Channel] = {}
         self._events: list[ChannelEvent] = []
         self._last = 0
+        self._holding: dict[int, _Channel] = {}
+        """Channels of which something is held back, closed ones too, by their identity."""
+        self._held = 0
+        """Counts what was held back."""
         for fault in faults:
             self._add(fault)
 
@@ -264,6 +274,30 @@ class FaultyChannels:
         events, self._events = self._events, []
         return events
 
+    def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """See `runtime.world.Channels.pending`; what a fault has swallowed is not pending."""
+        held = [_held_back(channel) for channel in self._holding.values() if channel.number not in ignoring]
+        return (*held, *self._inner.pending(self._inner_numbers(ignoring)))
+
+    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """See `runtime.world.Channels.give_up`."""
+        inner = self._inner_numbers(ignoring)
+        given_up = list(self._inner.give_up(inner))
+        for channel in [channel for channel in self._holding.values() if channel.number not in ignoring]:
+            given_up.append(_held_back(channel))
+            for number, (size, _) in list(channel.held.items()):
+                if size:
+                    del channel.held[number]
+                    self._take_credit(channel, size)
+                else:
+                    self._let_go(channel, number)
+            self._holding.pop(id(channel), None)
+        self._inner.give_up(inner)  # the ends of connections that were held back until now
+        return tuple(given_up)
+
+    def _inner_numbers(self, channels: Collection[int]) -> list[int]:
+        return [self._channels[channel].inner for channel in channels if channel in self._channels]
+
     def next_tick(self, tick: int) -> int | None:
         """See `runtime.world.Channels.next_tick`."""
         own, other = self._agenda.next_tick(tick), self._inner.next_tick(tick)
@@ -320,14 +354,27 @@ class FaultyChannels:
         self._channels.pop(channel.number, None)
         self._by_inner.pop(channel.inner, None)
 
-    def _pass(self, channel: _Channel, direction: str, ticks: int, act: Callable[[], None]) -> None:
-        """Do something now or later, behind what is on its way already."""
+    def _pass(self, channel: _Channel, direction: str, ticks: int, act: Callable[[], None], size: int = 0) -> None:
+        """Do something now or later, behind what is on its way already; `size` is how many bytes that sends."""
         now = self._agenda.tick
         at = channel.last[direction] = max(now + ticks, channel.last[direction])
         if at == now:
             act()
-        else:
+        elif direction == TO_ROBOT:
             self._agenda.put(at - now, act)
+        else:
+            self._held += 1
+            number = self._held
+            channel.held[number] = size, act
+            self._holding[id(channel)] = channel
+            self._agenda.put(at - now, lambda: self._let_go(channel, number))
+
+    def _let_go(self, channel: _Channel, number: int) -> None:
+        _, act = channel.held.pop(number, (0, None))
+        if not channel.held:
+            self._holding.pop(id(channel), None)
+        if act is not None:
+            act()
 
     def _pass_all(self, channel: _Channel, direction: str, pieces: Pieces, act: Callable[[bytes], None]) -> None:
         """Pass pieces on; the time between them stays what it is."""
@@ -335,7 +382,7 @@ class FaultyChannels:
         for ticks, piece in pieces:
             at = self._agenda.tick + ticks + shift
             shift += max(0, channel.last[direction] - at)
-            self._pass(channel, direction, ticks + shift, lambda piece=piece: act(piece))  # type: ignore[misc]
+            self._pass(channel, direction, ticks + shift, lambda piece=piece: act(piece), len(piece))  # type: ignore[misc]
 
     # ---------------------------------------------------------------- what goes wrong
 
@@ -379,6 +426,14 @@ def _is_at(place: tuple[str, str, int], where: tuple[str, str, int]) -> bool:
     """Whether a channel is at the place that a fault names."""
     kind, address, port = where
     return place[0] == kind and place[2] == port and (place[1] == address or (kind == TCP and not address))
+
+
+def _held_back(channel: _Channel) -> str:
+    """What a fault holds back of a channel, in words."""
+    kind, address, port = channel.place
+    place = address if kind == LINE else f"{address}:{port}"
+    size = sum(size for size, _ in channel.held.values())
+    return f"{size} bytes to {place}, which a fault delays" if size else f"the end of the connection to {place}"
 
 
 _Key = tuple[int, ...]

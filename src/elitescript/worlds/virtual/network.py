@@ -7,7 +7,7 @@ classes of devices (`elitescript.testing.world`) are made of these.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -34,6 +34,7 @@ class Link:
         channel: number of the channel.
         is_open: whether the program has not closed it, and neither has the device.
         owner: the device; for messages about it.
+        place: address and port, or name of the serial line; for messages about it.
         line: name of the serial line; empty for a connection.
         settings: of a serial line; None of a connection.
     """
@@ -51,11 +52,18 @@ class Link:
         "line",
         "owner",
         "peer",
+        "place",
         "settings",
     )
 
     def __init__(
-        self, network: VirtualNetwork, channel: int, line: str = "", settings: LineSettings | None = None
+        self,
+        network: VirtualNetwork,
+        channel: int,
+        line: str = "",
+        settings: LineSettings | None = None,
+        *,
+        place: str = "",
     ) -> None:
         self._network = network
         self._outgoing = bytearray()
@@ -64,6 +72,7 @@ class Link:
         self._has_stood = False
         self.channel = channel
         self.line = line
+        self.place = place or line
         self.settings = settings
         self.is_open = True
         self.owner: object = None
@@ -147,6 +156,23 @@ class Link:
         else:
             self.peer.given_up()
 
+    @property
+    def pending(self) -> str:
+        """What the program has given away and the device does not have; empty if it has everything."""
+        wire = self._to_device
+        if wire.under_way:
+            return f"{wire.under_way} bytes to {self.place}"
+        return f"the end of the connection to {self.place}" if wire.is_ending else ""
+
+    def drop(self) -> None:
+        """Forget what is on its way to the device; one that has not heard of the end of the connection does now."""
+        is_ending = self._to_device.is_ending
+        dropped = self._to_device.drop()
+        if is_ending:
+            self._network.agenda.attempt(self.peer.closed, self.owner)
+        else:
+            self._network.tell(ChannelCredit(self.channel, dropped))
+
     def stand(self) -> None:
         """The connection stands from now on."""
         if self.is_open:
@@ -218,7 +244,7 @@ class VirtualNetwork:
         outside: see above.
     """
 
-    __slots__ = ("_events", "_inner", "_last", "_links", "_outer", "agenda", "lines", "outside", "servers")
+    __slots__ = ("_events", "_inner", "_last", "_leaving", "_links", "_outer", "agenda", "lines", "outside", "servers")
 
     def __init__(
         self,
@@ -236,6 +262,8 @@ class VirtualNetwork:
         self.outside = outside
         self._last = 0
         self._links: dict[int, Link] = {}
+        self._leaving: list[Link] = []
+        """Links that the program has closed and whose device does not have everything yet."""
         self._events: list[ChannelEvent] = []
         self._inner: dict[int, int] = {}
         """Channels that lead outside: number here, number there; and the other way round."""
@@ -270,7 +298,7 @@ class VirtualNetwork:
     def connect(self, channel: int, address: str, port: int) -> None:
         """Connect a channel to the server of a port, or refuse."""
         server = self.server(address, port)
-        self._begin(Link(self, channel), server, REFUSED)
+        self._begin(Link(self, channel, place=f"{address}:{port}"), server, REFUSED)
 
     def connect_line(self, channel: int, device: str, settings: LineSettings) -> None:
         """Connect a channel to what is on a serial line, or refuse. Whoever had the line before loses it."""
@@ -330,7 +358,9 @@ class VirtualNetwork:
     def close(self, channel: int) -> None:
         """See `runtime.world.Channels.close`."""
         if channel in self._links:
-            self._links.pop(channel).leave()
+            link = self._links.pop(channel)
+            link.leave()
+            self._leaving = [one for one in (*self._leaving, link) if one.pending]
         elif self.outside is not None and channel in self._inner:
             inner = self._inner.pop(channel)
             del self._outer[inner]
@@ -377,6 +407,29 @@ class VirtualNetwork:
                     if isinstance(event, ChannelClosed) or (isinstance(event, ChannelOpened) and not event.is_open):
                         del self._inner[channel], self._outer[event.channel]
         return events
+
+    def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """See `runtime.world.Channels.pending`."""
+        own = tuple(text for link in self._pending(ignoring) if (text := link.pending))
+        return own if self.outside is None else (*own, *self.outside.pending(self._led_outside(ignoring)))
+
+    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """See `runtime.world.Channels.give_up`."""
+        given_up = []
+        for link in self._pending(ignoring):
+            if text := link.pending:
+                given_up.append(text)
+                link.drop()
+        self._leaving.clear()
+        if self.outside is not None:
+            given_up += self.outside.give_up(self._led_outside(ignoring))
+        return tuple(given_up)
+
+    def _pending(self, ignoring: Collection[int]) -> list[Link]:
+        return [*self._leaving, *(link for channel, link in self._links.items() if channel not in ignoring)]
+
+    def _led_outside(self, channels: Collection[int]) -> list[int]:
+        return [self._inner[channel] for channel in channels if channel in self._inner]
 
     def next_tick(self, tick: int) -> int | None:
         """The next tick at which a device does something."""

@@ -27,10 +27,13 @@ class Wire:
 
     Attributes:
         owner: whose code `deliver` is.
+        under_way: bytes that were sent and have not arrived.
+        is_ending: whether `finish` was called and its call has not come.
     """
 
     __slots__ = (
         "_agenda",
+        "_batch",
         "_byte_ticks",
         "_chunk",
         "_delay",
@@ -41,7 +44,9 @@ class Wire:
         "_queue",
         "_then",
         "_ticks",
+        "is_ending",
         "owner",
+        "under_way",
     )
 
     def __init__(
@@ -68,7 +73,11 @@ class Wire:
         """For each call, when its first byte is under way at the earliest, in ticks, and what has not arrived of it."""
         self._is_due = False
         self._then: Callable[[], None] | None = None
+        self._batch = 0
+        """Counts what was dropped: bytes of an earlier batch do not arrive any more."""
         self.owner = owner
+        self.under_way = 0
+        self.is_ending = False
 
     @property
     def waiting(self) -> int:
@@ -79,9 +88,11 @@ class Wire:
         """Put bytes on the way."""
         now = self._agenda.tick
         ticks = self._ticks + (self._delay() if self._delay else 0)
+        self.under_way += len(data)
         if not self._byte_ticks and not self._chunk:
             self._last = max(now + ticks, self._last)  # nothing overtakes
-            self._agenda.put(self._last - now, lambda: self._deliver(data), self.owner)
+            batch = self._batch
+            self._agenda.put(self._last - now, lambda: self._hand(data, batch), self.owner)
             return
         if data:
             self._queue.append((now + (ticks - 1 if self._byte_ticks else ticks), bytearray(data)))
@@ -90,12 +101,32 @@ class Wire:
 
     def finish(self, then: Callable[[], None]) -> None:
         """Have something called when all that was sent has arrived, not sooner than bytes that are sent now would."""
+        self.is_ending = True
+        self._then = then
         if self._is_due:
-            self._then = then
             return
-        now = self._agenda.tick
+        now, batch = self._agenda.tick, self._batch
         self._last = max(now + self._ticks, self._last)
-        self._agenda.put(self._last - now, then, self.owner)
+        self._agenda.put(self._last - now, lambda: self._end(batch), self.owner)
+
+    def drop(self) -> int:
+        """Forget what is under way, the call of `finish` too; return how many bytes that were."""
+        dropped, self.under_way = self.under_way, 0
+        self._batch += 1
+        self._queue.clear()
+        self.is_ending, self._then = False, None
+        return dropped
+
+    def _hand(self, data: bytes, batch: int) -> None:
+        if batch == self._batch:
+            self.under_way -= len(data)
+            self._deliver(data)
+
+    def _end(self, batch: int) -> None:
+        if batch == self._batch and self._then is not None:
+            then, self._then = self._then, None
+            self.is_ending = False
+            then()
 
     # ---------------------------------------------------------------- one byte after the other
 
@@ -113,10 +144,9 @@ class Wire:
         if self._queue:
             self._plan()
         if data:
-            self._deliver(data)
-        if not self._queue and self._then is not None:
-            then, self._then = self._then, None
-            then()
+            self._hand(data, self._batch)
+        if not self._queue:
+            self._end(self._batch)
 
     def _arrived(self) -> bytes:
         """Take out of the queue what has arrived by now."""

@@ -190,6 +190,9 @@ class World(Surroundings):
     def signal_changed(self, name: str, value: Value) -> None:
         self.signals.changed(name, value)
 
+    def next_tick(self, tick: int) -> int | None:
+        return self.agenda.next_tick(tick)
+
     def settle(self) -> None:
         self.signals.settle()
         if self._links:

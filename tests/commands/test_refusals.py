@@ -1,4 +1,4 @@
-"""Checks that commands make before they say that they are not simulated."""
+"""Values of several kinds, refused in plain words."""
 
 from __future__ import annotations
 
@@ -6,19 +6,7 @@ from typing import Any
 
 import pytest
 
-from elitescript.errors import ArgumentTypeError, NotSimulatedError
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["path_offset_enable()", "path_offset_set([0, 0, 0, 0, 0, 0], 1)", "path_offset_set_alpha_filter(0.5)"],
-)
-def test_good_calls_get_as_far_as_the_reason(script: Any, robot: Any, text: str) -> None:
-    name = text.partition("(")[0]
-    with pytest.raises(NotSimulatedError, match=f"^{name}: .* not simulated( yet)?$") as caught:
-        script(text)
-    assert caught.value.code == "R106"
-    assert robot.asked == []
+from elitescript.errors import ArgumentTypeError
 
 
 @pytest.mark.parametrize(

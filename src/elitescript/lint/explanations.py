@@ -1,0 +1,421 @@
+"""What each code of `errors.CODES` means: why, an example, what to do.
+
+A rule carries its text as the docstring of its file. The texts of all other codes stand here, in the same form: what it
+is and why in the first paragraphs, then an indented example whose comment says what to do.
+"""
+
+from __future__ import annotations
+
+from inspect import cleandoc
+from typing import Final
+
+from elitescript.errors import CODES, UsageError
+from elitescript.lint.registry import all_rules
+
+_KINDS: Final = {
+    "E0": "The program does not start.",
+    "E1": "The program does not start.",
+    "E3": "The line raises an exception when it is reached; `run` starts the program all the same, because it may "
+    "catch it, and `run --strict` refuses it.",
+    "R1": "An alarm: the program ends on this line, unless it catches the exception.",
+    "W2": "The program starts.",
+}
+
+
+_LENIENT: Final = frozenset(("E106", "E109", "E110", "W209"))
+"""What a Python 3 controller refuses."""
+
+
+def explanation(code: str) -> str:
+    """Return the text of `check --explain`.
+
+    Raises:
+        UsageError: there is no such code.
+    """
+    name = code.strip().upper()
+    if name not in CODES:
+        raise UsageError(f"there is no code {code!r}{_near(name)}")
+    return f"{name}: {CODES[name].title}\n{_facts(name)}\n\n{body(name)}"
+
+
+def markdown(code: str) -> str:
+    """Return the text of one code as Markdown, without a heading."""
+    blocks = []
+    for block in body(code).split("\n\n"):
+        if block.startswith("    "):
+            blocks.append("```elite\n" + cleandoc(block) + "\n```")
+        else:
+            blocks.append(block)
+    return f"*{_facts(code)}*\n\n" + "\n\n".join(blocks)
+
+
+def body(code: str) -> str:
+    """Return what a code means, why, and an example; empty if nothing is written down."""
+    for rule in all_rules():
+        if rule.code == code:
+            return cleandoc(rule.explanation)
+    return cleandoc(_TEXTS.get(code, ""))
+
+
+def _facts(code: str) -> str:
+    row = CODES[code]
+    default, strict = row.default_severity, row.strict_severity
+    severity = default.capitalize() if default == strict else f"{default.capitalize()}; {strict} with --strict"
+    if row.is_tolerated and code in _LENIENT:
+        return f"{severity}. Only this implementation accepts it."
+    since = next((f" Since {rule.since}." for rule in all_rules() if rule.code == code), "")
+    return f"{severity}. {_KINDS.get(code[:2], '')}{since}"
+
+
+def _near(name: str) -> str:
+    from difflib import get_close_matches
+
+    found = get_close_matches(name, list(CODES), 3, 0.6)
+    if not found:
+        return "; docs/reference/rules.md lists them all"
+    return f"; did you mean {' or '.join(found)}?"
+
+
+_TEXTS: Final[dict[str, str]] = {
+    "E001": """
+        A line that is no Python. EliteScript is Python in which a block may also end with `end`. The message says what
+        is wrong in plain words, and one mistake does not hide the next.
+
+            def job():
+              x = (1 + 2               # E001: this '(' is never closed
+              textmsg(x)
+            end
+        """,
+    "E002": """
+        A byte that is not UTF-8. Programs are UTF-8 text; editors of some systems save another encoding, and a binary
+        file is no program at all.
+
+            textmsg("Gr\\xfc\\xdfe")      # E002 in a file that was saved as Latin-1: save it as UTF-8
+        """,
+    "E003": """
+        A file that cannot be read: it does not exist, is a folder without programs, or may not be opened. The other
+        files are checked all the same.
+
+            elitescript check cell.scrpt    # E003: is cell.script meant?
+        """,
+    "E101": """
+        An `end` that closes nothing. Each `end` closes the block whose indentation it has. A surplus one often means
+        that another block lost its header, or that a block was closed twice.
+
+            def job():
+              textmsg("one")
+              end                      # E101: no block is open here; remove it
+            end
+        """,
+    "E102": """
+        A `def` or `sec` that is the program and has no `end`. Controllers need it to know where the program is
+        complete.
+
+            def job():
+              textmsg("one")
+                                       # E102: write `end` below, as far left as `def`
+        """,
+    "E103": """
+        An `else`, `elif`, `except` or `finally` behind the `end` of its statement. One `end` closes the whole
+        statement.
+
+            if get_flag(0):
+              textmsg("yes")
+            end                        # remove this one
+            else:                      # E103
+              textmsg("no")
+            end
+        """,
+    "E104": """
+        A block without a statement; a comment is none. Python cannot tell whether something was forgotten, so `pass`
+        says that nothing is meant.
+
+            while not get_flag(0):
+                                       # E104: write `pass`, or `sync()` to wait
+            end
+        """,
+    "E105": """
+        A secondary program inside a block. `sec` stands at the left margin, beside the program and not in it. When a
+        text lost its indentation, that is the cause.
+
+            def job():
+              sec lamp():              # E105: move it out of `job`
+                set_standard_digital_out(1, True)
+              end
+            end
+        """,
+    "E106": """
+        The print statement of Python 2. It is accepted here because old programs have it; a controller with Python 3
+        refuses it. `check --fix` repairs it.
+
+            print "ready"              # E106: write print("ready")
+        """,
+    "E107": """
+        A parameter of the program itself without a default. Nothing calls the program with arguments.
+
+            def job(speed):            # E107: write speed=0.5, or a global
+              textmsg(speed)
+            end
+        """,
+    "E108": """
+        An assignment in a `global` statement, which only says that a name is shared with the rest of the program. The
+        value is given by a statement of its own. `check --fix` separates the two.
+
+            global count = 0           # E108: write `global count`, and `count = 0` below
+        """,
+    "E109": """
+        A `global` behind a use of its name in the same function. Python 3 refuses it; here it counts for the whole
+        function. `check --fix` moves it to the top.
+
+            def job():
+              count = 1
+              global count             # E109: move it above the first use
+            end
+        """,
+    "E110": """
+        The suffix of long integers of Python 2. Every int is long in Python 3. `check --fix` repairs it.
+
+            mask = 0xFFFFL             # E110: write 0xFFFF
+        """,
+    "E111": """
+        `<>` and backquotes of Python 2, which Python 3 cannot read. `check --fix` repairs the first; the second is a
+        call of to_str or repr.
+
+            if a <> b:                 # E111: write a != b
+              textmsg(`a`)             # E111: write to_str(a)
+            end
+        """,
+    "E112": """
+        A statement of Python 2 that Python 3 writes differently: `exec` as a statement, `raise` and `except` with a
+        comma.
+
+            except ValueError, e:      # E112: write `except ValueError as e:`
+        """,
+    "E113": """
+        An operator of C: `&&`, `||`, `!`, `++`, `--`, `? :`. Python writes the words `and`, `or`, `not`, and has no
+        steps by one. `check --fix` repairs those whose meaning is certain.
+
+            if a && !b:                # E113: write `a and not b`
+              n++                      # E113: write `n += 1`
+            end
+        """,
+    "E114": """
+        A statement of URScript, another maker's language. Threads, for example, are functions here.
+
+            thread watch():            # E114: write `def watch():`
+              sync()
+            end
+            run watch()                # E114: write start_thread(watch, ())
+        """,
+    "E115": """
+        A name or attribute that scripts may not use: names with two underscores at both ends reach Python's own
+        machinery, which a program of a robot does not need and the sandbox does not give.
+
+            x = (1).__class__          # E115: type(1) says what it is
+        """,
+    "W210": """
+        An escape sequence that Python does not have, or one that Python 2 read in another way. Python keeps the
+        backslash, which is rarely what a path or a message means. `check --fix` repairs it.
+
+            textmsg("C:\\path")        # W210: write "C:\\\\path"
+        """,
+    "R100": """
+        An exception of Python that nothing caught. The text says in plain words what was wrong, with the values.
+
+            parts = [1, 2]
+            textmsg(parts[2])          # R100: index 2 is out of range: `parts` has 2 elements
+        """,
+    "R101": """
+        A command got an argument of the wrong type or length. `check` finds it as E304 where the value is certain.
+
+            n = get_tcp_offset()
+            sleep(n)                   # R101: t must be a number; write sleep(n[0])
+        """,
+    "R102": """
+        A command got a number outside its range. The text names value, limit and unit; `check` finds it as E305 where
+        the value is certain.
+
+            i = 16
+            set_standard_digital_out(i, True)    # R102: 0 to 15
+        """,
+    "R103": """
+        A command was called with too many, too few or unknown arguments. `check` finds it as E303.
+
+            set_standard_digital_out(1)          # R103: the level is missing
+        """,
+    "R104": """
+        A value that has the right type and range and yet cannot be used, such as a combination of settings that
+        exclude each other.
+
+            serial_config(True, 9600, 0, 1, 7, True)    # R104: MODBUS-RTU has 8 bits
+        """,
+    "R105": """
+        A command that came with a newer firmware than the chosen one. `check` finds it as E302.
+
+            halt()                     # R105 with --firmware 2.10: choose --firmware 2.14
+        """,
+    "R106": """
+        A command that is known but not simulated. It checks its arguments and then refuses, because an answer that is
+        made up would be worse. `elitescript commands NAME` says which commands do so.
+
+            try:
+              path_offset_enable()     # R106: catch it where the program can go on without
+            except NotImplementedError:
+              pass
+            end
+        """,
+    "R110": """
+        A move to joint positions outside the limits of the arm. The text names the joint, the value and the limit;
+        often degrees were taken for radians.
+
+            movej([7.0, -1.57, 1.57, 0, 1.57, 0])    # R110: base goes up to 6.28 rad: subtract 2 pi
+        """,
+    "R111": """
+        A pose that the arm cannot reach: too far away, or too near to its own base. Often millimetres were taken for
+        metres, or the TCP is not the one with which the point was taught.
+
+            movel([3.0, 0, 0.5, 3.14, 0, 0])         # R111: are millimetres taken for metres?
+        """,
+    "R112": """
+        A straight line or an arc through a singularity, where a joint would have to jump.
+
+            movel(BEHIND)              # R112: go there with movej, or by a waypoint beside the axis
+        """,
+    "R113": """
+        An arc whose three points lie on a line or on each other, so that no plane and no radius follow from them. The
+        arc goes from where the arm is, through the first point, to the second.
+
+            movec(P1, P1)              # R113: the way point has to stand off the line
+        """,
+    "R114": """
+        Two threads move the arm at the same time. One arm follows one motion, so a thread has to wait until the other
+        one's move has ended.
+
+            def other():
+              movej(AWAY)              # R114 while the program itself moves: guard both with a lock
+            end
+        """,
+    "R115": """
+        The arm is not ready to move: no power, brakes closed, or a stop of the safety system.
+
+            movej(HOME)                # R115: power on and release the brakes before
+        """,
+    "R116": """
+        A motion along points begins where the arm is not. The first point has to be its position.
+
+            movej(HOME)
+            moveml(0)                  # R116: movej to the first of the points before
+        """,
+    "R117": """
+        Points of a path that lie too far apart to be followed without a jump. Paths of points are followed as they are,
+        without a plan of their own between two of them.
+
+            points = [[0, 0, 0, 0, 0, 0], [3, 0, 0, 0, 0, 0]]    # R117: put points between them
+        """,
+    "R118": """
+        A motion that a joint cannot follow, because its speed or acceleration would be above the limit of the arm.
+
+            servoj(q, 0, 0, 0.004)     # R118 when q jumps: give it targets in smaller steps
+        """,
+    "R120": """
+        A secondary program called a command that moves the arm, waits or starts threads. `check` finds it as W205.
+
+            sec lamp():
+              sleep(1)                 # R120: do it in the program
+            end
+        """,
+    "R121": """
+        More threads than the firmware allows at a time: 15 with 2.10, 20 with 2.14. Threads that have ended do not
+        count.
+
+            while True:
+              start_thread(work, ())   # R121: join or stop threads before the next one begins
+            end
+        """,
+    "R122": """
+        An input or output that is in another mode, such as a tool pin that is an input.
+
+            set_tool_digital(0, True)  # R122: make the pin an output with set_tool_digital_io_config before
+        """,
+    "R123": """
+        Access that scripts do not have: files outside the task folder, processes, Python's own machinery.
+
+            open("/etc/passwd")        # R123: paths count from the task folder
+        """,
+    "R130": """
+        Nothing can ever happen again: all threads wait for something that nobody will do. The text lists what each
+        waits for.
+
+            lock = threading.Lock()
+            lock.acquire()
+            lock.acquire()             # R130: the lock is never released
+        """,
+    "R131": """
+        A thread that cannot be stopped, because it catches even that. It is given up where it stands.
+
+            while True:
+              try:
+                sync()
+              except BaseException:    # R131: catch Exception instead
+                pass
+              end
+            end
+        """,
+    "R132": """
+        The process of a served robot did not answer in time and was ended; the robot goes on from where it was. A
+        single call that computes very long does that.
+
+            x = sum(range(10 ** 12))   # R132: compute it in pieces, with sync() between them
+        """,
+    "R133": """
+        A remote procedure call that failed: no connection, no answer in time, or an answer that says so. The alarm has
+        the number and the text of the server's fault.
+
+            camera = rpc_factory("xmlrpc", "http://192.168.1.9:8080")
+            camera.find("part")        # R133: catch it and try again, or ask a person
+        """,
+    "R134": """
+        A MODBUS signal with a watchdog that has not worked for longer than it allows: the device is silent, refuses the
+        address, or the connection is lost. The text has the error codes of both.
+
+            modbus_set_signal_watchdog("gripper", 0.5)    # R134 when the gripper is silent for longer than that
+        """,
+    "R140": """
+        A protective stop: a collision, a limit of force, speed or position, or a plane that was passed. The arm has
+        stopped on its path and keeps its power.
+
+            movel(BELOW_THE_TABLE)     # R140: unlock it, and move back before the next try
+        """,
+    "R141": """
+        An emergency stop: a button is pressed, here or on another machine. The power of the arm goes off.
+
+            movej(HOME)                # R141 when the button is pressed: release it, power on, start again
+        """,
+    "W270": """
+        Something that the program gave away before it ended (bytes of a socket or a serial port, a MODBUS request) had
+        not arrived when the run gave up waiting: the peer does not read, does not answer, or has gone. The record of
+        the end names it under `undelivered`.
+
+            socket_send_line("done")           # W270: the peer does not read
+        """,
+    "W271": """
+        A write to an output that is tied to the state of the task (`set_runstate_..._to_value`) has no effect: the
+        output follows the task until it is untied.
+
+            set_runstate_standard_digital_output_to_value(0, 3)
+            set_standard_digital_out(0, True)  # W271: output 0 follows the task
+        """,
+    "W272": """
+        `socket_read_ascii_float` reads up to the closing bracket. The line end that the sender put behind it is left,
+        and the next reading of text begins with it.
+
+            socket_read_ascii_float(2)
+            socket_read_string()               # W272: begins with the line end
+        """,
+    "R142": """
+        A violation or fault of the safety system, which takes the power of the arm. Only a restart of the safety system
+        leads back, and the arm has to be powered on again after it.
+
+            movej(HOME)                # R142: `elitescript ctl restart`, then power on
+        """,
+}

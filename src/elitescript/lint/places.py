@@ -1,0 +1,118 @@
+"""Where the arm would be: the TCP that a program sets, and what its constant targets are for one arm.
+
+Nothing of kinematics is loaded before there is an arm and a target to judge.
+"""
+
+from __future__ import annotations
+
+import ast
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+from elitescript.messages.motion import Six
+
+if TYPE_CHECKING:
+    from elitescript.commands.plausibility import ArmFacts
+    from elitescript.lint.program import CommandCall, Program
+
+_AT_FLANGE: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_SETS_TCP: Final = "set_tcp"
+_LOOKS: Final = 16
+
+
+def six(value: object) -> Six | None:
+    """Six certain numbers; None for anything else."""
+    if not isinstance(value, (list, tuple)) or len(value) != 6:
+        return None
+    if not all(isinstance(number, (int, float)) for number in value):
+        return None
+    a, b, c, d, e, f = map(float, value)
+    return a, b, c, d, e, f
+
+
+class Places:
+    """Targets of one program."""
+
+    def __init__(self, program: Program) -> None:
+        self._program = program
+
+    def argument(self, place: int, *names: str) -> Six | None:
+        """The six numbers that the call of that index gives to the first of these parameters that it has."""
+        called = self._program.command_calls[place]
+        for param, node in self._program.arguments[place].given:
+            if param.name in names:
+                return six(self._program.constants.value(node, called.scope))
+        return None
+
+    @cached_property
+    def tcps(self) -> tuple[Six, ...]:
+        """The TCPs that may be active in moves; empty if one of them is not certain.
+
+        A program that sets none has its TCP at the flange, as every program that `run` begins with.
+        """
+        program = self._program
+        if any(node.id == _SETS_TCP for node in self._passed_on):
+            return ()
+        found: dict[Six, None] = {}
+        for place, called in enumerate(program.command_calls):
+            if called.command.name == _SETS_TCP:
+                tcp = self.argument(place, "pose")
+                if tcp is None:
+                    return ()
+                found[tcp] = None
+        return tuple(found) or (_AT_FLANGE,)
+
+    @property
+    def _passed_on(self) -> list[ast.Name]:
+        """Names that are used for something else than a call."""
+        return [use.node for use in self._program.outside if not use.is_call]
+
+    def unreachable(self, arm: ArmFacts, p: Six) -> str:
+        """Why no TCP of the program comes to a pose; empty if one does, or if that is not certain."""
+        from elitescript.kinematics.inverse import nearest, reason_unreachable, solutions
+        from elitescript.kinematics.transforms import compose, inverse, transform_from_pose
+
+        reason = ""
+        for tcp in self.tcps:
+            T_base_flange = compose(transform_from_pose(p), inverse(transform_from_pose(tcp)))
+            candidates = solutions(arm.arm, T_base_flange)
+            if nearest(candidates, _AT_FLANGE, arm.joint_ranges) is not None:
+                return ""
+            if candidates:
+                reason = f"each of the {len(candidates)} solutions has a joint outside its limits"
+            else:
+                reason = reason_unreachable(arm.arm, T_base_flange)
+            reason += "" if any(tcp) else " (the TCP is the flange)"
+        return reason
+
+    def position(self, called: CommandCall, place: int) -> Six | None:
+        """Pose of the TCP at the end of a move; None if it is not certain."""
+        name = called.command.alias_of or called.command.name
+        if name == "movej":
+            q = self.argument(place, "q")
+            return None if q is None else self._forward(q)
+        return self.argument(place, "p", "pose", "pose_to")
+
+    def _forward(self, q: Six) -> Six | None:
+        arm = self._program.arm
+        if arm is None or len(self.tcps) != 1:
+            return None
+        from elitescript.kinematics.transforms import pose_from_transform, transform_from_pose
+
+        return pose_from_transform(arm.arm.forward_tcp(q, transform_from_pose(self.tcps[0])))
+
+    def farthest_m(self, q_from: Six, q_to: Six) -> float | None:
+        """Greatest distance from the end of a joint move, m, that the TCP has in its second half."""
+        end = self._forward(q_to)
+        if end is None:
+            return None
+        from math import dist
+
+        farthest = 0.0
+        for look in range(_LOOKS + 1):
+            share = 0.5 * look / _LOOKS
+            q = six([b + (a - b) * share for a, b in zip(q_from, q_to, strict=True)])
+            at = None if q is None else self._forward(q)
+            if at is not None:
+                farthest = max(farthest, dist(at[:3], end[:3]))
+        return farthest

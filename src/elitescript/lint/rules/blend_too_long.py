@@ -1,0 +1,103 @@
+"""A blend radius that is longer than half of the move.
+
+A blend takes at most half of a move, so that two of them never overlap; a longer radius is shortened. Two moves in a
+row count whose targets are certain, of `movej` with `--robot` only.
+
+    def job():
+      movel([0.4, 0, 0.30, 3.14, 0, 0])
+      movel([0.4, 0, 0.34, 3.14, 0, 0], r=0.05)   # W235: 0.02 is the most
+      movel([0.4, 0.2, 0.34, 3.14, 0, 0])
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from math import dist
+from typing import Final
+
+from elitescript.commands.plausibility import BLEND_MOST_M
+from elitescript.lint.places import Places
+from elitescript.lint.program import Program
+from elitescript.lint.registry import Finding, rule
+from elitescript.messages.motion import BLEND_SHARE, RADIUS_HINT, RADIUS_SHORTENED, Six
+
+_MOVES: Final = ("movel", "movej", "movec", "movep")
+_ROOM: Final = 1e-3
+"""Radii that are longer by a smaller share come from rounded numbers."""
+
+
+@rule(code="W235", since="0.2")
+def blend_too_long(program: Program) -> Iterator[Finding]:
+    """Report radii that reach back further than the middle of their move."""
+    places = Places(program)
+    calls = {called.call: place for place, called in enumerate(program.command_calls)}
+    moving = [place for place, called in enumerate(program.command_calls) if _name(program, place) in _MOVES]
+    blocks = {id(block): block for place in moving if (block := _block(program, program.command_calls[place].call))}
+    for block in blocks.values():
+        yield from _block_findings(program, places, calls, block)
+
+
+def _name(program: Program, place: int) -> str:
+    command = program.command_calls[place].command
+    return command.alias_of or command.name
+
+
+def _block(program: Program, call: ast.Call) -> list[ast.stmt] | None:
+    """The statements of which a call is one."""
+    statement = program.symbols.parent(call)
+    above = program.symbols.parent(statement) if isinstance(statement, ast.Expr) else None
+    for field in ("body", "orelse", "finalbody"):
+        block = getattr(above, field, None)
+        if isinstance(block, list) and statement in block:
+            return block
+    return None
+
+
+def _block_findings(
+    program: Program, places: Places, calls: dict[ast.Call, int], block: list[ast.stmt]
+) -> Iterator[Finding]:
+    start: int | None = None
+    for statement in block:
+        call = statement.value if isinstance(statement, ast.Expr) else None
+        place = calls.get(call) if isinstance(call, ast.Call) else None
+        if place is None:
+            # A plain assignment moves nothing.
+            if not (
+                isinstance(statement, ast.Assign) and not any(isinstance(n, ast.Call) for n in ast.walk(statement))
+            ):
+                start = None
+            continue
+        if _name(program, place) in _MOVES:
+            if start is not None:
+                yield from _judged(program, places, start, place)
+            start = place
+        elif program.command_calls[place].command.waits or _name(program, place) == "set_tcp":
+            start = None
+
+
+def _judged(program: Program, places: Places, start: int, place: int) -> Iterator[Finding]:
+    found = program.command_calls[place]
+    node = next((node for param, node in program.arguments[place].given if param.name == "r"), None)
+    r = None if node is None else program.constants.value(node, found.scope)
+    if node is None or not isinstance(r, (int, float)) or not 0.0 < r <= BLEND_MOST_M:
+        return
+    most = _most(places, program, start, place)
+    if most is not None and most > 0.0 and most < r * (1.0 - _ROOM):
+        text = RADIUS_SHORTENED.format(r=float(r), most=most)
+        yield Finding(node, text, RADIUS_HINT.format(most=most))
+
+
+def _most(places: Places, program: Program, start: int, place: int) -> float | None:
+    """The longest radius that the way from one target to the next allows, m."""
+    name = _name(program, place)
+    if name == "movel":
+        ends: list[Six | None] = [places.position(program.command_calls[at], at) for at in (start, place)]
+        if ends[0] is None or ends[1] is None:
+            return None
+        return BLEND_SHARE * dist(ends[0][:3], ends[1][:3])
+    if name == "movej" and _name(program, start) == "movej":
+        q_from, q_to = places.argument(start, "q"), places.argument(place, "q")
+        return None if q_from is None or q_to is None else places.farthest_m(q_from, q_to)
+    return None

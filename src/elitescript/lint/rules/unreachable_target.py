@@ -1,0 +1,65 @@
+"""A constant target that the arm cannot reach.
+
+With `--robot` the limits of that arm count for joint positions and its reach for poses, with the TCP that the program
+sets; without it joint positions beyond a full turn, which no arm reaches. A target in a `try` is left out: there the
+program expects the refusal.
+
+    def job():
+      movej([0, -1.57, 6.6, 0, 0, 0])              # W236
+      movel([1.2, 0, 0.3, 3.14, 0, 0])             # out of reach, with --robot CS66
+    end
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.commands.plausibility import FULL_TURN
+from elitescript.lint.doubts import element
+from elitescript.lint.places import Places, six
+from elitescript.lint.program import Program
+from elitescript.lint.registry import Finding, rule
+
+_JOINT_MOVES: Final = ("movej", "servoj")
+_POSE_MOVES: Final = ("movel", "movep")
+_JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
+_ANY_ARM: Final = ((-FULL_TURN, FULL_TURN),) * 6
+_TARGETS: Final = ("W230", "W231", "W237")
+
+
+@rule(code="W236", since="0.2")
+def unreachable_target(program: Program) -> Iterator[Finding]:
+    """Report targets outside the joint limits, or out of reach."""
+    places = Places(program)
+    doubted = {node for node, doubt in program.doubts if doubt.code in _TARGETS}
+    refused = {refusal.node for refusal in program.refusals}
+    for called, arguments in zip(program.command_calls, program.arguments, strict=True):
+        name = called.command.alias_of or called.command.name
+        if name not in (*_JOINT_MOVES, *_POSE_MOVES) or not arguments.given or program.is_tried(called.call):
+            continue
+        param, node = arguments.given[0]
+        if node in refused:
+            continue
+        value = program.constants.value(node, called.scope)
+        if any(element(node, index) in doubted for index in (None, *range(6))):
+            continue
+        what = f"{called.command.name}: {param.name}"
+        if name in _JOINT_MOVES:
+            ranges = _ANY_ARM if program.arm is None else program.arm.joint_ranges
+            items = value if isinstance(value, (list, tuple)) and len(value) == 6 else ()
+            for index, number in enumerate(items):
+                low, high = ranges[index]
+                if isinstance(number, (int, float)) and not low <= number <= high:
+                    whose = "of every arm" if program.arm is None else f"of joint {_JOINT_NAMES[index]}"
+                    bounds = f"{low:.4g} to {high:.4g} rad"
+                    text = f"{what}[{index}] is {number:.6g} rad, outside the range {whose}, {bounds}"
+                    hint = "choose a target inside the range; a full turn less is the same direction"
+                    yield Finding(element(node, index), text, hint)
+                    break
+            continue
+        p = six(value)
+        reason = "" if p is None or program.arm is None else places.unreachable(program.arm, p)
+        if reason:
+            text = f"{what} is out of reach: {reason}"
+            yield Finding(node, text, "keep the whole path inside the workspace")

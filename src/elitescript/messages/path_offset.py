@@ -1,0 +1,52 @@
+"""Requests that shift the motion of the arm by a path offset, whatever moves it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+from elitescript.messages.motion import Six
+
+
+class OffsetFrame(IntEnum):
+    """Axes along and about which a path offset counts; the numbers that scripts use."""
+
+    BASE = 1
+    TCP = 2
+    MOTION = 3
+    """x along the path, y across it and the tool's z axis, z = x cross y."""
+
+
+@dataclass(frozen=True, slots=True)
+class EnablePathOffset:
+    """Let path offsets count from now on, beginning with none."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetPathOffset:
+    """Shift the motion by an offset."""
+
+    offset: Six
+    """Translation, m, and roll-pitch-yaw, rad, along and about the axes of the frame."""
+    frame: OffsetFrame
+
+
+@dataclass(frozen=True, slots=True)
+class LimitPathOffset:
+    """Bound the offsets."""
+
+    translation_m: float
+    """Along each axis."""
+    rotation_rad: float
+    """Of each angle."""
+
+
+@dataclass(frozen=True, slots=True)
+class FilterPathOffset:
+    """Smooth the offsets."""
+
+    alpha: float
+    """Share of the way to the wanted offset that is made in each control period, above 0 to 1."""
+
+
+PathOffsetRequest = EnablePathOffset | SetPathOffset | LimitPathOffset | FilterPathOffset

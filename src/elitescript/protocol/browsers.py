@@ -1,0 +1,118 @@
+"""Recognises what a web browser sends first, so that no page can reach a robot through it.
+
+A page in a browser of this computer may have it open a connection to any port and send a body of the page's own making;
+what comes before the body is not the page's choice. It is always one of these:
+
+- the line of an HTTP request (RFC 9112, section 3): a method, which may be any token, a target in one of its four
+  forms, and a version. A WebSocket begins with one too, and so does HTTP/2 without TLS;
+- the first record of TLS (RFC 8446, section 5.1);
+- a STUN message (RFC 8489, section 5), from WebRTC over TCP.
+
+No script, command or message of a robot's port begins like that: the target's forms tell a request from a comment
+(`# speaks HTTP/1.1`) or a popup (`popup -s HTTP/1.1`).
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+_METHOD: Final = re.compile(rb"[!#$%&'*+\-.^_`|~0-9A-Za-z]*")
+_BLANKS: Final = b" \t"
+_WORD: Final = re.compile(rb"[^\x00-\x20\x7f]*")
+_TARGET: Final = re.compile(rb"/.*|\*|[A-Za-z][A-Za-z0-9+.\-]*://.*|[^/?#@]*:[0-9]+", re.DOTALL)
+_VERSION: Final = b"HTTP/"
+_METHOD_KEPT: Final = 32
+_TARGET_KEPT: Final = 512
+"""Bytes that decide about the form of a target: longer ones begin with a slash or a scheme."""
+_HEAD_MAX: Final = 1024
+"""Bytes that are looked at again when more arrive; of a longer line, its method and target are cut."""
+_TLS: Final = re.compile(rb"\x16\x03[\x01-\x04]")
+_STUN: Final = re.compile(rb"\x00[\x01\x03]..\x21\x12\xa4\x42", re.DOTALL)
+_BINARY_MAX: Final = 8
+
+
+class FirstBytes:
+    """Looks at what a client sends until it is known whether a browser speaks.
+
+    Attributes:
+        is_decided: whether nothing more needs to be looked at.
+        found: what a browser has sent, in words; empty if none has, so far.
+    """
+
+    __slots__ = ("_head", "found", "is_decided")
+
+    def __init__(self) -> None:
+        self._head = b""
+        self.is_decided = False
+        self.found = ""
+
+    def feed(self, data: bytes) -> str:
+        """Take the next bytes; return `found`."""
+        if not self.is_decided:
+            self._head += data
+            self.found = _binary(self._head) or self._request()
+            if self.found:
+                self.is_decided = True
+            if self.is_decided:
+                self._head = b""
+        return self.found
+
+    def _request(self) -> str:
+        """What the line says if it is that of a request; notes whether it can still become one."""
+        # Blank lines before a request do not count.
+        line = self._head = self._head.lstrip(b"\r\n")
+        if not line or (line[0] in (0x00, 0x16) and len(line) < _BINARY_MAX):
+            return ""
+        method = _longest(_METHOD, line)
+        behind = line[len(method) :]
+        rest = behind.lstrip(_BLANKS)
+        if not behind:
+            self._keep(method[:_METHOD_KEPT])
+        elif not method or len(rest) == len(behind):
+            self.is_decided = True
+        elif rest:
+            return self._target(method[:_METHOD_KEPT], rest)
+        else:
+            self._keep(method[:_METHOD_KEPT] + b" ")
+        return ""
+
+    def _target(self, method: bytes, line: bytes) -> str:
+        target = _longest(_WORD, line)
+        behind = line[len(target) :]
+        version = behind.lstrip(_BLANKS)
+        if not behind:
+            self._keep(method + b" " + target[:_TARGET_KEPT])
+        elif len(version) == len(behind) or not _TARGET.fullmatch(target[:_TARGET_KEPT]):
+            self.is_decided = True
+        else:
+            begin, digit = version[: len(_VERSION)].upper(), version[len(_VERSION) : len(_VERSION) + 1]
+            if begin == _VERSION and digit.isdigit():
+                return f"a web request ({method.decode('ascii')})"
+            if digit or not _VERSION.startswith(begin):
+                self.is_decided = True
+            else:
+                self._keep(method + b" " + target[:_TARGET_KEPT] + b" " + begin)
+        return ""
+
+    def _keep(self, head: bytes) -> None:
+        """Of a line that is too long, keep what says the same."""
+        if len(self._head) > _HEAD_MAX:
+            self._head = head
+
+
+def is_web_request(line: bytes) -> bool:
+    """Whether a whole line is what a browser sends first."""
+    return bool(FirstBytes().feed(line))
+
+
+def _binary(head: bytes) -> str:
+    if _TLS.match(head):
+        return "a TLS greeting"
+    return "a STUN message" if _STUN.match(head) else ""
+
+
+def _longest(pattern: re.Pattern[bytes], data: bytes) -> bytes:
+    found = pattern.match(data)
+    assert found is not None
+    return found[0]
