@@ -790,7 +790,7 @@ const buildProgram = () => {
   const totals = new Map(table.map(row => [row.line, row.total])), longest = Math.max(...totals.values(), 1e-9);
   const rows = [];
   let last = 0;
-  const gap = next => { if (next > last + 1) rows.push(make("div", { className: "gap", textContent: `${next - last - 1} lines are left out` })); };
+  const gap = next => { if (next > last + 1) rows.push(make("div", { className: "gap", textContent: next - last === 2 ? "1 line is left out" : `${next - last - 1} lines are left out` })); };
   for (const number of numbers) {
     gap(number);
     last = number;
