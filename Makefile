@@ -34,7 +34,9 @@ $(READY): requirements-dev.lock pyproject.toml
 	    echo "Install one, or name it: make PYTHON=/path/to/python3.11 $(MAKECMDGOALS)" >&2; \
 	    exit 1; \
 	fi; \
-	echo "Building $(VENV) with $$("$$found" --version) ..."; \
+	echo "Building $(CURDIR)/$(VENV) with $$("$$found" --version) ($$(command -v "$$found"))."; \
+	echo "It downloads about $$(grep -c '==' requirements-dev.lock) Python packages (requirements-dev.lock) and installs elitescript from this folder,"; \
+	echo "all into $(VENV): nothing outside of it changes. That takes 15 s to a minute ..."; \
 	"$$found" -m venv --clear $(VENV)
 	@$(BIN)/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-dev.lock
 	@$(BIN)/python -m pip install -qq --disable-pip-version-check --no-deps --no-build-isolation -e .
@@ -42,6 +44,13 @@ $(READY): requirements-dev.lock pyproject.toml
 
 demo: $(READY)
 	$(BIN)/elitescript run examples/pick_and_place.script
+	@echo
+	@echo "What to try next:"
+	@echo "  $(BIN)/elitescript plot examples/pick_and_place.script        a page that shows this run"
+	@echo "  $(BIN)/elitescript run examples/camera_picking.script --world examples/camera_picking.toml --log channels"
+	@echo "  $(BIN)/elitescript check examples/*.script                    what is wrong in programs, without running them"
+	@echo "  $(BIN)/elitescript serve                                      a controller with its network ports"
+	@echo "  $(BIN)/elitescript --help                                     everything else"
 
 test: lint types
 	$(BIN)/python -m pytest

@@ -57,6 +57,40 @@ def test_an_alarm_is_on_the_page_and_in_the_exit_code(folder, capsys):
     assert "ALARM" in capsys.readouterr().err
 
 
+def test_an_alarm_brings_its_hint(folder, capsys):
+    (folder / "job.script").write_text("def job():\n  slep(1)\nend\n")
+    assert main(["plot", "job.script"]) == 1
+    (mark,) = data_of(folder / "job.plot.html")["marks"]
+    assert (mark["line"], mark["hints"]) == (2, ["is `sleep` meant?"])
+
+
+def test_signal_columns_of_a_trace_are_lanes(folder, capsys):
+    (folder / "job.script").write_text("sleep(0.1)\nset_standard_digital_out(2, True)\nsleep(0.1)\n")
+    for name in ("out.csv", "out.jsonl"):
+        assert main(["run", "job.script", "--trace", name, "--trace-signals", "standard_digital_out"]) == 0
+        assert main(["plot", name]) == 0
+        data = data_of(folder / "out.plot.html")
+        assert [(lane["name"], lane["v"]) for lane in data["signals"]["lanes"]][2] == (
+            "standard_digital_out[2]",
+            [0, 1],
+        )
+        assert data["channels"]["lanes"] == []
+
+
+def test_threads_are_on_the_page(folder, capsys):
+    text = "def job():\n  def other():\n    sleep(0.2)\n  end\n  start_thread(other, ())\n  sleep(0.5)\nend\n"
+    (folder / "job.script").write_text(text)
+    assert main(["plot", "job.script"]) == 0
+    (thread,) = data_of(folder / "job.plot.html")["threads"]
+    assert (thread["name"], thread["line"][0]) == ("other", 3)
+
+
+def test_half_a_surrogate_pair_is_a_page(folder, capsys):
+    (folder / "job.script").write_text("textmsg('\\ud800')\n")
+    assert main(["plot", "job.script"]) == 0
+    assert data_of(folder / "job.plot.html")["marks"][0]["text"] == "\ud800"
+
+
 def test_a_program_without_an_end_is_cut_off(folder, capsys):
     (folder / "job.script").write_text("while True:\n  sleep(1)\n")
     assert main(["plot", "job.script", "--until", "2.5"]) == 4

@@ -13,8 +13,8 @@ from elitescript.plotting.curves import (
     speed_curve,
     tcp_path,
     tcp_speeds,
-    undo_deltas,
 )
+from elitescript.plotting.packing import undo_deltas
 from tests.plotting.recordings import recorded, restless, row
 
 MODEL = load_model("CS66")

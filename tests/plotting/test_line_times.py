@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from elitescript.plotting.line_times import LineTime, Stretch, line_times, merged, stretches
+from elitescript.plotting.line_times import LineTime, Stretch, ThreadLines, line_times, merged, stretches
 from tests.plotting.recordings import recorded, restless, row
 
 
@@ -54,3 +54,16 @@ def test_merged_stretches_are_few_and_leave_no_gap(limit):
 def test_a_long_stretch_among_short_ones_keeps_its_line():
     rows = [row(0.004 * k, 1 + k % 2) for k in range(500)] + [row(2.0, 9), row(6.0, 9), row(6.004, 1)]
     assert any(s.line == 9 and s.end_s - s.start_s > 3.9 for s in merged(stretches(rows), 20))
+
+
+def test_the_lines_of_a_thread_begin_and_end_with_it():
+    lines = ThreadLines()
+    lines.record(0.0, [])
+    lines.record(1.0, [("camera", 4)])
+    lines.record(1.5, [("camera", 4), ("plc", 9)])
+    lines.record(2.0, [("camera", 5), ("plc", 9)])
+    lines.record(3.0, [("plc", 9)])
+    assert lines.stretches(4.0) == {
+        "camera": [Stretch(1.0, 2.0, 4), Stretch(2.0, 3.0, 5), Stretch(3.0, 4.0, 0)],
+        "plc": [Stretch(1.5, 4.0, 9)],
+    }

@@ -2,12 +2,16 @@
 
 import json
 import re
+from dataclasses import replace
 
 import pytest
 
 from elitescript import PlantConfig
-from elitescript.plotting.page import page, page_data
-from tests.plotting.recordings import of_rows, recorded, restless, row
+from elitescript.messages.events import ChannelActivity, SignalChanged
+from elitescript.plotting.line_times import Stretch
+from elitescript.plotting.packing import undo_deltas
+from elitescript.plotting.page import SOURCE_MAX, page, page_data
+from tests.plotting.recordings import PROGRAM, of_rows, recorded, restless, row
 
 
 def embedded(text):
@@ -42,10 +46,36 @@ def test_the_data_say_what_happened():
     assert (data["model"], data["state"], data["start"]) == ("CS66", "finished", 0.0)
     assert sum(moving + standing for _, moving, standing, _ in data["table"]) == pytest.approx(data["end"])
     assert [move[2:] for move in data["moves"]] == [["movej", 3], ["movel", 7]]
-    assert data["source"]["4"] == "sleep(0.5)"
-    (output,) = data["signals"]
+    (output,) = data["signals"]["lanes"]
     assert (output["name"], output["v"]) == ("standard_digital_out[2]", [1, 0])
     assert len(data["joints"]) == 6
+
+
+def test_the_whole_program_is_on_the_page():
+    data = embedded(page(recorded()))
+    assert [data["source"][str(number)] for number in range(1, 9)] == PROGRAM.splitlines()
+    assert (len(data["source"]), data["source_lines"]) == (8, 8)
+
+
+def test_a_very_long_program_keeps_its_begin_and_every_line_that_is_named():
+    program = "def job():\n" + "  x = 1\n" * 20_000 + "  sleep(1)\nend\n"
+    data = embedded(page(recorded(program)))
+    assert {"1", "5000", "20002"} <= data["source"].keys()
+    assert "20001" not in data["source"]
+    assert data["source_lines"] == 20_003
+    assert sum(map(len, data["source"].values())) < SOURCE_MAX
+
+
+def test_what_hides_in_a_text_is_written_out():
+    data = embedded(page(recorded("def job():\n  textmsg('a\u202eb')  # \u2066c\nend\n")))
+    assert data["marks"][0]["text"] == "a\\u202eb"
+    assert data["source"]["2"] == "  textmsg('a\\u202eb')  # \\u2066c"
+
+
+def test_the_lines_of_other_threads_are_on_the_page():
+    spans = {"camera": [Stretch(0.1, 0.5, 4), Stretch(0.5, 0.9, 6)], "never": []}
+    (thread,) = page_data(replace(recorded(), thread_lines=spans))["threads"]
+    assert (thread["name"], undo_deltas(thread["t"]), thread["line"]) == ("camera", [100, 500, 900], [4, 6])
 
 
 def test_the_spans_cover_the_time_without_a_gap():
@@ -70,3 +100,11 @@ def test_the_same_recording_gives_the_same_bytes():
 def test_a_tracking_error_is_shown_where_there_is_one():
     assert embedded(page(recorded()))["errors"] == []
     assert len(embedded(page(recorded(plant=PlantConfig(lag_s=0.01))))["errors"]) == 6
+
+
+def test_a_page_with_everything_at_its_bound_stays_below_a_megabyte():
+    names = [f"output_int_register[{index}]" for index in range(48)] + [f"flag[{index}]" for index in range(32)]
+    events = [SignalChanged(tick, name, tick % 2) for tick in range(1, 500) for name in names]
+    events += [ChannelActivity(k, f"c{k % 50}", "socket", "sent", f"{k}" * 50) for k in range(20_000)]
+    recording = replace(recorded(), events=sorted(events, key=lambda event: event.tick))
+    assert len(page(recording).encode()) < 1_000_000

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from elitescript.cli.check_formats import FORMATS, Checked
+from elitescript.cli.screen import progress_on
 from elitescript.commands.plausibility import ArmFacts
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import diagnostic
@@ -63,7 +64,10 @@ def check(options: argparse.Namespace) -> int:
     firmware = profile(options.firmware)
     arm = _arm(options.robot, options.world)
     code = 0
-    for text in _texts(options.files):
+    progress = progress_on(sys.stderr) if name == "text" else None
+    for number, text in enumerate(_texts(options.files)):
+        if progress is not None:
+            progress.note(f"{number} files checked; {text.name}")
         checked = _check(text, firmware, options, arm)
         report.file(checked)
         if text.data is None and text.is_named:

@@ -8,9 +8,10 @@ from urllib.parse import quote
 
 from elitescript import __version__
 from elitescript.cli import jsonlines
+from elitescript.cli.screen import palette_of, rendered
 from elitescript.cli.writable import Writable
 from elitescript.errors import CODES
-from elitescript.language.diagnostics import Diagnostic, Fix, Severity, render, to_json
+from elitescript.language.diagnostics import Diagnostic, Fix, Severity, to_json
 from elitescript.language.source import SourceFile
 from elitescript.lint.fixing import Repair
 
@@ -55,7 +56,7 @@ class Report:
 
     def problem(self, checked: Checked, problem: Diagnostic) -> None:
         """Report one problem."""
-        self._line(render(problem, checked.source))
+        self._line(rendered(problem, checked.source, palette_of(self._out)))
 
     def end(self) -> None:
         """All texts are reported."""

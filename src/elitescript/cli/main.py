@@ -47,6 +47,11 @@ def _run_here(arguments: list[str]) -> int:
             stream.reconfigure(encoding="utf-8", errors="backslashreplace")
     options = _parsed(arguments)
     try:
+        if _has_screen(options):
+            from elitescript.cli.screen import on_screen
+
+            with on_screen(options.color):
+                return _dispatch(options)
         return _dispatch(options)
     except UsageError as error:
         print(f"elitescript {options.command}: {error}", file=sys.stderr)
@@ -62,6 +67,12 @@ def _run_here(arguments: list[str]) -> int:
     except OSError as error:
         print(f"elitescript {options.command}: {error}", file=sys.stderr)
         return USAGE
+
+
+def _has_screen(options: argparse.Namespace) -> bool:
+    """Whether a command has colours or a status line: pipes and files need nothing of that."""
+    color = getattr(options, "color", None)
+    return color == "always" or (color is not None and (sys.stdout.isatty() or sys.stderr.isatty()))
 
 
 def _dispatch(options: argparse.Namespace) -> int:
@@ -172,6 +183,7 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
 
     from elitescript import __version__
     from elitescript.cli.serving_options import (
+        add_color,
         add_connections,
         add_ctl,
         add_devices,
@@ -245,6 +257,7 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
     )
     add_trace_signals(run)
     add_log(run)
+    add_color(run)
     run.add_argument("--epoch", metavar="TIME", help="controller clock at the start: seconds since 1970 or ISO 8601")
 
     check = subparsers.add_parser(
@@ -297,6 +310,8 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
     plot.add_argument("--world", metavar="FILE.toml", help="what is around the robot, as for run")
     plot.add_argument("--cell", dest="world", help=argparse.SUPPRESS)
 
+    add_color(check)
+    add_color(plot)
     add_serve(subparsers, firmware)
     add_ctl(subparsers)
     add_devices(subparsers)

@@ -9,13 +9,14 @@ from typing import Final
 
 from elitescript.cli.report import TextReport
 from elitescript.cli.run import DOES_NOT_COMPILE, EXIT_CODES
+from elitescript.cli.screen import palette_of, progress_on, rendered
 from elitescript.cli.settings import parse_joints, parse_settings
 from elitescript.errors import ProgramError, UsageError
-from elitescript.language.diagnostics import render
 from elitescript.language.source import SourceFile
 from elitescript.messages.profile import DEFAULT_FIRMWARE
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
+from elitescript.plotting.line_times import ThreadLines
 from elitescript.plotting.page import Recording, page
 from elitescript.plotting.sampling import Sampling
 from elitescript.plotting.trace_reader import SUFFIXES, read_trace
@@ -44,7 +45,8 @@ def plot(options: argparse.Namespace) -> int:
             return DOES_NOT_COMPILE
     text = page(recording)
     try:
-        target.write_text(text, encoding="utf-8", newline="\n")
+        # Half a surrogate pair is legal in a text of a program; the escape in its place is legal JSON.
+        target.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
     except OSError as error:
         raise UsageError(f"-o {target}: {error.strerror or error}") from error
     duration_s = recording.rows[-1].t - recording.rows[0].t
@@ -52,7 +54,9 @@ def plot(options: argparse.Namespace) -> int:
         recording.state, f", {recording.state}"
     )
     step = "" if recording.step_s <= PERIOD_S else f", a row every {1000.0 * recording.step_s:g} ms"
-    print(f"{target}: {duration_s:.3f} s of {recording.model.name}{ending}{step} ({len(text.encode()) / 1000:.0f} kB)")
+    print(
+        f"{target}: {duration_s:.3f} s of {recording.model.name}{ending}{step} ({target.stat().st_size / 1000:.0f} kB)"
+    )
     return code
 
 
@@ -81,14 +85,30 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     )
     robot.set_start(signals)
     source = source_of(path)
-    sampling = Sampling()
-    run = robot.run(robot.compile(source), until_s=until_s, presets=presets, trace=sampling)
-    return Recording(path.name, robot.model, sampling.rows, source, run.events, run.state, sampling.step_s), EXIT_CODES[
-        run.state
-    ]
+    sampling, threads = Sampling(), ThreadLines()
+
+    progress = progress_on(sys.stderr, robot.time_s)
+
+    def watch(robot: VirtualRobot) -> None:
+        if progress is not None:
+            progress.update(robot.time_s, robot.controller.line)
+        threads.record(robot.time_s, [(thread.name, thread.line) for thread in robot.threads()[1:]])
+
+    run = robot.run(robot.compile(source), until_s=until_s, presets=presets, trace=sampling, watch=watch)
+    recording = Recording(
+        path.name,
+        robot.model,
+        sampling.rows,
+        source,
+        run.events,
+        run.state,
+        sampling.step_s,
+        threads.stretches(sampling.rows[-1].t),
+    )
+    return recording, EXIT_CODES[run.state]
 
 
 def _print_problems(path: Path, error: ProgramError) -> None:
     source = SourceFile(str(path), path.read_bytes().decode("utf-8", "replace"))
     for problem in error.problems:
-        print(render(problem, source), file=sys.stderr)
+        print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)

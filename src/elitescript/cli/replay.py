@@ -11,6 +11,7 @@ from pathlib import Path
 from elitescript import __version__
 from elitescript.cli import jsonlines
 from elitescript.cli.report import JsonReport, TextReport, parse_logs
+from elitescript.cli.screen import palette_of, progress_on
 from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import TraceRow
 from elitescript.controller.trace_signals import NO_SIGNALS, TraceSignals
@@ -43,7 +44,10 @@ def replay(options: argparse.Namespace) -> int:
     with contextlib.ExitStack() as stack:
         if trace is not None:
             stack.enter_context(trace)
+        progress = None if options.json else progress_on(sys.stderr)
         for output in session.outputs():
+            if progress is not None:
+                progress.update(seconds(output.tick), output.snapshot.robot.line)
             for event in output.events:
                 report.event(event)
             if trace is not None:
@@ -83,10 +87,12 @@ def _conclude(session: Replay, *, is_json: bool) -> None:
         }
         print(jsonlines.line(record))
     elif difference is None:
-        print(f"{last_s:10.3f} s  end of the journal; {session.checked_ticks} ticks checked, all the same")
+        same = palette_of(sys.stdout).paint("finished", "all the same")
+        print(f"{last_s:10.3f} s  end of the journal; {session.checked_ticks} ticks checked, {same}")
     else:
         sys.stdout.flush()
-        text = f"differs from the journal first at tick {difference.tick}: {difference.text}"
+        differs = palette_of(sys.stderr).paint("alarm", "differs")
+        text = f"{differs} from the journal first at tick {difference.tick}: {difference.text}"
         print(f"{seconds(difference.tick):10.3f} s  {text}", file=sys.stderr)
 
 

@@ -11,10 +11,11 @@ from typing import Any, Final, Protocol
 
 from elitescript.cli import jsonlines
 from elitescript.cli.event_records import record_of
+from elitescript.cli.screen import palette_of, rendered
 from elitescript.cli.writable import Writable
 from elitescript.controller.warning_limit import MOST
 from elitescript.errors import UsageError
-from elitescript.language.diagnostics import Diagnostic, render, to_json
+from elitescript.language.diagnostics import Diagnostic, to_json
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import (
     Alarm,
@@ -144,6 +145,7 @@ class TextReport:
         self._logs = frozenset(logs)
         self._out = out
         self._err = err
+        self._palette = palette_of(err)
         self._start_s = 0.0
         self._said: set[tuple[str, int]] = set()
         """Code and line of what was found before the run, which the run need not repeat."""
@@ -154,7 +156,7 @@ class TextReport:
             self._said.add((problem.code, problem.line))
             counts[problem.code] += not problem.is_error
             if counts[problem.code] <= MOST:
-                print(str(problem) if source is None else render(problem, source), file=self._err)
+                print(rendered(problem, source, self._palette), file=self._err)
         for code, count in counts.items():
             if count > MOST:
                 print(f"… {count - MOST:,} more {code}: `elitescript check` shows all of them", file=self._err)
@@ -176,11 +178,12 @@ class TextReport:
         elif isinstance(event, Warned):
             self._warned(event)
         elif isinstance(event, DeviceNoted) and event.is_warning:
-            self._problem(event.tick, f"warning: {event.device}: {event.text}")
+            self._problem(event.tick, f"{self._palette.paint('warning', 'warning')}: {event.device}: {event.text}")
         elif isinstance(event, DeviceNoted):
             self._line(event.tick, f"[{event.device}] {event.text}")
         elif isinstance(event, SafetyModeChanged):
-            self._problem(event.tick, f"safety: {event.mode.name}" + (f": {event.reason}" if event.reason else ""))
+            mode = self._palette.paint("warning", event.mode.name)
+            self._problem(event.tick, f"safety: {mode}" + (f": {event.reason}" if event.reason else ""))
         elif isinstance(event, Alarm):
             self._alarm(event)
         elif isinstance(event, SignalChanged):
@@ -195,11 +198,12 @@ class TextReport:
     def _warned(self, event: Warned) -> None:
         if (event.code, event.line) in self._said:
             return
-        kind = f"{event.severity} {event.code}".rstrip()
+        role = "error" if event.severity == "error" else "warning"
+        kind = self._palette.paint(role, f"{event.severity} {event.code}".rstrip())
         where = f"line {event.line}: " if event.line else ""
         self._problem(event.tick, f"{kind}: {where}{event.text}")
         if event.hint:
-            print(f"{'':14}hint: {event.hint}", file=self._err)
+            print(self._palette.paint("hint", f"{'':14}hint: {event.hint}"), file=self._err)
 
     def _line(self, tick: int, text: str) -> None:
         print(f"{seconds(tick):10.3f} s  {text}", file=self._out)
@@ -211,17 +215,18 @@ class TextReport:
     def _alarm(self, alarm: Alarm) -> None:
         thread = "" if alarm.thread in ("", "main") else f", thread {alarm.thread}"
         where = f" in line {alarm.line}{thread}" if alarm.line else thread
-        self._problem(alarm.tick, f"ALARM {alarm.code}{where}: {alarm.class_name}: {alarm.text}")
+        paint = self._palette.paint
+        self._problem(alarm.tick, f"{paint('alarm', f'ALARM {alarm.code}')}{where}: {alarm.class_name}: {alarm.text}")
         if alarm.source_line.strip():
             text = alarm.source_line.expandtabs(8)
             print(f"{'':14}{alarm.line:>5} | {text}", file=self._err)
             if alarm.column > 0:
                 before = len(alarm.source_line[: alarm.column - 1].expandtabs(8))
-                print(f"{'':14}      | {' ' * before}^", file=self._err)
+                print(f"{'':14}      | {' ' * before}{paint('caret', '^')}", file=self._err)
         if alarm.details.get("hint"):
-            print(f"{'':14}hint: {alarm.details['hint']}", file=self._err)
+            print(paint("hint", f"{'':14}hint: {alarm.details['hint']}"), file=self._err)
         for hint in alarm.details.get("hints", ()):
-            print(f"{'':14}try: {hint}", file=self._err)
+            print(paint("hint", f"{'':14}try: {hint}"), file=self._err)
 
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
         self._out.flush()
@@ -241,7 +246,9 @@ class TextReport:
             for thread in run.threads:
                 print(f"{'':14}{thread.name}: line {thread.line}, {thread.doing}", file=self._err)
         late = f"; {overruns} ticks began late" if overruns else ""
-        print(f"{run.time_s:10.3f} s  {words[run.state]} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
+        role = {"finished": "finished", "alarm": "alarm"}.get(run.state, "warning")
+        state = palette_of(self._out).paint(role, words[run.state])
+        print(f"{run.time_s:10.3f} s  {state} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
 
 
 def _why_it_runs(errors: int) -> str:

@@ -12,6 +12,7 @@ from types import FrameType
 from typing import Any, Final
 
 from elitescript.cli.report import JsonReport, Report, TextReport, parse_logs
+from elitescript.cli.screen import CALLS, Progress, progress_on
 from elitescript.cli.settings import check_presets, parse_epoch, parse_joints, parse_settings
 from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import Trace, step_ticks
@@ -30,7 +31,7 @@ INTERRUPTED: Final = 130
 """Ctrl-C, as shells count it."""
 
 HINT_AFTER_S: Final = 5.0
-"""Wall time after which a run says where it is; then again after each such time."""
+"""Wall time after which a run says where it is, and again after each such time, where there is no status line."""
 
 PATIENCE_S: Final = 1.0
 """What a program or a device has to come to an end after Ctrl-C, before people are told how to end the process."""
@@ -90,7 +91,8 @@ def run(options: argparse.Namespace) -> int:
         elif options.trace_signals is not None:
             raise UsageError("--trace-signals goes with --trace")
         report.start(robot, path)
-        watch = _Watch(report, options.max_wall)
+        progress = None if options.json else progress_on(sys.stderr, robot.time_s)
+        watch = _Watch(report, options.max_wall, progress)
         pace = _pacer() if options.realtime else None
         with _InterruptHandler(robot) as interrupted:
             try:
@@ -127,21 +129,31 @@ def _pacer() -> Any:
 
 
 class _Watch:
-    """Looks at the wall clock while the program runs: says where it is, and ends it at the limit."""
+    """Looks at the wall clock while the program runs: shows where it is, and ends it at the limit."""
 
-    def __init__(self, report: Report, max_wall_s: float | None) -> None:
+    __slots__ = ("_calls", "_end_s", "_next_hint_s", "_progress", "_report", "_start_s")
+
+    def __init__(self, report: Report, max_wall_s: float | None, progress: Progress | None) -> None:
         self._report = report
+        self._progress = progress
+        self._calls = CALLS
         self._start_s = time.monotonic()
         self._next_hint_s = self._start_s + HINT_AFTER_S
         self._end_s = None if max_wall_s is None else self._start_s + max_wall_s
 
     def __call__(self, robot: VirtualRobot) -> None:
-        now_s = time.monotonic()
-        if self._end_s is not None and now_s >= self._end_s:
+        if self._end_s is not None and time.monotonic() >= self._end_s:
             robot.interrupt("time_limit")
-        elif now_s >= self._next_hint_s:
-            self._next_hint_s = now_s + HINT_AFTER_S
-            self._report.still_running(robot, now_s - self._start_s)
+        elif self._progress is not None:
+            self._progress.update(robot.time_s, robot.controller.line)
+        elif self._calls > 0:
+            self._calls -= 1
+        else:
+            self._calls = CALLS
+            now_s = time.monotonic()
+            if now_s >= self._next_hint_s:
+                self._next_hint_s = now_s + HINT_AFTER_S
+                self._report.still_running(robot, now_s - self._start_s)
 
 
 class _InterruptHandler:

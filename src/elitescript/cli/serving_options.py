@@ -32,6 +32,16 @@ def add_connections(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_color(parser: argparse.ArgumentParser) -> None:
+    """Add the option about colours."""
+    parser.add_argument(
+        "--color",
+        default="auto",
+        choices=["auto", "always", "never"],
+        help="colours: on a terminal unless NO_COLOR is set, always, or never (default %(default)s)",
+    )
+
+
 def add_log(parser: argparse.ArgumentParser) -> None:
     """Add `--log`."""
     parser.add_argument(
@@ -191,6 +201,7 @@ def add_replay(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     replay.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
     add_trace_signals(replay)
     add_log(replay)
+    add_color(replay)
 
 
 def add_doctor(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

@@ -41,8 +41,12 @@ def run_watched(command: list[str], environment: dict[str, str], max_wall_s: flo
     except subprocess.TimeoutExpired:
         child.kill()
         child.wait()
+        from elitescript.cli.screen import ERASE, understands_escapes
+
         text = f"no checkpoint within --max-wall {max_wall_s:g} s: a single call does not come back; process ended"
-        print(f"elitescript run: {text}", file=sys.stderr)
+        # The child was killed with its status line on the terminal.
+        has_status = sys.stderr.isatty() and understands_escapes(os.environ, os.name)
+        print(f"{ERASE if has_status else ''}elitescript run: {text}", file=sys.stderr)
         if is_json:
             from elitescript.cli import jsonlines
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import accumulate, pairwise
+from itertools import pairwise
 from math import dist
 from typing import Any, Final
 
 from elitescript.controller.trace import TraceRow
 from elitescript.models.model import RobotModel
 from elitescript.plotting.decimation import decimated, within_tolerance
+from elitescript.plotting.packing import deltas, milliseconds
 
 POINTS_MAX: Final = 1500
 """Points of one curve: two for each of 750 stretches, which is about what a wide screen tells apart."""
@@ -109,16 +110,11 @@ def tcp_path(rows: Sequence[TraceRow], speeds: Sequence[float]) -> dict[str, Any
     place = {index: position for position, index in enumerate(indices)}
     return {
         "t": milliseconds([times[index] for index in indices]),
-        "xyz": [_deltas([round(column[index] / _PATH_STEP_M) for index in indices]) for column in columns],
+        "xyz": [deltas([round(column[index] / _PATH_STEP_M) for index in indices]) for column in columns],
         "step": _PATH_STEP_M,
         "v": [round(speeds[index], 3) for index in indices],
         "jumps": [place[jump] for jump in jumps if jump in place],
     }
-
-
-def milliseconds(times: Sequence[float]) -> list[int]:
-    """Times as whole milliseconds, each as the difference to the one before."""
-    return _deltas([round(1000.0 * time) for time in times])
 
 
 def _limited(times: Sequence[float], values: Sequence[float], low: float, high: float) -> dict[str, Any]:
@@ -128,7 +124,7 @@ def _limited(times: Sequence[float], values: Sequence[float], low: float, high: 
     step = largest / _STEPS if largest > 0.0 else 1.0
     return {
         "t": milliseconds([times[index] for index in indices]),
-        "v": _deltas([round(values[index] / step) for index in indices]),
+        "v": deltas([round(values[index] / step) for index in indices]),
         "step": step,
         "min": bottom,
         "max": top,
@@ -136,12 +132,3 @@ def _limited(times: Sequence[float], values: Sequence[float], low: float, high: 
         "high": high,
         "used": max(top / high if high > 0.0 else 0.0, bottom / low if low < 0.0 else 0.0),
     }
-
-
-def _deltas(values: Sequence[int]) -> list[int]:
-    return [values[0], *(later - value for value, later in pairwise(values))] if values else []
-
-
-def undo_deltas(deltas: Sequence[int]) -> list[int]:
-    """What `milliseconds` and the packed curves hold, as the page unpacks it."""
-    return list(accumulate(deltas))

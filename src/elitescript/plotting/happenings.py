@@ -1,4 +1,4 @@
-"""What happened besides motion: moves as bars, signals as traces, messages and alarms as marks."""
+"""Turn events into lanes: moves as bars, signals as levels, connections, messages and alarms as marks."""
 
 from __future__ import annotations
 
@@ -7,27 +7,21 @@ from typing import Any, Final
 
 from elitescript.messages.events import (
     Alarm,
+    DeviceNoted,
     Event,
     MotionEnded,
     MotionStarted,
     Popup,
     Printed,
     SafetyModeChanged,
-    SignalChanged,
     TextMessage,
     Warned,
 )
-from elitescript.messages.signals import Value, parse_signal_name
 from elitescript.messages.timing import seconds
-from elitescript.plotting.decimation import extremes
+from elitescript.plotting.packing import shown_text
 
-SIGNALS_MAX: Final = 32
-"""Signals with a trace of their own; those that changed first."""
-
-CHANGES_MAX: Final = 400
 MOVES_MAX: Final = 2000
 MARKS_MAX: Final = 800
-TEXT_MAX: Final = 300
 
 
 def moves(events: Sequence[Event], end_s: float) -> list[list[Any]]:
@@ -47,36 +41,8 @@ def moves(events: Sequence[Event], end_s: float) -> list[list[Any]]:
     return found
 
 
-def signals(events: Sequence[Event], start_s: float) -> tuple[list[dict[str, Any]], int]:
-    """The signals that changed, each with its changes from the start on; and how many more there were."""
-    changes: dict[str, list[tuple[float, Value]]] = {}
-    for event in events:
-        if isinstance(event, SignalChanged):
-            entry = changes.setdefault(event.name, [(start_s, _value_before(event))])
-            if entry[-1][0] == seconds(event.tick):
-                entry[-1] = (entry[-1][0], event.value)
-            else:
-                entry.append((seconds(event.tick), event.value))
-    shown = list(changes.items())[:SIGNALS_MAX]
-    traces = []
-    for name, steps in sorted(shown, key=lambda item: _order(item[0])):
-        kept = extremes([time for time, _ in steps], [float(value) for _, value in steps], CHANGES_MAX)
-        signal, _ = parse_signal_name(name)
-        traces.append(
-            {
-                "name": name,
-                "kind": signal.kind,
-                "unit": signal.unit,
-                "left_out": len(steps) - len(kept),
-                "t": [round(steps[index][0], 3) for index in kept],
-                "v": [_short(steps[index][1]) for index in kept],
-            }
-        )
-    return traces, len(changes) - len(shown)
-
-
 def marks(events: Sequence[Event]) -> tuple[list[dict[str, Any]], int]:
-    """Messages, warnings and alarms with time, line and text; and how many more there were.
+    """Messages, warnings and alarms with time, line, text and hints; and how many more there were.
 
     Alarms are all kept, and of the rest the first.
     """
@@ -94,18 +60,28 @@ def _mark(event: Event) -> dict[str, Any] | None:
     if isinstance(event, Popup):
         return _entry("popup", event.tick, f"{event.title}: {event.text}" if event.title else event.text, event.line)
     if isinstance(event, Warned):
-        return _entry("warning", event.tick, event.text, event.line)
+        return _entry("warning", event.tick, f"{event.code} {event.text}".lstrip(), event.line) | _hints(event.hint)
+    if isinstance(event, DeviceNoted):
+        kind = "warning" if event.is_warning else "device"
+        return _entry(kind, event.tick, f"{event.device}: {event.text}", 0)
     if isinstance(event, SafetyModeChanged):
         text = f"safety: {event.mode.name}" + (f": {event.reason}" if event.reason else "")
         return _entry("warning", event.tick, text, 0)
     if isinstance(event, Alarm):
-        return _entry("alarm", event.tick, f"{event.code} {event.class_name}: {event.text}", event.line)
+        entry = _entry("alarm", event.tick, f"{event.code} {event.class_name}: {event.text}", event.line)
+        if event.thread not in ("", "main"):
+            entry["thread"] = shown_text(event.thread)
+        return entry | _hints(event.details.get("hint", ""), *event.details.get("hints", ()))
     return None
 
 
+def _hints(*hints: str) -> dict[str, Any]:
+    found = [shown_text(hint) for hint in hints if hint]
+    return {"hints": found} if found else {}
+
+
 def _entry(kind: str, tick: int, text: str, line: int) -> dict[str, Any]:
-    shown = text if len(text) <= TEXT_MAX else text[: TEXT_MAX - 1] + "…"
-    return {"kind": kind, "t": seconds(tick), "text": shown, "line": line}
+    return {"kind": kind, "t": seconds(tick), "text": shown_text(text), "line": line}
 
 
 def _close(found: list[list[Any]], move: MotionStarted | None, end_s: float) -> None:
@@ -116,18 +92,3 @@ def _close(found: list[list[Any]], move: MotionStarted | None, end_s: float) -> 
 def _joined(pair: Sequence[list[Any]]) -> list[Any]:
     first, last = pair[0], pair[-1]
     return [first[0], last[1], first[2] if first[2] == last[2] else "moves", first[3]]
-
-
-def _value_before(event: SignalChanged) -> Value:
-    if isinstance(event.value, bool):
-        return not event.value
-    return parse_signal_name(event.name)[0].default
-
-
-def _order(name: str) -> tuple[bool, str, int]:
-    signal, index = parse_signal_name(name)
-    return signal.is_input, signal.name, index
-
-
-def _short(value: Value) -> int | float:
-    return int(value) if isinstance(value, (bool, int)) else float(f"{value:.6g}")

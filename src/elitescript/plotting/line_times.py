@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -29,6 +29,42 @@ class LineTime(NamedTuple):
     """While it did not."""
     visits: int
     """Stretches: how often the program came to this line from another one."""
+
+
+class ThreadLines:
+    """Records in which line each thread beside the main one is; called after every tick of a run."""
+
+    __slots__ = ("_open",)
+
+    def __init__(self) -> None:
+        self._open: dict[str, list[tuple[float, int]]] = {}
+        """For each thread the times at which it came to a line; line 0 while there is no such thread."""
+
+    def record(self, time_s: float, threads: Iterable[tuple[str, int]]) -> None:
+        """Note where the threads are.
+
+        Args:
+            time_s: of the tick, s; ascending.
+            threads: name and line of each; one that is missing has ended.
+        """
+        lines = dict(threads)
+        for name in lines.keys() - self._open.keys():
+            self._open[name] = []
+        for name, entries in self._open.items():
+            line = lines.get(name, 0)
+            if not entries or entries[-1][1] != line:
+                entries.append((time_s, line))
+
+    def stretches(self, end_s: float) -> dict[str, list[Stretch]]:
+        """The stretches of each thread up to a time; they follow each other without gaps."""
+        return {
+            name: [
+                Stretch(start_s, later_s, line)
+                for (start_s, line), (later_s, _) in pairwise([*entries, (end_s, 0)])
+                if later_s > start_s
+            ]
+            for name, entries in self._open.items()
+        }
 
 
 def stretches(rows: Sequence[TraceRow]) -> list[Stretch]:

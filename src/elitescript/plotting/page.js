@@ -21,7 +21,16 @@ const spanEnds = unpackTimes(D.spans.t);
 const spans = D.spans.line.map((line, i) => ({ line, t0: spanEnds[i], t1: spanEnds[i + 1] }));
 const T0 = D.start, T1 = Math.max(D.end, D.start + 0.004), duration = D.end - D.start;
 const table = D.table.map(([line, moving, still, visits]) => ({ line, moving, still, visits, total: moving + still }));
-const sourceOf = line => line ? D.source[line] ?? "" : "(no program line)";
+const sourceOf = line => line ? (D.source[line] ?? "").trim() : "(no program line)";
+const threads = D.threads.map(({ name, t, line }) => {
+  const ends = unpackTimes(t);
+  return { name, starts: ends.slice(0, -1), spans: line.map((line, i) => ({ line, t0: ends[i], t1: ends[i + 1] })) };
+});
+const signals = D.signals.lanes.map(lane => ({ ...lane, t: unpackTimes(lane.t) }));
+const channels = D.channels.lanes.map(lane => ({ ...lane, t: unpackTimes(lane.t), what: lane.what.map(i => D.channels.whats[i]),
+  data: lane.data.map(i => D.channels.texts[i]), count: lane.count ?? lane.t.map(() => 1) }));
+const alarms = D.marks.filter(mark => mark.kind === "alarm");
+const lastAlarm = D.state === "alarm" && alarms.length ? alarms.at(-1) : null;
 
 const before = (times, t) => {
   let low = 0, high = times.length - 1;
@@ -37,10 +46,16 @@ const between = (times, values, t) => {
   return values[i] + (values[j] - values[i]) * Math.min(1, (t - times[i]) / (times[j] - times[i]));
 };
 const spanStarts = spans.map(span => span.t0);
+const lineOfThread = (thread, t) => {
+  const span = thread.spans[before(thread.starts, t)];
+  return span && span.t0 <= t && (t < span.t1 || span.t1 >= T1) ? span.line : 0;
+};
+// An alarm names its line even when the program has not been there for a tick.
+const lineAt = t => lastAlarm && lastAlarm.line && !lastAlarm.thread && t >= lastAlarm.t - 1e-6 ? lastAlarm.line : spanAt(t).line;
 const spanAt = t => spans.length ? spans[before(spanStarts, t)] : { line: 0, t0: T0, t1: T1 };
 
 // ---------------------------------------------------------------- state
-const state = { t: T0, view: [T0, T1], chosen: null, inDegrees: false, allLimits: false, drag: null, playing: 0 };
+const state = { t: lastAlarm ? clamp(lastAlarm.t, T0, T1) : T0, view: [T0, T1], chosen: null, inDegrees: false, allLimits: false, drag: null, playing: 0 };
 let C = {};
 const readColours = () => {
   const style = getComputedStyle(document.documentElement);
@@ -48,7 +63,7 @@ const readColours = () => {
     C[name] = style.getPropertyValue("--" + name).trim();
   C.dark = matchMedia("(prefers-color-scheme: dark)").matches;
 };
-const lineOrder = [...table].sort((a, b) => a.line - b.line).map(row => row.line);
+const lineOrder = [...new Set([...table.map(row => row.line), ...threads.flatMap(thread => thread.spans.map(span => span.line))])].sort((a, b) => a - b);
 const lineColour = line => {
   if (!line) return C.soft;
   const hue = (lineOrder.indexOf(line) * 137.5 + 205) % 360;
@@ -68,7 +83,9 @@ const MONO = "ui-monospace, SFMono-Regular, 'DejaVu Sans Mono', Menlo, Consolas,
 
 // ---------------------------------------------------------------- charts over time
 const charts = [];
+// Width of the names on the left; on a narrow page they are shortened.
 let GUTTER = 250;
+const isNarrow = () => GUTTER < 200;
 const RIGHT = 14;
 const prepare = canvas => {
   const ratio = devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
@@ -88,6 +105,8 @@ const ticks = (low, high, count) => {
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + step * 1e-9; k++) found.push([k * step, fix(k * step, digits)]);
   return found;
 };
+// Line ends and tabs as they are written, so that each entry of a tip is one line.
+const visible = text => text.replace(/\n/g, '\\n').replace(/\r/g, '\\r').replace(/\t/g, '\\t');
 const fitText = (g, text, width) => {
   if (g.measureText(text).width <= width) return text;
   let low = 0, high = text.length;
@@ -97,10 +116,23 @@ const fitText = (g, text, width) => {
   }
   return text.slice(0, low) + "…";
 };
-const chart = (parent, height, drawBase, drawOver, hover) => {
-  const base = make("canvas"), over = make("canvas", { className: "over" });
+// The end of a name of a signal or a channel tells it from the others.
+const fitEnd = (g, text, width) => {
+  if (g.measureText(text).width <= width) return text;
+  let low = 0, high = text.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (g.measureText("…" + text.slice(middle)).width <= width) high = middle; else low = middle + 1;
+  }
+  return "…" + text.slice(low);
+};
+// `times` are those at which something happens in a lane: `n` and `p` go from one to the next.
+const chart = (parent, height, name, drawBase, drawOver, hover, times = null) => {
+  const base = make("canvas"), over = make("canvas", { className: "over", tabIndex: 0 });
+  over.setAttribute("role", "img");
+  over.setAttribute("aria-label", name);
   const box = make("div", { className: "chart" }, base, over);
-  const entry = { base, over, drawBase, drawOver, hover };
+  const entry = { base, over, drawBase, drawOver, hover, times };
   for (const canvas of [base, over]) canvas.style.height = height + "px";
   parent.append(box);
   charts.push(entry);
@@ -136,8 +168,18 @@ const chart = (parent, height, drawBase, drawOver, hover) => {
   });
   over.addEventListener("pointercancel", () => { state.drag = null; });
   over.addEventListener("pointerleave", () => tip());
+  over.addEventListener("focus", () => { focused = entry; if (over.matches(":focus-visible")) tipAtCursor(); });
+  over.addEventListener("blur", () => { focused = null; tip(); });
   over.addEventListener("dblclick", () => showWhole());
   return entry;
+};
+let focused = null;
+const tipAtCursor = () => {
+  if (!focused) return;
+  const rect = focused.over.getBoundingClientRect(), x = xOf(rect.width)(state.t);
+  const text = focused.hover?.(x, 12, state.t, rect.width) ?? "";
+  tip(text, { clientX: rect.left + x, clientY: rect.top + Math.min(rect.height, 30) });
+  focused.over.setAttribute("aria-description", text);
 };
 const xOf = w => {
   const scale = (w - GUTTER - RIGHT) / (state.view[1] - state.view[0]);
@@ -148,33 +190,54 @@ const verticals = (g, w, top, bottom) => {
   const x = xOf(w);
   g.strokeStyle = C.faint;
   g.lineWidth = 1;
-  for (const [t] of ticks(...state.view, (w - GUTTER) / 110)) {
+  for (const [t] of ticks(...state.view, (w - GUTTER) / (isNarrow() ? 70 : 110))) {
     g.beginPath(); g.moveTo(x(t), top); g.lineTo(x(t), bottom); g.stroke();
   }
 };
 const timeAxis = (g, w, y) => {
-  const x = xOf(w);
+  const x = xOf(w), unit = isNarrow() ? "s" : "time, s";
   g.font = "12px " + SANS; g.fillStyle = C.soft; g.textAlign = "center"; g.textBaseline = "top";
-  for (const [t, label] of ticks(...state.view, (w - GUTTER) / 110)) if (x(t) < w - 42) g.fillText(label, x(t), y + 3);
+  const free = w - 2 - g.measureText(unit).width - 10;
+  for (const [t, label] of ticks(...state.view, (w - GUTTER) / (isNarrow() ? 70 : 110)))
+    if (x(t) + g.measureText(label).width / 2 < free) g.fillText(label, x(t), y + 3);
   g.textAlign = "right";
-  g.fillText("time, s", w - 2, y + 3);
+  g.fillText(unit, w - 2, y + 3);
 };
-const cursorLine = (g, w, h) => {
+const cursorLine = (g, w, h, top = 0) => {
   const x = xOf(w);
   if (state.drag?.wide) {
     g.fillStyle = C.accent; g.globalAlpha = 0.15;
-    g.fillRect(x(state.drag.from), 0, x(state.t) - x(state.drag.from), h);
+    g.fillRect(x(state.drag.from), top, x(state.t) - x(state.drag.from), h - top);
     g.globalAlpha = 1;
   }
   if (state.t < state.view[0] - 1e-9 || state.t > state.view[1] + 1e-9) return;
   g.strokeStyle = C.ink; g.globalAlpha = 0.75; g.lineWidth = 1;
-  g.beginPath(); g.moveTo(x(state.t), 0); g.lineTo(x(state.t), h); g.stroke();
+  g.beginPath(); g.moveTo(x(state.t), top); g.lineTo(x(state.t), h); g.stroke();
   g.globalAlpha = 1;
 };
-const lane = (g, w, y, h, text, mono, colour) => {
+const lane = (g, y, h, text, { mono = false, colour = C.ink, room = 18, fit = fitText } = {}) => {
   g.font = mono ? "12px " + MONO : "12.5px " + SANS;
-  g.textAlign = "left"; g.textBaseline = "middle"; g.fillStyle = colour ?? C.ink;
-  g.fillText(fitText(g, text, GUTTER - 18), 0, y + h / 2);
+  g.textAlign = "left"; g.textBaseline = "middle"; g.fillStyle = colour;
+  g.fillText(fit(g, text, GUTTER - room), 0, y + h / 2);
+};
+// Lanes of one kind: the first ones, and a button for the rest.
+const lanesGroup = (noun, count, shown) => {
+  const rest = make("div", { hidden: true }), first = make("div");
+  $("timeline").append(first);
+  if (count <= shown + 2) return () => first;
+  const more = count - shown;
+  const button = make("button", { className: "more", onclick: () => {
+    rest.hidden = !rest.hidden;
+    label();
+    drawAll();
+  } });
+  const label = () => {
+    button.textContent = rest.hidden ? `▸ ${more} more ${noun}` : `▾ hide ${more} ${noun}`;
+    button.setAttribute("aria-expanded", String(!rest.hidden));
+  };
+  label();
+  $("timeline").append(button, rest);
+  return i => i < shown ? first : rest;
 };
 
 // Program lines, one lane each.
@@ -186,13 +249,13 @@ const lanesOf = (() => {
 const laneOf = new Map(lanesOf.map((line, i) => [line, i]));
 const laneIndex = line => laneOf.get(line) ?? lanesOf.length - 1;
 const linesHeight = lanesOf.length * LANE + 6;
-const lineChart = chart($("timeline"), linesHeight, (g, w, h) => {
+const lineChart = chart($("timeline"), linesHeight, "Program line over time", (g, w, h) => {
   const x = xOf(w);
   lanesOf.forEach((line, i) => {
     const y = i * LANE;
     if (line !== null && line === state.chosen) { g.fillStyle = C.faint; g.fillRect(0, y, w, LANE); }
     const label = line === null ? "other lines" : `${String(line || "–").padStart(4)}  ${sourceOf(line)}`;
-    lane(g, w, y, LANE, label, true, line === state.chosen ? C.accent : C.ink);
+    lane(g, y, LANE, label, { mono: true, colour: line === state.chosen ? C.accent : C.ink });
     g.strokeStyle = C.faint; g.beginPath(); g.moveTo(GUTTER, y + LANE - 0.5); g.lineTo(w - RIGHT, y + LANE - 0.5); g.stroke();
   });
   verticals(g, w, 0, linesHeight - 6);
@@ -212,7 +275,7 @@ const lineChart = chart($("timeline"), linesHeight, (g, w, h) => {
   }
   const span = spanAt(t);
   return `${describe(span.line)}\n${fix(span.t0, 3)} s to ${fix(span.t1, 3)} s (${fix(span.t1 - span.t0, 3)} s)`;
-});
+}, spans.map(span => span.t0));
 lineChart.click = (px, py, t) => choose(px < GUTTER ? lanesOf[Math.floor(py / LANE)] ?? null : spanAt(t).line);
 const describe = line => {
   const row = table.find(entry => entry.line === line);
@@ -223,9 +286,9 @@ const describe = line => {
 // Moves.
 if (D.moves.length) {
   const kinds = [...new Set(D.moves.map(move => move[2]))];
-  chart($("timeline"), 26, (g, w, h) => {
+  chart($("timeline"), 26, "Moves over time", (g, w, h) => {
     const x = xOf(w);
-    lane(g, w, 0, 24, "moves", false);
+    lane(g, 0, 24, "moves");
     let right = GUTTER - 10;
     for (const kind of [...kinds].reverse().slice(0, GUTTER > 200 ? 4 : 0)) {
       g.font = "600 12px " + SANS; g.textAlign = "right"; g.fillStyle = C["j" + kinds.indexOf(kind) % 6];
@@ -248,17 +311,40 @@ if (D.moves.length) {
   }, (g, w, h) => cursorLine(g, w, h), (px, py, t) => {
     const move = D.moves.find(([t0, t1]) => t0 <= t && t <= t1);
     return move && px >= GUTTER ? `${move[2]}, ${fix(move[1] - move[0], 3)} s\nline ${move[3]}  ${sourceOf(move[3])}` : "";
-  });
+  }, D.moves.map(move => move[0]));
 }
 
-// Signals.
+// Threads beside the main one.
+const threadsParent = lanesGroup("threads", threads.length, 4);
+threads.forEach((thread, i) => chart(threadsParent(i), 22, `Lines of thread ${thread.name} over time`, (g, w, h) => {
+  const x = xOf(w);
+  lane(g, 0, 20, `thread ${thread.name}`);
+  verticals(g, w, 0, 20);
+  clipPlot(g, w, h);
+  for (const span of thread.spans) {
+    if (!span.line || span.t1 < state.view[0] || span.t0 > state.view[1]) continue;
+    g.fillStyle = lineColour(span.line);
+    g.fillRect(x(span.t0), 3, Math.max(1, x(span.t1) - x(span.t0)), 14);
+  }
+  g.restore();
+}, (g, w, h) => cursorLine(g, w, h), (px, py, t) => {
+  const line = lineOfThread(thread, t);
+  return `thread ${thread.name}: ${line ? `line ${line}  ${sourceOf(line)}` : "does not run"}`;
+}, thread.starts));
+
+// Signals: levels of digital ones, steps of the others.
 const signalAt = (signal, t) => signal.v[before(signal.t, t)];
-for (const signal of D.signals) {
-  const digital = signal.kind === "bool";
-  const [low, high] = digital ? [0, 1] : [Math.min(...signal.v), Math.max(...signal.v)];
-  chart($("timeline"), 24, (g, w, h) => {
-    const x = xOf(w), y = v => 19 - 14 * (high > low ? (v - low) / (high - low) : 0);
-    lane(g, w, 0, 22, signal.name + (signal.unit ? ", " + signal.unit : ""), false);
+const levelText = (signal, value) => value === null ? "not finite" : signal.kind === "bool" ? (value ? "high" : "low") : String(value);
+const CAUSES = { client: "a client", device: "a device of the world", wire: "a wire", schedule: "a schedule", fault: "a fault", program: "the program" };
+const causeText = ([by, line]) => !by ? "" : line ? `line ${line}  ${sourceOf(line)}` : CAUSES[by] ?? by;
+const signalParent = lanesGroup("signals", signals.length, 10);
+signals.forEach((signal, index) => {
+  const digital = signal.kind === "bool", known = signal.v.filter(v => v !== null);
+  const [low, high] = digital ? [0, 1] : [Math.min(...known), Math.max(...known)];
+  const unit = signal.unit ? " " + signal.unit : "";
+  chart(signalParent(index), 24, `Signal ${signal.name} over time`, (g, w, h) => {
+    const x = xOf(w), y = v => 19 - 14 * (high > low ? ((v ?? low) - low) / (high - low) : 0);
+    lane(g, 0, 22, signal.name + (signal.unit && !isNarrow() ? "," + unit : ""), { room: 66, fit: fitEnd });
     verticals(g, w, 0, 22);
     clipPlot(g, w, h);
     const outline = new Path2D();
@@ -276,16 +362,72 @@ for (const signal of D.signals) {
     g.restore();
   }, (g, w, h) => {
     cursorLine(g, w, h);
-    const value = signalAt(signal, state.t), text = digital ? (value ? "high" : "low") : String(value);
+    const value = signalAt(signal, state.t);
     g.font = "600 12px " + SANS; g.textAlign = "right"; g.textBaseline = "middle";
-    const width = g.measureText(text).width + 8;
-    g.fillStyle = C.card; g.fillRect(GUTTER - 10 - width, 2, width + 2, 18);
-    g.fillStyle = value ? C.green : C.soft; g.fillText(text, GUTTER - 10, 11);
-  }, (px, py, t) => `${signal.name}: ${digital ? (signalAt(signal, t) ? "high" : "low") : signalAt(signal, t) + " " + signal.unit}`);
-}
+    g.fillStyle = value ? C.green : C.soft; const text = levelText(signal, value), short = g.measureText(text).width > 54 && value !== null ? value.toPrecision(3) : text;
+    g.fillText(fitText(g, short, 56), GUTTER - 10, 11);
+  }, (px, py, t) => {
+    const i = before(signal.t, t), cause = causeText(D.signals.causes[signal.by[i]]);
+    const since = i || cause ? `since ${fix(signal.t[i], 3)} s` + (cause ? `, by ${cause}` : "") : "since the start";
+    const count = signal.t.length - 1 + signal.left_out, range = digital || low === high ? "" : `, ${low} to ${high}${unit}`;
+    return `${signal.name}: ${levelText(signal, signal.v[i])}${unit}\n${since}\n${count} change${count === 1 ? "" : "s"}${range}`;
+  }, signal.t.slice(1));
+});
+if (D.signals.other_changes.length) channels.push({ name: `${D.signals.others.length} more signals`, kind: "", t: D.signals.other_changes.map(each => each[0]),
+  what: D.signals.other_changes.map(() => "changed"), data: D.signals.other_changes.map(each => each[1]), line: D.signals.other_changes.map(each => each[2]),
+  count: D.signals.other_changes.map(() => 1), total: D.signals.other_changes.length + D.signals.other_changes_left_out });
 
+// Connections: what was opened, sent, received, closed, refused, or took too long.
+const whatColour = what => ({ refused: C.red, timeout: C.red, received: C.green, closed: C.soft, changed: C.green }[what] ?? C.accent);
+const drawWhat = (g, what, x, y) => {
+  g.fillStyle = g.strokeStyle = whatColour(what); g.lineWidth = 1.7;
+  g.beginPath();
+  if (what === "sent") { g.moveTo(x, y - 7); g.lineTo(x + 5, y + 1); g.lineTo(x - 5, y + 1); g.closePath(); g.fill(); }
+  else if (what === "received") { g.moveTo(x, y + 8); g.lineTo(x + 5, y); g.lineTo(x - 5, y); g.closePath(); g.fill(); }
+  else if (what === "open") { g.arc(x, y, 4, 0, 7); g.stroke(); }
+  else if (what === "closed") g.fillRect(x - 3.5, y - 3.5, 7, 7);
+  else if (what === "changed") { g.arc(x, y, 3, 0, 7); g.fill(); }
+  else {
+    g.moveTo(x - 5, y - 5); g.lineTo(x + 5, y + 5); g.moveTo(x + 5, y - 5); g.lineTo(x - 5, y + 5); g.stroke();
+    if (what === "timeout") { g.beginPath(); g.arc(x, y, 7, 0, 7); g.stroke(); }
+  }
+};
+const channelParent = lanesGroup("connections", channels.length, 8);
+channels.forEach((channel, index) => {
+  const spans = [];
+  let opened = null;
+  channel.t.forEach((t, i) => {
+    if (!channel.kind) return;
+    if (channel.what[i] === "open") opened ??= t;
+    else if (channel.what[i] === "closed" && opened !== null) { spans.push([opened, t]); opened = null; }
+  });
+  if (opened !== null) spans.push([opened, T1]);
+  const name = `${channel.kind} ${channel.name}`.trim();
+  chart(channelParent(index), 24, `${name} over time`, (g, w, h) => {
+    const x = xOf(w), count = channel.total > 999 ? `${Math.round(channel.total / 1000)}k` : String(channel.total);
+    lane(g, 0, 22, isNarrow() ? channel.name : name, { room: 50, fit: channel.kind ? fitEnd : fitText });
+    g.textAlign = "right"; g.fillStyle = C.soft; g.font = "12px " + SANS; g.fillText(count, GUTTER - 10, 11);
+    verticals(g, w, 0, 22);
+    g.save(); g.beginPath(); g.rect(GUTTER - 6, 0, w - GUTTER - RIGHT + 12, h); g.clip();
+    g.fillStyle = C.accent; g.globalAlpha = 0.16;
+    for (const [t0, t1] of spans) g.fillRect(x(t0), 5, Math.max(1, x(t1) - x(t0)), 13);
+    g.globalAlpha = 1;
+    const order = channel.t.map((_, i) => i).sort((a, b) => (whatColour(channel.what[a]) === C.red) - (whatColour(channel.what[b]) === C.red));
+    for (const i of order) if (channel.t[i] >= state.view[0] && channel.t[i] <= state.view[1]) drawWhat(g, channel.what[i], x(channel.t[i]), 11.5);
+    g.restore();
+  }, (g, w, h) => cursorLine(g, w, h), (px, py, t, w) => {
+    if (px < GUTTER) return `${name}: ${channel.total} event${channel.total === 1 ? "" : "s"}`;
+    const reach = 6 / (w - GUTTER - RIGHT) * (state.view[1] - state.view[0]);
+    const near = channel.t.map((_, i) => i).filter(i => Math.abs(channel.t[i] - t) <= reach + 0.0005);
+    if (!near.length) return "";
+    const rows = near.slice(0, 8).map(i => `${fix(channel.t[i], 3)} s  ${channel.what[i]}${channel.line[i] ? `, line ${channel.line[i]}` : ""}` +
+      `${channel.data[i] ? `: ${visible(channel.data[i])}` : ""}${channel.count[i] > 1 ? `  (and ${channel.count[i] - 1} more until the next mark)` : ""}`);
+    if (near.length > 8) rows.push(`and ${near.length - 8} more marks here: zoom in`);
+    return `${name}\n${rows.join("\n")}`;
+  }, channel.t);
+});
 // Messages and alarms, and the time axis of the time line.
-const markColour = kind => ({ alarm: C.red, warning: C.amber, popup: C.j3, print: C.soft }[kind] ?? C.accent);
+const markColour = kind => ({ alarm: C.red, warning: C.amber, popup: C.j3, print: C.soft, device: C.green }[kind] ?? C.accent);
 const drawMark = (g, kind, x, y) => {
   g.fillStyle = g.strokeStyle = markColour(kind);
   g.lineWidth = 1.6;
@@ -296,10 +438,10 @@ const drawMark = (g, kind, x, y) => {
   else { g.arc(x, y, 4.5, 0, 7); kind === "print" ? g.stroke() : g.fill(); }
 };
 const hasMarks = D.marks.length > 0, axisY = hasMarks ? 26 : 2;
-chart($("timeline"), axisY + 20, (g, w, h) => {
+chart($("timeline"), axisY + 20, "Messages over time", (g, w, h) => {
   const x = xOf(w);
   if (hasMarks) {
-    lane(g, w, 0, 24, "messages", false);
+    lane(g, 0, 24, "messages");
     verticals(g, w, 0, 24);
     g.save(); g.beginPath(); g.rect(GUTTER - 9, 0, w - GUTTER - RIGHT + 18, 26); g.clip();
     for (const mark of [...D.marks].sort((a, b) => (a.kind === "alarm") - (b.kind === "alarm"))) drawMark(g, mark.kind, x(mark.t), 12);
@@ -311,15 +453,27 @@ chart($("timeline"), axisY + 20, (g, w, h) => {
 }, (g, w, h) => cursorLine(g, w, axisY), (px, py, t, w) => {
   const reach = 8 / (w - GUTTER - RIGHT) * (state.view[1] - state.view[0]);
   return D.marks.filter(mark => Math.abs(mark.t - t) <= reach).slice(0, 8)
-    .map(mark => `${fix(mark.t, 3)} s  ${mark.kind}${mark.line ? ", line " + mark.line : ""}: ${mark.text}`).join("\n");
-});
+    .map(mark => [`${fix(mark.t, 3)} s  ${mark.kind}${mark.line ? ", line " + mark.line : ""}: ${mark.text}`, ...(mark.hints ?? []).map(hint => `hint: ${hint}`)].join("\n")).join("\n");
+}, D.marks.map(mark => mark.t));
+
+if (channels.some(channel => channel.kind)) {
+  const key = make("div", { className: "key" });
+  const kinds = new Set(channels.flatMap(channel => channel.what));
+  for (const [what, sign] of [["open", "○"], ["sent", "▲"], ["received", "▼"], ["closed", "■"], ["refused", "✕"], ["timeout", "⊗"]])
+    if (kinds.has(what)) { const mark = make("b", { textContent: sign, className: "sign " + what }); key.append(mark, what === "timeout" ? "time-out" : what); }
+  key.append(make("span", { textContent: " · number: events of the connection" }));
+  $("timeline").append(key);
+}
 
 // What this picture does not show.
-const thinned = D.signals.filter(signal => signal.left_out);
+const thinned = signals.filter(signal => signal.left_out);
 const notes = [
   D.spans_left_out && "very short visits of lines are drawn as one, under the line that took most of the time; the table counts each",
-  thinned.length && `${thinned.map(signal => signal.name).join(", ")}: more changes than can be drawn`,
-  D.signals_left_out && `${D.signals_left_out} more signals changed`,
+  thinned.length && `${thinned.map(signal => signal.name).join(", ")}: more changes than can be drawn (${thinned.reduce((sum, signal) => sum + signal.left_out, 0)} are left out)`,
+  D.signals.others.length && `${D.signals.others.length} more signals changed (${D.signals.others.slice(0, 6).join(", ")}${D.signals.others.length > 6 ? ", …" : ""})`,
+  ...channels.filter(channel => channel.kind && channel.count.some(n => n > 1)).map(channel => `${channel.kind} ${channel.name}: ${channel.t.length} marks for ${channel.total} events`),
+  D.channels.others && `${D.channels.others} more connections share one lane`,
+  D.threads_left_out && `${D.threads_left_out} more threads`,
   D.marks_left_out && `${D.marks_left_out} later messages are left out`,
 ].filter(Boolean);
 if (notes.length) $("timeline").append(make("div", { className: "key", textContent: `Not shown in full: ${notes.join("; ")}.` }));
@@ -327,7 +481,9 @@ if (notes.length) $("timeline").append(make("div", { className: "key", textConte
 // Curves against their limits.
 const NEAR = 0.95;
 const curveChart = ({ title, unit, factor, series, height, last = false, zeroBased = false, fine = false }) => {
-  const plotHeight = height - (last ? 22 : 4), pad = 6;
+  const plotHeight = height - (last ? 22 : 4);
+  // On a narrow page the title has a row of its own, since the names on the left leave it no room.
+  let pad = 6;
   const range = () => {
     let low = Math.min(...series.map(s => s.curve.min)), high = Math.max(...series.map(s => s.curve.max));
     // A standing arm shows a flat line, not the noise of the last digit.
@@ -341,12 +497,12 @@ const curveChart = ({ title, unit, factor, series, height, last = false, zeroBas
     const margin = Math.max(0.05 * (high - low), 1e-6);
     return [zeroBased ? 0 : low - margin, high + margin];
   };
-  return chart($("curves"), height, (g, w, h) => {
+  return chart($("curves"), height, title + " over time", (g, w, h) => {
+    pad = isNarrow() ? 26 : 6;
     const f = factor(), [low, high] = range(), x = xOf(w);
     const y = v => pad + (plotHeight - pad) * (1 - (v - low) / (high - low));
     g.font = "600 13px " + SANS; g.textAlign = "left"; g.textBaseline = "top"; g.fillStyle = C.ink;
-    if (GUTTER > 200) g.fillText(`${title}, ${unit()}`, 0, 4);
-    else { g.fillText(title, 0, 4); g.font = "12px " + SANS; g.fillText(unit(), 0, 21); }
+    g.fillText(`${title}, ${unit()}`, 0, 4);
     verticals(g, w, pad, plotHeight);
     g.font = "11.5px " + SANS; g.textAlign = "right"; g.textBaseline = "middle";
     for (const [value, label] of ticks(low * f, high * f, plotHeight / 34)) {
@@ -388,25 +544,27 @@ const curveChart = ({ title, unit, factor, series, height, last = false, zeroBas
       const sizes = [...new Set([...offScale].map(Math.abs))].sort((a, b) => a - b).map(v => +(v * f).toPrecision(4));
       const isBoth = [...offScale].some(v => v < 0) && [...offScale].some(v => v > 0);
       const sign = isBoth ? "±" : [...offScale][0] < 0 ? "−" : "";
-      const text = `limit ${sign}${sizes.length > 1 ? sizes[0] + " to " + sizes.at(-1) : sizes[0]} ${unit()} is off this scale`;
+      const range = sizes.length > 1 ? `${sizes[0]} to ${sizes.at(-1)}` : sizes[0];
+      const text = isNarrow() ? `limit ${sign}${range} is off scale` : `limit ${sign}${range} ${unit()} is off this scale`;
       g.font = "11.5px " + SANS; g.textAlign = "right"; g.textBaseline = "top";
-      const width = g.measureText(text).width;
-      g.fillStyle = C.card; g.globalAlpha = 0.85; g.fillRect(w - RIGHT - width - 14, pad + 3, width + 10, 17); g.globalAlpha = 1;
-      g.fillStyle = C.soft; g.fillText(text, w - RIGHT - 9, pad + 5);
+      // On a narrow page it stands beside the title, where it hides no curve.
+      const width = g.measureText(text).width, top = isNarrow() ? 5 : pad + 5;
+      g.fillStyle = C.card; g.globalAlpha = 0.85; g.fillRect(w - RIGHT - width - 14, top - 2, width + 10, 17); g.globalAlpha = 1;
+      g.fillStyle = C.soft; g.fillText(text, w - RIGHT - 9, top);
     }
     if (last) timeAxis(g, w, plotHeight);
   }, (g, w, h) => {
-    cursorLine(g, w, plotHeight);
-    const f = factor(), step = Math.min(18, (plotHeight - 42) / series.length), wide = GUTTER > 200;
+    cursorLine(g, w, plotHeight, pad);
+    const f = factor(), wide = !isNarrow(), top = wide ? 44 : 36, step = Math.min(18, (plotHeight - top + 8) / series.length);
     g.font = "11px " + SANS; g.fillStyle = C.soft; g.textBaseline = "top"; g.textAlign = "right";
     if (wide) { g.fillText("at cursor", 134, 23); g.fillText("peak/limit", 200, 23); }
     g.textBaseline = "middle";
     series.forEach(({ name, curve, colour }, i) => {
-      const py = 44 + i * step, value = between(curve.t, curve.v, state.t), near = curve.used >= NEAR;
+      const py = top + i * step, value = between(curve.t, curve.v, state.t), near = curve.used >= NEAR;
       g.font = "12px " + SANS; g.textAlign = "left"; g.fillStyle = C[colour];
       g.fillText(name, 0, py);
       g.textAlign = "right"; g.fillStyle = C.ink;
-      g.fillText(fix(value * f, state.inDegrees && f !== 1 ? 1 : 3), wide ? 134 : 96, py);
+      g.fillText(fix(value * f, state.inDegrees && f !== 1 ? 1 : 3), wide ? 134 : GUTTER - 42, py);
       if (!wide) return;
       g.fillStyle = near ? C.red : C.soft;
       g.font = (near ? "600 " : "") + "12px " + SANS;
@@ -535,8 +693,9 @@ const drawScene = () => {
   const first = [path.x[0], path.y[0], path.z[0]], final = [path.x[n - 1], path.y[n - 1], path.z[n - 1]];
   g.fillStyle = C.green; g.beginPath(); g.arc(...at(first), 5.5, 0, 7); g.fill();
   g.fillStyle = C.red; const [ex, ey] = at(final); g.fillRect(ex - 4.5, ey - 4.5, 9, 9);
-  label(first, "start", C.green, 9, -9);
-  label(final, "end", C.red, 9, 11);
+  const isEndLower = at(final)[1] >= at(first)[1];
+  label(first, "start", C.green, 9, isEndLower ? -9 : 12);
+  label(final, "end", C.red, 9, isEndLower ? 12 : -9);
   g.fillStyle = C.accent; g.strokeStyle = C.card; g.lineWidth = 2; g.beginPath(); g.arc(...at(tcp), 6, 0, 7); g.fill(); g.stroke();
   // Scale of the speed.
   const bar = Math.min(190, w * 0.35), bar0 = 4, barY = h - 24;
@@ -546,7 +705,7 @@ const drawScene = () => {
   g.font = "12px " + SANS; g.fillStyle = C.soft; g.textBaseline = "top"; g.textAlign = "left";
   g.fillText("0", bar0, barY + 10);
   g.textAlign = "right"; g.fillText(speedMax < 1e-6 ? "" : fix(speedMax, 2), bar0 + bar, barY + 10);
-  g.textAlign = "center"; g.fillText("TCP speed, m/s", bar0 + bar / 2, barY + 10);
+  g.textAlign = "left"; g.textBaseline = "bottom"; g.fillText("TCP speed, m/s", bar0, barY - 3); g.textBaseline = "top";
   g.textAlign = "right"; g.fillText(`grid ${cell} m`, w - 4, barY + 10);
 };
 const fingers = new Map();
@@ -592,9 +751,11 @@ const buildWords = () => {
     const largest = Math.max(...errors.map(curve => Math.max(curve.max, -curve.min)));
     $("tiles").append(tile(`${fix(1000 * largest, 2)} mrad`, "largest tracking error", errors.some(curve => curve.used >= NEAR)));
   }
-  $("alarms").replaceChildren(...D.marks.filter(mark => mark.kind === "alarm").map(mark => make("div", {
-    className: "alarm", onclick: () => { choose(mark.line); moveTo(mark.t); } },
-    `Alarm at ${fix(mark.t, 3)} s in line ${mark.line}: ${mark.text}`, make("code", { textContent: sourceOf(mark.line) }))));
+  $("alarms").replaceChildren(...alarms.slice(-5).map(mark => make("button", {
+    className: "alarm", onclick: () => { moveTo(mark.t); showLine(mark.line); } },
+    make("b", { textContent: mark.line ? `Alarm at ${fix(mark.t, 3)} s in line ${mark.line}` : `Alarm at ${fix(mark.t, 3)} s` }),
+    make("span", { textContent: mark.text }), ...(mark.line ? [make("code", { textContent: sourceOf(mark.line) })] : []),
+    ...(mark.hints ?? []).map(hint => make("i", { textContent: `hint: ${hint}` })))));
   const head = make("tr", {}, ...[["line", "n"], ["program", ""], ["", ""], ["time, s", "n"], ["share", "n"], ["visits", "n"], ["each, s", "n"]]
     .map(([textContent, className]) => make("th", { textContent, className })));
   const longest = Math.max(...table.map(row => row.total), 1e-9);
@@ -615,15 +776,102 @@ const buildWords = () => {
   const messages = $("messages");
   messages.hidden = !hasMarks;
   messages.querySelector("summary").textContent = `Messages (${D.marks.length}${D.marks_left_out ? `, ${D.marks_left_out} more left out` : ""})`;
-  messages.querySelector("table").replaceChildren(...D.marks.map(mark => make("tr", { onclick: () => { moveTo(mark.t); choose(mark.line || null); } },
+  messages.querySelector("table").replaceChildren(...D.marks.map(mark => make("tr", { onclick: () => { moveTo(mark.t); showLine(mark.line); } },
     make("td", { className: "n", textContent: `${fix(mark.t, 3)} s` }), make("td", { className: "kind-" + mark.kind, textContent: mark.kind }),
-    make("td", { className: "n", textContent: mark.line ? `line ${mark.line}` : "" }), make("td", { textContent: mark.text }))));
+    make("td", { className: "n", textContent: mark.line ? `line ${mark.line}` : "" }), make("td", { textContent: [mark.text, ...(mark.hints ?? []).map(hint => `hint: ${hint}`)].join("\n") }))));
 };
+// The whole program, with the line that each thread is in.
+const programRows = new Map();
+const alarmLines = new Set(alarms.map(mark => mark.line)), warningLines = new Set(D.marks.filter(mark => mark.kind === "warning").map(mark => mark.line));
+const buildProgram = () => {
+  const numbers = Object.keys(D.source).map(Number).sort((a, b) => a - b);
+  $("program").parentElement.hidden = !numbers.length;
+  $("program").closest(".pair").classList.toggle("bare", !numbers.length);
+  const totals = new Map(table.map(row => [row.line, row.total])), longest = Math.max(...totals.values(), 1e-9);
+  const rows = [];
+  let last = 0;
+  const gap = next => { if (next > last + 1) rows.push(make("div", { className: "gap", textContent: next - last === 2 ? "1 line is left out" : `${next - last - 1} lines are left out` })); };
+  for (const number of numbers) {
+    gap(number);
+    last = number;
+    const total = totals.get(number) ?? 0, bar = make("i", { className: "share" });
+    bar.style.width = total ? `${Math.max(6, 100 * total / longest)}%` : "0";
+    const row = make("div", { className: "row", id: `L${number}`, title: total ? `${fix(total, 3)} s in line ${number}` : "" },
+      make("span", { className: "who" }), make("span", { className: "no", textContent: number }),
+      make("span", { className: "time" }, bar), make("code", { textContent: D.source[number] || " " }));
+    row.setAttribute("role", "option");
+    row.setAttribute("aria-selected", "false");
+    row.onclick = () => goToLine(number);
+    row.classList.toggle("alarmed", alarmLines.has(number));
+    row.classList.toggle("warned", warningLines.has(number));
+    programRows.set(number, row);
+    rows.push(row);
+  }
+  gap(D.source_lines + 1);
+  $("program").replaceChildren(...rows);
+  $("program").classList.toggle("threads", threads.length > 0);
+};
+const firstTime = line => {
+  const times = [...spans, ...threads.flatMap(thread => thread.spans)].filter(span => span.line === line).map(span => span.t0);
+  times.push(...D.marks.filter(mark => mark.line === line).map(mark => mark.t), ...D.moves.filter(move => move[3] === line).map(move => move[0]));
+  for (const signal of signals) signal.t.forEach((t, i) => { if (D.signals.causes[signal.by[i]][1] === line) times.push(t); });
+  for (const channel of channels) channel.t.forEach((t, i) => { if (channel.line[i] === line) times.push(t); });
+  return times.length ? Math.min(...times) : null;
+};
+const goToLine = line => {
+  const t = firstTime(line), row = programRows.get(line);
+  cursorRow = line;
+  markCursorRow();
+  if (t !== null) { held = line; state.chosen = null; choose(line); moveTo(t); return; }
+  const box = row.getBoundingClientRect();
+  tip(`line ${line}: no time is known; it was not reached, or took no tick`, { clientX: box.left + 60, clientY: box.bottom - 14 });
+  setTimeout(tip, 2500);
+};
+let cursorRow = 0, shownRows = [], held = 0, followed = -1;
+const markCursorRow = () => {
+  for (const row of $("program").querySelectorAll(".at")) row.classList.remove("at");
+  const row = programRows.get(cursorRow);
+  if (!row) return;
+  row.classList.add("at");
+  $("program").setAttribute("aria-activedescendant", row.id);
+};
+const scrollToRow = row => {
+  const box = $("program"), top = row.offsetTop;
+  if (top < box.scrollTop + 20 || top > box.scrollTop + box.clientHeight - 40) box.scrollTop = top - box.clientHeight / 2;
+};
+const showLine = line => { const row = programRows.get(line); if (row) { followed = lineAt(state.t); scrollToRow(row); } };
+const drawProgram = () => {
+  for (const row of shownRows) { row.classList.remove("now", "other"); row.setAttribute("aria-selected", "false"); row.firstChild.textContent = ""; }
+  shownRows = [];
+  const put = (line, className, name) => {
+    const row = programRows.get(line);
+    if (!row) return;
+    row.classList.add(className);
+    row.setAttribute("aria-selected", "true");
+    row.firstChild.textContent = row.firstChild.textContent ? `${row.firstChild.textContent}, ${name}` : name;
+    shownRows.push(row);
+  };
+  const line = lineAt(state.t);
+  put(line, "now", "▶");
+  for (const thread of threads) put(lineOfThread(thread, state.t), "other", thread.name);
+  if (line !== followed && !held) { followed = line; const row = programRows.get(line); if (row) scrollToRow(row); }
+  held = 0;
+};
+$("program").addEventListener("keydown", event => {
+  const numbers = [...programRows.keys()], at = numbers.indexOf(cursorRow);
+  const jump = { ArrowDown: 1, ArrowUp: -1, PageDown: 15, PageUp: -15, Home: -1e9, End: 1e9 }[event.key];
+  if (jump !== undefined) {
+    event.preventDefault();
+    cursorRow = numbers[clamp((at < 0 ? numbers.indexOf(spanAt(state.t).line) : at) + jump, 0, numbers.length - 1)];
+    markCursorRow();
+    scrollToRow(programRows.get(cursorRow));
+  } else if (event.key === "Enter" && at >= 0) goToLine(cursorRow);
+});
 const readout = () => {
-  const span = spanAt(state.t), [x, y, z] = pointAt(state.t).map(v => fix(v * 1000, 1));
+  const line = lineAt(state.t), [x, y, z] = pointAt(state.t).map(v => fix(v * 1000, 1));
   const pair = (name, value) => { const box = make("div"); box.append(make("span", { textContent: name + " " }), value); return box; };
   $("readout").replaceChildren(pair("t", `${fix(state.t, 3)} s`), pair("TCP x y z", `${x}  ${y}  ${z} mm`),
-    pair("TCP speed", `${fix(between(speed.t, speed.v, state.t), 3)} m/s`), pair("line", String(span.line || "–")), make("code", { textContent: sourceOf(span.line) }));
+    pair("TCP speed", `${fix(between(speed.t, speed.v, state.t), 3)} m/s`), pair("line", String(line || "–")), make("code", { textContent: sourceOf(line) }));
 };
 const tip = (text, event) => {
   const box = $("tip");
@@ -641,13 +889,14 @@ const later = draw => {
   waiting.add(draw);
 };
 const drawCursor = () => {
-  for (const { over, drawOver } of charts) drawOver(...prepare(over));
+  for (const { over, drawOver } of charts) if (over.clientWidth) drawOver(...prepare(over));
   drawScene();
+  drawProgram();
   readout();
 };
 const drawNow = () => {
-  GUTTER = innerWidth > 900 ? 250 : 140;
-  for (const { base, drawBase } of charts) drawBase(...prepare(base));
+  GUTTER = innerWidth > 900 ? 250 : innerWidth > 600 ? 190 : 146;
+  for (const { base, drawBase } of charts) if (base.clientWidth) drawBase(...prepare(base));
   drawCursor();
 };
 const drawAll = () => later(drawNow);
@@ -680,16 +929,24 @@ $("whole").onclick = showWhole;
 $("unit").onclick = () => { state.inDegrees = !state.inDegrees; $("unit").textContent = state.inDegrees ? "deg → rad" : "rad → deg"; drawAll(); };
 $("scale").onclick = () => { state.allLimits = !state.allLimits; $("scale").textContent = state.allLimits ? "fit to the curves" : "show all limits"; drawAll(); };
 addEventListener("keydown", event => {
-  if (event.target.closest?.("button, summary")) return;
+  if (event.ctrlKey || event.altKey || event.metaKey) return;
+  if (event.key === " " && event.target.closest?.("button, summary")) return;
   const step = (state.view[1] - state.view[0]) / (event.shiftKey ? 20 : 400);
+  const times = focused?.times ?? D.marks.map(mark => mark.t);
   if (event.key === "ArrowLeft") moveTo(state.t - step);
   else if (event.key === "ArrowRight") moveTo(state.t + step);
+  else if (event.key === "n") moveTo(Math.min(...times.filter(t => t > state.t + 1e-6), T1));
+  else if (event.key === "p") moveTo(Math.max(...times.filter(t => t < state.t - 1e-6), T0));
   else if (event.key === " ") { event.preventDefault(); play(); }
   else if (event.key === "Escape") { state.chosen = null; choose(null); }
+  else return;
+  if (focused) later(tipAtCursor);
 });
 addEventListener("resize", drawAll);
 const recolour = () => { readColours(); buildWords(); drawAll(); };
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", recolour);
+buildProgram();
 recolour();
 drawNow();
+if (lastAlarm) showLine(lastAlarm.line);
 })();

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,13 +13,25 @@ from elitescript.controller.trace import TraceRow
 from elitescript.language.source import SourceFile
 from elitescript.messages.events import Event
 from elitescript.models.model import RobotModel
-from elitescript.plotting.curves import error_curves, joint_curves, milliseconds, speed_curve, tcp_path, tcp_speeds
-from elitescript.plotting.happenings import marks, moves, signals
-from elitescript.plotting.line_times import line_times, merged, stretches
+from elitescript.plotting.channel_lanes import channel_lanes
+from elitescript.plotting.curves import error_curves, joint_curves, speed_curve, tcp_path, tcp_speeds
+from elitescript.plotting.happenings import marks, moves
+from elitescript.plotting.line_times import Stretch, line_times, merged, stretches
+from elitescript.plotting.packing import milliseconds, shown_text
+from elitescript.plotting.signal_lanes import signal_lanes, signal_lanes_of_rows
 
 STRETCHES_MAX: Final = 4000
-SOURCE_TEXT_MAX: Final = 160
+THREAD_STRETCHES_MAX: Final = 800
+"""Stretches of one thread beside the main one."""
+
+THREADS_MAX: Final = 16
+"""Threads beside the main one whose lines are shown: those that began first."""
+
+SOURCE_TEXT_MAX: Final = 400
 """Characters of a source line on the page."""
+
+SOURCE_MAX: Final = 150_000
+"""Characters of the program on the page; of a longer one the rest is left out but for lines that something names."""
 
 _FOLDER: Final = Path(__file__).parent
 
@@ -36,6 +48,7 @@ class Recording:
         events: what happened besides motion; times count like those of the rows.
         state: how the run ended; empty if only the trace is known.
         step_s: time between two rows, s; 0 if only the trace is known.
+        thread_lines: where each thread beside the main one was, in the order in which they began.
     """
 
     title: str
@@ -45,13 +58,14 @@ class Recording:
     events: Sequence[Event] = ()
     state: str = ""
     step_s: float = 0.0
+    thread_lines: Mapping[str, Sequence[Stretch]] = field(default_factory=dict)
 
 
 def page(recording: Recording) -> str:
     """The text of the HTML file."""
     data = json.dumps(page_data(recording), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     parts = {
-        "title": html.escape(recording.title),
+        "title": html.escape(shown_text(recording.title)),
         "style": _part("page.css"),
         "code": _part("page.js"),
         # An end tag or a comment in a text of the program must not end the element.
@@ -70,11 +84,27 @@ def page_data(recording: Recording) -> dict[str, Any]:
     found = stretches(rows)
     spans = merged(found, STRETCHES_MAX)
     table = line_times(rows)
-    traces, signals_left_out = signals(recording.events, start_s)
-    shown_marks, marks_left_out = marks(recording.events)
+    events = recording.events
+    shown_marks, marks_left_out = marks(events)
+    shown_moves = moves(events, end_s)
+    signals = signal_lanes(events, start_s) if recording.source is not None else signal_lanes_of_rows(rows)
+    channels = channel_lanes(events)
+    threads = [
+        {
+            "name": shown_text(name),
+            "t": milliseconds([shown[0].start_s, *(span.end_s for span in shown)]),
+            "line": [span.line for span in shown],
+        }
+        for name, known in list(recording.thread_lines.items())[:THREADS_MAX]
+        if (shown := merged(known, THREAD_STRETCHES_MAX))
+    ]
     named = {entry.line for entry in table} | {mark["line"] for mark in shown_marks}
+    named.update(line for _, _, _, line in shown_moves)
+    named.update(line for _, line in signals["causes"])
+    named.update(line for lane in channels["lanes"] for line in lane["line"])
+    named.update(line for thread in threads for line in thread["line"])
     return {
-        "title": recording.title,
+        "title": shown_text(recording.title),
         "model": model.name,
         "state": recording.state,
         "start": start_s,
@@ -89,16 +119,32 @@ def page_data(recording: Recording) -> dict[str, Any]:
         "spans_left_out": len(found) - len(spans),
         "table": [[entry.line, round(entry.moving_s, 6), round(entry.standing_s, 6), entry.visits] for entry in table],
         "source": {} if recording.source is None else _source_lines(recording.source, named),
-        "moves": moves(recording.events, end_s),
-        "signals": traces,
-        "signals_left_out": signals_left_out,
+        "source_lines": 0 if recording.source is None else len(_lines(recording.source)),
+        "threads": threads,
+        "threads_left_out": max(0, len(recording.thread_lines) - THREADS_MAX),
+        "moves": shown_moves,
+        "signals": signals,
+        "channels": channels,
         "marks": shown_marks,
         "marks_left_out": marks_left_out,
     }
 
 
-def _source_lines(source: SourceFile, numbers: set[int]) -> dict[int, str]:
-    return {number: source.line(number).strip()[:SOURCE_TEXT_MAX] for number in sorted(numbers) if number > 0}
+def _source_lines(source: SourceFile, named: set[int]) -> dict[int, str]:
+    """The text of the program by line: the whole of it, of a very long one its begin and the lines that are named."""
+    lines: dict[int, str] = {}
+    size = 0
+    for number, text in enumerate(_lines(source), 1):
+        shown = shown_text(text.rstrip(), SOURCE_TEXT_MAX)
+        size += len(shown) + 8
+        if size <= SOURCE_MAX or number in named:
+            lines[number] = shown
+    return lines
+
+
+def _lines(source: SourceFile) -> Sequence[str]:
+    """Without the empty one after the last line end."""
+    return source.lines[:-1] if source.lines and not source.lines[-1] else source.lines
 
 
 def _part(name: str) -> str:

@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.controller.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
+from elitescript.controller.trace_signals import NO_SIGNALS, SignalLevels
 from elitescript.errors import UsageError
 from elitescript.messages.motion import Six
+from elitescript.messages.signals import Value, parse_signal_name
 
 SUFFIXES: Final = (".csv", ".jsonl")
 """What the name of a trace ends in."""
@@ -20,8 +22,8 @@ _NUMBERS: Final = tuple(name for name in TRACE_COLUMNS if name not in ("line", "
 def read_trace(path: Path) -> list[TraceRow]:
     """The rows of a trace file, in the order of time.
 
-    Columns beyond those of a trace are ignored, and their order is free. Measured joint positions are read where a row
-    has all six.
+    The order of the columns is free. Measured joint positions are read where a row has all six, and signals where a
+    column has the name of one; other columns are ignored.
 
     Raises:
         UsageError: the file cannot be read or is not a trace; the text begins with `file:line:`.
@@ -36,8 +38,18 @@ def read_trace(path: Path) -> list[TraceRow]:
     lines = text.split("\n")
     records = _csv_records(path, lines) if path.suffix == ".csv" else _json_records(path, lines)
     rows: list[TraceRow] = []
+    columns: tuple[str, ...] = ()
+    kinds: dict[str, str] = {}
+    levels: dict[str, Value] = {}
+    signals = NO_SIGNALS
     for number, record in records:
-        row = _row(f"{path}:{number}", record)
+        place = f"{path}:{number}"
+        if (names := tuple(record)) != columns:
+            columns, kinds = names, {name: kind for name in names if (kind := _kind_of_signal(name))}
+        found = {name: _level(place, name, record[name], kind) for name, kind in kinds.items()}
+        if found != levels:
+            levels, signals = found, SignalLevels(found)
+        row = _row(place, record)._replace(signals=signals)
         if rows and not row.t > rows[-1].t:
             raise UsageError(f"{path}:{number}: t = {row.t:g} s does not come after the {rows[-1].t:g} s before it")
         rows.append(row)
@@ -91,6 +103,27 @@ def _row(place: str, record: Mapping[str, Any]) -> TraceRow:
     x, y, z, rx, ry, rz = values[13:19]
     q, qd, pose = (a, b, c, d, e, f), (g, h, i, j, k, m), (x, y, z, rx, ry, rz)
     return TraceRow(values[0], int(line), q, qd, pose, str(record["state"]), _q_actual(place, record))
+
+
+def _kind_of_signal(column: str) -> str:
+    """Kind of the signal of that name; empty if the column is no signal."""
+    if column in TRACE_COLUMNS or column in ACTUAL_COLUMNS:
+        return ""
+    try:
+        return parse_signal_name(column)[0].kind
+    except UsageError:
+        return ""
+
+
+def _level(place: str, column: str, value: Any, kind: str) -> Value:
+    if kind == "float" and str(value) in ("inf", "-inf", "nan"):
+        return float(value)
+    number = float(value) if isinstance(value, bool) else _number(place, column, value)
+    if kind == "float":
+        return number
+    if number != int(number):
+        raise UsageError(f"{place}: {column}: needs a whole number, has {value!r}")
+    return bool(number) if kind == "bool" else int(number)
 
 
 def _q_actual(place: str, record: Mapping[str, Any]) -> Six | None:
