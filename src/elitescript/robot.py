@@ -32,6 +32,7 @@ from elitescript.run import EndState, Run, SignalRecord
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
 from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
+from elitescript.worlds.allowance import TASK_DIR_BYTES
 from elitescript.worlds.interrupts import interrupts_passed_to
 from elitescript.worlds.outside import Outside
 from elitescript.worlds.program_file import source_of
@@ -68,6 +69,7 @@ class VirtualRobot:
         speed: speed percentage as a fraction, 0 to 1.
         task_dir: folder that stands for the robot's task folder; if None, a program that comes from a file
             gets that file's folder, and a program text gets an empty folder in memory.
+        task_dir_limit: bytes that programs may add to the task folder (default *assumed*).
         world: what is around the robot: a `World` of devices (`elitescript.testing.world`), or the path of a TOML file
             that declares one, with configurations and levels of signals at the start. Or a folder and a network by
             themselves, instead of `task_dir`.
@@ -97,6 +99,7 @@ class VirtualRobot:
         joints: Six | None = None,
         speed: float = 1.0,
         task_dir: str | Path | None = None,
+        task_dir_limit: int = TASK_DIR_BYTES,
         world: World | Surroundings | str | Path | None = None,
         lines: Mapping[str, str] | None = None,
         strict: bool = False,
@@ -113,7 +116,7 @@ class VirtualRobot:
         self.profile = profile(firmware)
         self._options = Options(strict=strict)
         self._on_event = on_event
-        self._outside = Outside(world, task_dir, lines)
+        self._outside = Outside(world, task_dir, lines, task_dir_limit)
         cell = self._outside.cell
         fittings = Fittings(
             epoch_s=epoch_s,

@@ -171,7 +171,15 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
     import argparse
 
     from elitescript import __version__
-    from elitescript.cli.serving_options import add_connections, add_ctl, add_devices, add_doctor, add_replay, add_serve
+    from elitescript.cli.serving_options import (
+        add_connections,
+        add_ctl,
+        add_devices,
+        add_doctor,
+        add_replay,
+        add_serve,
+        add_task_dir_limit,
+    )
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 
     parser = argparse.ArgumentParser(
@@ -210,6 +218,7 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
     run.add_argument("--joints", metavar="Q1,...,Q6", help="joint positions at the start, rad")
     run.add_argument("--speed", type=float, default=1.0, metavar="0..1", help="speed percentage as a fraction")
     run.add_argument("--task-dir", metavar="DIR", help="folder for open() and get_task_path() (default: FILE's folder)")
+    add_task_dir_limit(run, "the task folder")
     run.add_argument(
         "--set",
         action="append",

@@ -13,7 +13,7 @@ from types import FrameType
 from typing import Any, Final
 
 from elitescript.cli.report import JsonReport, Report, TextReport
-from elitescript.cli.settings import check_presets, parse_epoch, parse_joints, parse_settings
+from elitescript.cli.settings import check_presets, parse_epoch, parse_joints, parse_settings, parse_size
 from elitescript.cli.trace_file import TraceFile
 from elitescript.controller.trace import Trace, step_ticks
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
@@ -48,6 +48,7 @@ def run(options: argparse.Namespace) -> int:
         joints=None if options.joints is None else parse_joints(options.joints),
         speed=options.speed,
         task_dir=options.task_dir or path.resolve().parent,
+        task_dir_limit=parse_size(options.task_dir_limit, "--task-dir-limit"),
         strict=options.strict,
         epoch_s=EPOCH_S if options.epoch is None else parse_epoch(options.epoch),
         rpc_timeout_s=options.rpc_timeout,
