@@ -45,13 +45,21 @@ def test_another_epoch_is_refused():
 
 @pytest.mark.parametrize(
     ("text", "size"),
-    [("0", 0), ("5000", 5000), ("12B", 12), ("100MB", 100_000_000), ("1.5 GiB", 1_610_612_736), ("2kb", 2000), ("1KiB", 1024)],
-)  # fmt: skip
+    [
+        ("0", 0),
+        ("5000", 5000),
+        ("12B", 12),
+        ("100MB", 100_000_000),
+        ("1.5 GiB", 1_610_612_736),
+        ("2kb", 2000),
+        ("1KiB", 1024),
+    ],
+)
 def test_a_size_has_a_unit_or_none(text, size):
     assert parse_size(text, "--task-dir-limit") == size
 
 
 @pytest.mark.parametrize("text", ["", "MB", "-1", "inf", "nan", "10 TB", "1e400", "ten", "5iB", "5 M B"])
 def test_another_size_is_refused(text):
-    with pytest.raises(UsageError, match="--task-dir-limit .*: write a number of bytes such as 5000, 100MB or 2GiB"):
+    with pytest.raises(UsageError, match=r"--task-dir-limit .*: write a number of bytes such as 5000, 100MB or 2GiB"):
         parse_size(text, "--task-dir-limit")

@@ -326,8 +326,8 @@ class TestAllowance:
 
     @pytest.mark.parametrize(
         ("size", "text"),
-        [(0, "0 bytes"), (999, "999 bytes"), (1000, "1 kB"), (99_990_000, "99.99 MB"), (100_000_000, "100 MB"), (2_500_000_000, "2.5 GB")],
-    )  # fmt: skip
+        [(0, "0 bytes"), (999, "999 bytes"), (1000, "1 kB"), (99_990_000, "99.99 MB"), (2_500_000_000, "2.5 GB")],
+    )
     def test_shows_sizes(self, size, text):
         assert shown_size(size) == text
 
