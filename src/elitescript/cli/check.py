@@ -12,6 +12,7 @@ from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, Severity, render, to_json
 from elitescript.language.source import SourceFile
 from elitescript.lint.engine import check_source
+from elitescript.messages.paths import why_no_file
 from elitescript.messages.profile import profile
 
 FOUND_ERRORS: Final = 3
@@ -42,6 +43,8 @@ def check_file(path: Path, firmware: str, strict: bool) -> tuple[SourceFile, tup
     Raises:
         UsageError: the file cannot be read.
     """
+    if why := why_no_file(path, is_stream_allowed=True):
+        raise UsageError(f"cannot read {path}: it {why}")
     try:
         data = path.read_bytes()
     except OSError as error:

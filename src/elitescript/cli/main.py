@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import sys
 
-from elitescript.cli.watched import MARK, can_watch, run_watched
+from elitescript.cli.watched import MARK, MEMORY_DEFAULT, can_watch, run_watched
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -245,6 +245,12 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
         "--state",
         metavar="FILE",
         help="begin with the registers, flags and general Modbus values of this file, and write them back at the end",
+    )
+    run.add_argument(
+        "--memory-limit",
+        default=MEMORY_DEFAULT,
+        metavar="SIZE",
+        help="memory that the run may have, such as 8GiB (default %(default)s)",
     )
     run.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
     run.add_argument(

@@ -15,7 +15,7 @@ from typing import Any, Final
 from elitescript.cli.report import JsonReport, Report, TextReport
 from elitescript.cli.settings import check_presets, parse_epoch, parse_joints, parse_settings, parse_size
 from elitescript.cli.trace_file import TraceFile
-from elitescript.cli.watched import watch_for_crashes
+from elitescript.cli.watched import limit_memory, watch_for_crashes
 from elitescript.controller.trace import Trace, step_ticks
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, Severity
@@ -39,7 +39,8 @@ PATIENCE_S: Final = 1.0
 
 def run(options: argparse.Namespace) -> int:
     """Run the program of the command line; return the exit code."""
-    watch_for_crashes()
+    if watch_for_crashes():
+        limit_memory(parse_size(options.memory_limit, "--memory-limit"))
     path = Path(options.file)
     report: Report = JsonReport(sys.stdout) if options.json else TextReport(sys.stdout, sys.stderr)
     signals, presets = parse_settings(options.set)

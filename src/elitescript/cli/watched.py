@@ -32,6 +32,11 @@ STACK_BYTES: Final = 1 << 30
 """Stack of a child, for calls of C code in C code: 8 MB, which is usual, hold 100,000 `map` in one another. It takes
 memory only as it is used."""
 
+MEMORY_DEFAULT: Final = "4GiB"
+"""Memory that a run may have, *assumed*: more than a controller has, less than most computers."""
+MEMORY_MIN: Final = 512 << 20
+"""Address space that a run has whatever was asked for: Python, this package and its model take it."""
+
 TRACE_MAX: Final = 1 << 16
 
 HINT: Final = "do not nest iterators (map, filter, zip, itertools) or objects hundreds of thousands deep"
@@ -96,6 +101,18 @@ def watch_for_crashes() -> bool:
         # Threads would get as much stack as this process may have.
         _thread.stack_size(8 << 20)
     return True
+
+
+def limit_memory(size: int) -> None:
+    """Let this process have so many bytes of memory at most, where the system can limit it."""
+    try:
+        import resource
+    except ImportError:
+        return
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    soft = size if hard == resource.RLIM_INFINITY else min(size, hard)
+    # The least that a run needs for itself.
+    resource.setrlimit(resource.RLIMIT_AS, (max(soft, MEMORY_MIN), hard))
 
 
 def _watch(command: list[str], environment: dict[str, str], max_wall_s: float | None) -> tuple[int | None, bytes]:

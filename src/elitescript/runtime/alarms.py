@@ -23,6 +23,8 @@ CLOSE_ENOUGH: Final = 0.7
 """Similarity from which a name is suggested for a wrong one."""
 
 UNCAUGHT: Final = "R100"
+OUT_OF_MEMORY: Final = "R150"
+MEMORY_HINT: Final = "make shorter lists and texts, or keep fewer of them"
 
 
 class Place(NamedTuple):
@@ -78,9 +80,23 @@ def alarm_of(
         details = details_of(error)
     elif isinstance(error, NameError) and type(error.name) is str and not isinstance(error, UnboundLocalError):
         code, class_name, text, details = _unknown_name(error.name, text, place, known, catalogue, profile)
+    elif isinstance(error, MemoryError) and not text:
+        code, text, details = OUT_OF_MEMORY, memory_text(), {"hint": MEMORY_HINT}
     if place.inner:
         text = f"{text} ({place.inner})"
     return Alarm(clock(), code, class_name, text, place.line, place.column, thread, place.source_line, details)
+
+
+def memory_text() -> str:
+    """Return what is wrong when there is not enough memory, with the limit of the process if it has one."""
+    text = "there is not enough memory for what this line asks for"
+    try:
+        import resource
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    except ImportError:  # not on this system
+        return text
+    return text if limit == resource.RLIM_INFINITY else f"{text}: a run may have {limit >> 20} MiB"
 
 
 def abandoned(strand: Strand, tick: int) -> Alarm:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from elitescript.errors import UsageError
 from elitescript.language.source import SourceFile
+from elitescript.messages.paths import why_no_file
 
 
 def source_of(program: str | Path) -> SourceFile:
@@ -20,6 +21,8 @@ def source_of(program: str | Path) -> SourceFile:
     if isinstance(program, str) and ("\n" in program or not program.strip().endswith(".script")):
         return SourceFile("<program>", program)
     path = Path(program)
+    if why := why_no_file(path, is_stream_allowed=True):
+        raise UsageError(f"cannot read {path}: it {why}")
     try:
         data = path.read_bytes()
     except OSError as error:
