@@ -97,11 +97,11 @@ _ROWS: Final = (
     Code("R132", "error", "the controller had to be restarted"),
     Code("R133", "error", "remote procedure call that failed"),
     Code("R134", "error", "MODBUS signal that does not work"),
-    Code("R150", "error", "not enough memory"),
-    Code("R151", "error", "the process that ran the program has crashed"),
     Code("R140", "error", "protective stop"),
     Code("R141", "error", "emergency stop"),
     Code("R142", "error", "violation or fault of the safety system"),
+    Code("R150", "error", "not enough memory"),
+    Code("R151", "error", "the process that ran the program has crashed"),
 )
 
 CODES: Final[dict[str, Code]] = {row.code: row for row in _ROWS}

@@ -129,7 +129,7 @@ def _watch(command: list[str], environment: dict[str, str], max_wall_s: float | 
             # The end of the parent closes its pipe, which ends this process with SIGIO.
             os.close(parent)
             fcntl.fcntl(parted, fcntl.F_SETOWN, os.getpid())
-            fcntl.fcntl(parted, fcntl.F_SETFL, fcntl.fcntl(parted, fcntl.F_GETFL) | os.O_ASYNC)  # type: ignore[attr-defined]
+            fcntl.fcntl(parted, fcntl.F_SETFL, fcntl.fcntl(parted, fcntl.F_GETFL) | os.O_ASYNC)
             for descriptor in (parted, crash):
                 os.set_inheritable(descriptor, True)
             hard = resource.getrlimit(resource.RLIMIT_STACK)[1]
