@@ -20,7 +20,7 @@ MAIN = "import sys; from elitescript.cli.main import main; sys.exit(main())"
 def run(text, tmp_path, *options, before=""):
     path = tmp_path / "p.script"
     path.write_text(text)
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONUNBUFFERED": ""}
     command = [sys.executable, "-c", before + MAIN, "run", str(path), *options]
     return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
 
@@ -134,7 +134,7 @@ def test_what_python_bounds_itself_is_an_ordinary_end(text, error, tmp_path):
 def started(text, tmp_path):
     path = tmp_path / "p.script"
     path.write_text(text)
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONUNBUFFERED": ""}
     command = [sys.executable, "-c", MAIN, "run", str(path), "--json", "--realtime"]
     return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 

@@ -89,15 +89,19 @@ def place_in_trace(trace: bytes) -> tuple[str, int] | None:
 
 
 def watch_for_crashes() -> bool:
-    """In a child that is watched: have a crash write its trace. Return whether this is such a child."""
+    """Prepare a child that is watched for a crash, which writes its trace; return whether this is such a child."""
     mark = os.environ.get(MARK, "")
     if not mark.isdigit():
         return False
     if int(mark):
         import _thread
         import faulthandler
+        from io import TextIOWrapper
 
         faulthandler.enable(file=int(mark), all_threads=False)
+        if isinstance(sys.stdout, TextIOWrapper):
+            # What is in a buffer is lost in a crash.
+            sys.stdout.reconfigure(line_buffering=True)
         # Threads would get as much stack as this process may have.
         _thread.stack_size(8 << 20)
     return True
