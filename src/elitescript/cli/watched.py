@@ -72,8 +72,12 @@ def run_watched(command: list[str], environment: dict[str, str], max_wall_s: flo
         return status
     import signal
 
-    if -status in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
-        return 128 - status  # somebody has ended it
+    if -status in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGPIPE):
+        # Somebody has ended it: this process ends alike, for whoever looks at how.
+        signal.signal(-status, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {-status})
+        os.kill(os.getpid(), -status)
+        return 128 - status
     _report_crash(name, signal.Signals(-status).name, place_in_trace(trace), is_json=is_json)
     return ALARM
 

@@ -24,7 +24,9 @@ CLOSE_ENOUGH: Final = 0.7
 
 UNCAUGHT: Final = "R100"
 OUT_OF_MEMORY: Final = "R150"
-MEMORY_HINT: Final = "make shorter lists and texts, or keep fewer of them"
+MEMORY_HINT: Final = (
+    "make shorter lists and texts, or keep fewer of them; `run --memory-limit` sets what a run may have"
+)
 
 
 class Place(NamedTuple):
