@@ -128,6 +128,8 @@ _ROWS: Final = (
     Code("R140", "error", "protective stop"),
     Code("R141", "error", "emergency stop"),
     Code("R142", "error", "violation or fault of the safety system"),
+    Code("R150", "error", "not enough memory"),
+    Code("R151", "error", "the process that ran the program has crashed"),
 )
 
 CODES: Final[dict[str, Code]] = {row.code: row for row in _ROWS}

@@ -34,6 +34,7 @@ from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.scheduler import WORK_PER_TICK
 from elitescript.runtime.world import World
 from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
+from elitescript.worlds.allowance import TASK_DIR_BYTES
 from elitescript.worlds.drain import DRAIN_S, Drain
 from elitescript.worlds.interrupts import interrupts_passed_to
 from elitescript.worlds.outside import Outside
@@ -71,6 +72,7 @@ class VirtualRobot:
         speed: speed percentage as a fraction, 0 to 1.
         task_dir: folder that stands for the robot's task folder; if None, a program that comes from a file
             gets that file's folder, and a program text gets an empty folder in memory.
+        task_dir_limit: bytes that programs may add to the task folder (default *assumed*).
         world: what is around the robot: a `World` of devices (`elitescript.testing.world`), or the path of a TOML file
             that declares one, with configurations and levels of signals at the start. Or a folder and a network by
             themselves, instead of `task_dir`.
@@ -101,6 +103,7 @@ class VirtualRobot:
         joints: Six | None = None,
         speed: float = 1.0,
         task_dir: str | Path | None = None,
+        task_dir_limit: int = TASK_DIR_BYTES,
         world: World | Surroundings | str | Path | None = None,
         lines: Mapping[str, str] | None = None,
         strict: bool = False,
@@ -118,7 +121,7 @@ class VirtualRobot:
         self.profile = profile(firmware)
         self._options = Options(strict=strict)
         self._on_event = on_event
-        self._outside = Outside(world, task_dir, lines)
+        self._outside = Outside(world, task_dir, lines, task_dir_limit)
         cell = self._outside.cell
         fittings = Fittings(
             epoch_s=epoch_s,

@@ -1,6 +1,6 @@
 import pytest
 
-from elitescript.cli.settings import parse_epoch, parse_joints, parse_settings
+from elitescript.cli.settings import parse_epoch, parse_joints, parse_settings, parse_size
 from elitescript.errors import UsageError
 
 
@@ -41,3 +41,25 @@ def test_an_epoch_is_seconds_or_a_date(text):
 def test_another_epoch_is_refused():
     with pytest.raises(UsageError, match="2024-01-01"):
         parse_epoch("yesterday")
+
+
+@pytest.mark.parametrize(
+    ("text", "size"),
+    [
+        ("0", 0),
+        ("5000", 5000),
+        ("12B", 12),
+        ("100MB", 100_000_000),
+        ("1.5 GiB", 1_610_612_736),
+        ("2kb", 2000),
+        ("1KiB", 1024),
+    ],
+)
+def test_a_size_has_a_unit_or_none(text, size):
+    assert parse_size(text, "--task-dir-limit") == size
+
+
+@pytest.mark.parametrize("text", ["", "MB", "-1", "inf", "nan", "10 TB", "1e400", "ten", "5iB", "5 M B"])
+def test_another_size_is_refused(text):
+    with pytest.raises(UsageError, match=r"--task-dir-limit .*: write a number of bytes such as 5000, 100MB or 2GiB"):
+        parse_size(text, "--task-dir-limit")

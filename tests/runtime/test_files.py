@@ -49,14 +49,15 @@ class TestOpen:
     def test_what_goes_wrong_when_a_file_is_let_go_is_nobody_s_error(self, files, monkeypatch, recwarn):
         closings = []
 
-        def full(self):
+        def full(self, data):
             closings.append(self)
             raise OSError(28, "No space left on device")
 
         unraised = []
         monkeypatch.setattr("sys.unraisablehook", unraised.append)
-        monkeypatch.setattr("elitescript.worlds.memory._MemoryFile.flush", full)
+        monkeypatch.setattr("elitescript.worlds.memory._MemoryFile.write", full)
         file = files.open("new.txt", "w")
+        file.write("x")
         del file
         assert closings and not unraised and not recwarn.list
 
@@ -67,11 +68,13 @@ class TestOpen:
         assert not unraised
 
     def test_one_that_cannot_be_closed_does_not_keep_the_others_open(self, files, monkeypatch):
-        def full(self):
+        def full(self, data):
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr("elitescript.worlds.memory._MemoryFile.flush", full)
+        monkeypatch.setattr("elitescript.worlds.memory._MemoryFile.write", full)
         kept = [files.open(name, "w") for name in ("a", "b")]
+        for file in kept:
+            file.write("x")
         with pytest.raises(OSError, match="No space"):
             files.close()
         assert [file.closed for file in kept] == [True, True]

@@ -1,6 +1,7 @@
 """Files through questions: the same as files of one's own, and safe against whoever asks."""
 
 import json
+import tracemalloc
 from random import Random
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from elitescript.errors import ScriptPermissionError
 from elitescript.messages.shapes import CodecError
 from elitescript.services.remote_files import OPEN_MAX, PIECE_MAX, FileDesk, RemoteFiles
+from elitescript.worlds.allowance import Allowance
 from elitescript.worlds.memory import MemoryFiles
 from elitescript.worlds.real import RealFiles
 
@@ -106,6 +108,38 @@ class TestRemoteFiles:
             ours.seek(0)
             theirs.seek(0)
             assert ours.read() == theirs.read()
+
+
+class TestHandles:
+    def test_see_what_another_has_flushed(self, files):
+        with files.open("old.txt", "r+b", None, None) as one, files.open("old.txt", "rb", None, None) as two:
+            assert two.read() == b"one\ntwo\n"
+            one.seek(0, 2)
+            one.write(b"three\n")
+            one.flush()
+            assert two.read() == b"three\n"
+
+    def test_the_limit_of_the_folder_is_named(self, tmp_path):
+        files = remote(RealFiles(tmp_path, Allowance(10)))
+        file = files.open("f", "wb", None, None)
+        file.write(b"x" * 11)
+        with pytest.raises(OSError, match=r"limit of 10 bytes \(--task-dir-limit sets it\)") as caught:
+            file.close()
+        assert (caught.value.errno, caught.value.filename) == (28, "f")
+
+    def test_a_line_that_is_appended_copies_no_file(self):
+        far = remote(MemoryFiles({"log": bytes(10_000_000)}))
+        with far.open("log", "ab", None, None) as file:
+            file.write(b"first\n")
+            file.flush()
+            tracemalloc.start()
+            try:
+                for _ in range(20):
+                    file.write(b"a line\n")
+                    file.flush()
+                assert tracemalloc.get_traced_memory()[1] < 1_000_000
+            finally:
+                tracemalloc.stop()
 
 
 class TestFileDesk:

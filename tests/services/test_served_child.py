@@ -103,3 +103,18 @@ def test_a_call_that_never_returns_is_ended_and_the_streams_go_on():
         return any(isinstance(event, Alarm) and now > event.tick for event in scene.said)
 
     play(program, goes_on, after)
+
+
+def test_a_crash_is_told_with_its_line_and_the_streams_go_on():
+    def after(scene, streams):
+        (alarm,) = [event for event in scene.said if isinstance(event, Alarm)]
+        assert alarm.code == "R132"
+        assert alarm.line == 6
+
+    program = "def p():\n  x = [1]\n  for i in range(150000):\n    x = map(int, x)\n  end\n  y = list(x)\nend\n"
+
+    def goes_on(scene, link):
+        now = scene.station.output.snapshot.robot.tick
+        return any(isinstance(event, Alarm) and now > event.tick for event in scene.said)
+
+    play(program, goes_on, after)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import tracemalloc
 
 import pytest
 
 from elitescript.errors import ScriptPermissionError, UsageError
-from elitescript.worlds.memory import FOLDERS_MAX, MemoryWorld
-from elitescript.worlds.real import RealWorld
+from elitescript.worlds.allowance import ENTRIES_MAX, Allowance, shown_size
+from elitescript.worlds.memory import MemoryFiles, MemoryWorld
+from elitescript.worlds.real import RealFiles, RealWorld
 
 CONTENTS = {"points.csv": b"1,2\r\n3,4\n", "sub/deep.txt": "坐标\n".encode()}
 
@@ -175,13 +177,6 @@ class TestMemory:
         written(one.files, "points.csv", "w", "x")
         assert two.files.contents == CONTENTS
 
-    def test_folders_are_bounded(self):
-        files = MemoryWorld().files
-        for number in range(FOLDERS_MAX):
-            files.make_folder(f"f{number}")
-        with pytest.raises(OSError, match="folders"):
-            files.make_folder("one_more")
-
     def test_a_file_that_was_removed_meanwhile_does_not_come_back(self):
         files = MemoryWorld(CONTENTS).files
         file = files.open("points.csv", "ab", None, None)
@@ -189,6 +184,186 @@ class TestMemory:
         file.write(b"x")
         file.close()
         assert files.kind("points.csv") == ""
+
+
+class TestHandles:
+    """Several handles of one file, as on a disk."""
+
+    def test_see_what_another_has_flushed(self, files):
+        with files.open("new.txt", "w+b", None, None) as one, files.open("new.txt", "rb", None, None) as two:
+            one.write(b"abc")
+            one.flush()
+            assert two.read() == b"abc"
+            one.write(b"def")
+            one.flush()
+            assert two.read() == b"def"
+
+    def test_do_not_write_over_each_other_with_what_they_have_not_changed(self, files):
+        with files.open("points.csv", "r+b", None, None) as one, files.open("points.csv", "r+b", None, None) as two:
+            one.write(b"9")
+            two.seek(2)
+            two.write(b"8")
+        assert content(files, "points.csv") == b"9,8\r\n3,4\n"
+
+    def test_append_one_after_the_other(self, files):
+        with files.open("log", "ab", None, None) as one, files.open("log", "ab", None, None) as two:
+            for number in range(3):
+                one.write(b"a%d " % number)
+                one.flush()
+                two.write(b"b%d " % number)
+                two.flush()
+        assert content(files, "log") == b"a0 b0 a1 b1 a2 b2 "
+
+    def test_see_that_it_was_emptied(self, files):
+        with files.open("points.csv", "rb", None, None) as reader:
+            files.open("points.csv", "wb", None, None).close()
+            assert reader.read() == b""
+
+    def test_keep_a_removed_file_that_has_a_namesake_now(self, files):
+        with files.open("points.csv", "rb", None, None) as old:
+            files.remove("points.csv")
+            assert written(files, "points.csv", "wb", b"new") == b"new"
+            assert old.read() == CONTENTS["points.csv"]
+
+    def test_put_zeros_between_the_end_and_what_is_written_behind_it(self, files):
+        with files.open("points.csv", "r+b", None, None) as file:
+            file.seek(12)
+            file.write(b"x")
+            file.truncate(14)
+        assert content(files, "points.csv") == b"1,2\r\n3,4\n\0\0\0x\0"
+
+
+@pytest.fixture(params=["memory", "real"])
+def limited(request, tmp_path):
+    """A folder that holds nine bytes, where programs may write a hundred."""
+    if request.param == "memory":
+        return MemoryFiles({"points.csv": CONTENTS["points.csv"]}, Allowance(100))
+    (tmp_path / "points.csv").write_bytes(CONTENTS["points.csv"])
+    return RealFiles(tmp_path, Allowance(100))
+
+
+class TestAllowance:
+    """What programs may write."""
+
+    def test_covers_all_files_together(self, limited):
+        assert len(written(limited, "a", "wb", b"x" * 60)) == 60
+        assert len(written(limited, "b", "wb", b"x" * 40)) == 40
+        with pytest.raises(OSError) as error:
+            written(limited, "c", "wb", b"x")
+        assert error.value.errno == 28
+        assert error.value.filename == "c"
+        assert error.value.strerror == (
+            "No space left in the task folder: programs have written 100 bytes, and 1 bytes more would exceed the "
+            "limit of 100 bytes (--task-dir-limit sets it)"
+        )
+
+    def test_counts_what_a_file_grows_by(self, limited):
+        for _ in range(50):
+            with limited.open("a", "r+b" if limited.kind("a") else "wb", None, None) as file:
+                file.write(b"x" * 80)
+        assert len(written(limited, "points.csv", "ab", b"x" * 20)) == 29
+
+    @pytest.mark.parametrize("way", ["empty", "remove", "truncate"])
+    def test_gives_back_what_is_deleted(self, limited, way):
+        written(limited, "a", "wb", b"x" * 100)
+        if way == "empty":
+            written(limited, "a", "wb", b"")
+        elif way == "remove":
+            limited.remove("a")
+        else:
+            with limited.open("a", "r+b", None, None) as file:
+                file.truncate(0)
+        assert len(written(limited, "b", "wb", b"y" * 100)) == 100
+
+    def test_gives_nothing_for_what_was_there_before_but_its_place(self, limited):
+        limited.remove("points.csv")
+        with pytest.raises(OSError, match="No space left"):
+            written(limited, "b", "wb", b"y" * 101)
+
+    @pytest.mark.parametrize("way", ["seek", "truncate"])
+    def test_counts_holes(self, limited, way):
+        with pytest.raises(OSError, match="No space left"), limited.open("a", "wb", None, None) as file:
+            if way == "seek":
+                file.seek(10**12)
+                file.write(b"x")
+            else:
+                file.truncate(10**12)
+        assert limited.size("a") == 0
+
+    def test_two_handles_do_not_count_twice(self, limited):
+        with limited.open("a", "wb", None, None) as one, limited.open("a", "r+b", None, None) as two:
+            for file in (one, two):
+                file.write(b"x" * 90)
+                file.flush()
+        assert len(written(limited, "b", "wb", b"x" * 10)) == 10
+
+    def test_bounds_files_and_folders(self, limited, monkeypatch):
+        monkeypatch.setattr("elitescript.worlds.allowance.ENTRIES_MAX", 3)
+        written(limited, "a", "wb", b"")
+        written(limited, "a", "wb", b"")
+        limited.make_folder("f")
+        limited.make_folder("g")
+        with pytest.raises(OSError, match="programs have made 3 files and folders, which is the limit"):
+            limited.make_folder("h")
+        with pytest.raises(OSError, match="which is the limit"):
+            limited.open("b", "wb", None, None)
+        assert limited.names("") == ["a", "f", "g", "points.csv"]
+        limited.remove("a")
+        limited.make_folder("h")
+        assert ENTRIES_MAX == 10_000
+
+    def test_a_removed_file_counts_until_it_is_closed(self):
+        files = MemoryFiles({}, Allowance(100))
+        file = files.open("a", "wb", None, None)
+        file.write(b"x" * 100)
+        file.flush()
+        files.remove("a")
+        with pytest.raises(OSError, match="No space left"):
+            written(files, "b", "wb", b"y")
+        file.close()
+        files.remove("b")
+        assert len(written(files, "b", "wb", b"y" * 100)) == 100
+
+    @pytest.mark.parametrize(
+        ("size", "text"),
+        [(0, "0 bytes"), (999, "999 bytes"), (1000, "1 kB"), (99_990_000, "99.99 MB"), (2_500_000_000, "2.5 GB")],
+    )
+    def test_shows_sizes(self, size, text):
+        assert shown_size(size) == text
+
+
+class TestAppending:
+    def test_copies_no_file_for_a_line_that_is_put_behind_it(self):
+        files = MemoryFiles({"log": bytes(10_000_000)})
+        with files.open("log", "ab", None, None) as file:
+            append_lines(file, 1)
+            assert tracemalloc_peak(lambda: append_lines(file, 100)) < 1_000_000
+        assert files.size("log") == 10_000_000 + 101 * 23
+
+    def test_opening_a_file_copies_nothing(self):
+        files = MemoryFiles({"log": bytes(10_000_000)})
+
+        def reopen():
+            for _ in range(10):
+                files.open("log", "rb", None, None).close()
+
+        assert tracemalloc_peak(reopen) < 1_000_000
+
+
+def append_lines(file, count):
+    for _ in range(count):
+        file.write(b"a line of twenty-two b\n")
+        file.flush()
+
+
+def tracemalloc_peak(act):
+    """The most memory that is taken besides what was there before."""
+    tracemalloc.start()
+    try:
+        act()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
 
 
 class TestReal:
@@ -224,6 +399,14 @@ class TestReal:
         with pytest.raises(OSError) as error:
             linked.open("circle", "r", "utf-8", None)
         assert isinstance(error.value, ScriptPermissionError) or error.value.filename == "circle"
+
+    @pytest.mark.parametrize("call", ["open", "size", "names", "remove", "make_folder", "kind"])
+    def test_names_that_no_disk_takes_do_not_say_where_the_folder_is(self, tmp_path, call):
+        name = "n" * 300
+        with pytest.raises(OSError) as error:
+            getattr(real(tmp_path).files, call)(name, *(("w", "utf-8", None) if call == "open" else ()))
+        assert error.value.filename == name
+        assert str(tmp_path) not in str(error.value)
 
     @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
     def test_a_pipe_is_refused(self, tmp_path):

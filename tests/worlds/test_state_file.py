@@ -324,7 +324,7 @@ def test_a_real_file_is_replaced_as_a_whole(tmp_path: Path) -> None:
 def test_real_trouble_is_told(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no folder"):
         StateFile(tmp_path / "none" / "state.json")
-    with pytest.raises(UsageError, match="cannot be read: Is a directory"):
+    with pytest.raises(UsageError, match="is a folder, not a file"):
         StateFile(tmp_path).load()
 
 

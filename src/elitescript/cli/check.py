@@ -17,6 +17,7 @@ from elitescript.language.diagnostics import diagnostic
 from elitescript.language.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
+from elitescript.messages.paths import why_no_file
 from elitescript.messages.profile import Profile, profile
 from elitescript.worlds.program_file import SUFFIX, neighbours
 
@@ -140,6 +141,9 @@ def _read(path: Path, seen: set[str], *, is_named: bool) -> Iterator[_Text]:
     if real in seen:
         return
     seen.add(real)
+    if why := why_no_file(path, is_stream_allowed=True):
+        yield _Text(str(path), path, None, f"cannot read {path}: it {why}", is_named)
+        return
     try:
         yield _Text(str(path), path, path.read_bytes(), "", is_named)
     except OSError as error:

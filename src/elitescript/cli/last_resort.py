@@ -19,6 +19,8 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Final
 
+from elitescript.cli.watched import place_in_trace
+
 STOPS: Final = (signal.SIGINT, signal.SIGTERM)
 HEARD: Final = b"\0"
 """What the process itself writes when one of its handlers runs: it reacts."""
@@ -121,12 +123,10 @@ def _where(process: int, traced: int) -> str:
             break
         # A trace comes in many small pieces; it is over when nothing comes for a while.
         until_s = min(until_s, time.monotonic() + TRACE_S / 6)
-    for line in trace.decode("utf-8", "replace").splitlines():
-        file, quote, rest = line.strip().removeprefix('File "').partition('", line ')
-        # Texts of programs are the only ones that are no files.
-        if quote and not file.endswith(".py") and not file.startswith("<frozen"):
-            return f"a call in line {rest.split()[0]} of the program {file} does not come back"
-    return "it does not come to an end"
+    place = place_in_trace(trace)
+    if place is None:
+        return "it does not come to an end"
+    return f"a call in line {place[1]} of the program {place[0]} does not come back"
 
 
 def _say(name: str, text: str) -> None:

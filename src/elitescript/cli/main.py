@@ -8,6 +8,8 @@ from __future__ import annotations
 import os
 import sys
 
+from elitescript.cli.watched import MARK, MEMORY_DEFAULT, can_watch, run_watched
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
@@ -114,9 +116,14 @@ def _dispatch(options: argparse.Namespace) -> int:
 
 
 def _needs_another_process(arguments: list[str]) -> bool:
-    if os.environ.get("ELITESCRIPT_WATCHED"):
+    if os.environ.get(MARK):
         return False
-    return os.environ.get("PYTHONHASHSEED") != HASH_SEED or _names_max_wall(arguments)
+    return os.environ.get("PYTHONHASHSEED") != HASH_SEED or _is_watched(arguments)
+
+
+def _is_watched(arguments: list[str]) -> bool:
+    """Whether another process is to watch over the call."""
+    return arguments[0] in ("run", "plot") and (can_watch() or _names_max_wall(arguments))
 
 
 def _names_max_wall(arguments: list[str]) -> bool:
@@ -124,7 +131,7 @@ def _names_max_wall(arguments: list[str]) -> bool:
 
 
 def _run_again(arguments: list[str]) -> int:
-    """Run the same call in a process with a fixed hash seed, watched if its wall time is limited."""
+    """Run the same call in a process with a fixed hash seed; programs in one that is watched."""
     # -P: a file called queue.py beside the program must not stand in for the standard library's.
     command = [sys.executable, "-P", "-m", "elitescript", *arguments]
     environment = {**os.environ, "PYTHONHASHSEED": HASH_SEED}
@@ -132,12 +139,15 @@ def _run_again(arguments: list[str]) -> int:
     if "site-packages" not in home:
         # Not installed: with -P, a working copy is found through this path alone.
         environment["PYTHONPATH"] = os.pathsep.join(filter(None, (os.environ.get("PYTHONPATH"), home)))
-    if _names_max_wall(arguments):
-        from elitescript.cli.watched import run_watched
-
-        options = _parsed(arguments)
-        if options.max_wall is not None and 0.0 <= options.max_wall < 1e9:
-            return run_watched(command, environment, options.max_wall, is_json=options.json)
+    if _is_watched(arguments):
+        max_wall_s = None
+        if _names_max_wall(arguments):
+            given = _parsed(arguments).max_wall
+            max_wall_s = given if given is not None and 0.0 <= given < 1e9 else None
+        if max_wall_s is not None or can_watch():
+            # Nothing else can be meant by what begins so, and most calls are spared the parser.
+            is_json = arguments[0] == "run" and any(word.startswith("--js") for word in arguments)
+            return run_watched(command, environment, max_wall_s, is_json=is_json)
     if os.name == "posix":
         os.execve(sys.executable, command, environment)
     import signal
@@ -191,6 +201,7 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
         add_log,
         add_replay,
         add_serve,
+        add_task_dir_limit,
         add_trace_signals,
     )
     from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
@@ -231,6 +242,7 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
     run.add_argument("--joints", metavar="Q1,...,Q6", help="joint positions at the start, rad")
     run.add_argument("--speed", type=float, default=1.0, metavar="0..1", help="speed percentage as a fraction")
     run.add_argument("--task-dir", metavar="DIR", help="folder for open() and get_task_path() (default: FILE's folder)")
+    add_task_dir_limit(run, "the task folder")
     run.add_argument(
         "--set",
         action="append",
@@ -247,6 +259,12 @@ def _parser() -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argpa
         "--state",
         metavar="FILE",
         help="begin with the registers, flags and general Modbus values of this file, and write them back at the end",
+    )
+    run.add_argument(
+        "--memory-limit",
+        default=MEMORY_DEFAULT,
+        metavar="SIZE",
+        help="memory that the run may have, such as 8GiB (default %(default)s)",
     )
     run.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
     run.add_argument(

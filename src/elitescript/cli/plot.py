@@ -11,6 +11,7 @@ from elitescript.cli.report import TextReport
 from elitescript.cli.run import DOES_NOT_COMPILE, EXIT_CODES
 from elitescript.cli.screen import palette_of, progress_on, rendered
 from elitescript.cli.settings import parse_joints, parse_settings
+from elitescript.cli.watched import watch_for_crashes
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.source import SourceFile
 from elitescript.messages.profile import DEFAULT_FIRMWARE
@@ -31,6 +32,7 @@ _OF_PROGRAMS: Final = ("firmware", "until", "seed", "joints", "speed", "task_dir
 
 def plot(options: argparse.Namespace) -> int:
     """Write the page; return the exit code, which for a program is that of `run`."""
+    watch_for_crashes()
     path = Path(options.file)
     target = Path(options.output) if options.output else Path(f"{path.stem}.plot.html")
     if target.exists() and path.exists() and target.samefile(path):

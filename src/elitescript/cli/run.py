@@ -13,8 +13,9 @@ from typing import Any, Final
 
 from elitescript.cli.report import JsonReport, Report, TextReport, parse_logs
 from elitescript.cli.screen import CALLS, Progress, progress_on
-from elitescript.cli.settings import check_presets, parse_epoch, parse_joints, parse_settings
+from elitescript.cli.settings import check_presets, parse_epoch, parse_joints, parse_settings, parse_size
 from elitescript.cli.trace_file import TraceFile
+from elitescript.cli.watched import limit_memory, watch_for_crashes
 from elitescript.controller.trace import Trace, step_ticks
 from elitescript.controller.trace_signals import TraceSignals
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
@@ -39,6 +40,8 @@ PATIENCE_S: Final = 1.0
 
 def run(options: argparse.Namespace) -> int:
     """Run the program of the command line; return the exit code."""
+    if watch_for_crashes():
+        limit_memory(parse_size(options.memory_limit, "--memory-limit"))
     path = Path(options.file)
     logs = parse_logs(options.log)
     report: Report = JsonReport(sys.stdout) if options.json else TextReport(sys.stdout, sys.stderr, logs)
@@ -50,6 +53,7 @@ def run(options: argparse.Namespace) -> int:
         joints=None if options.joints is None else parse_joints(options.joints),
         speed=options.speed,
         task_dir=options.task_dir or path.resolve().parent,
+        task_dir_limit=parse_size(options.task_dir_limit, "--task-dir-limit"),
         strict=options.strict,
         epoch_s=EPOCH_S if options.epoch is None else parse_epoch(options.epoch),
         rpc_timeout_s=options.rpc_timeout,

@@ -18,7 +18,7 @@ from elitescript.cli import jsonlines
 from elitescript.cli.last_resort import last_resort
 from elitescript.cli.remedies import served
 from elitescript.cli.report import JsonReport, Report, TextReport, parse_logs
-from elitescript.cli.settings import parse_joints, parse_settings
+from elitescript.cli.settings import parse_joints, parse_settings, parse_size
 from elitescript.cli.terminal import PatientStream, TaggedStream
 from elitescript.cli.writable import Writable
 from elitescript.errors import UsageError
@@ -133,6 +133,7 @@ def make_link(options: argparse.Namespace, config: KernelConfig, index: int) -> 
     return robot_link(
         config,
         task_dir=None if options.task_dir is None else Path(options.task_dir),
+        task_dir_limit=parse_size(options.task_dir_limit, "--task-dir-limit"),
         in_process=is_in_process(options),
         is_jailed=not options.no_jail,
         journal=None if options.journal is None else numbered_path(Path(options.journal), index),

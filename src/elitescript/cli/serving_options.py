@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from elitescript.messages.timing import RPC_TIMEOUT_S
+from elitescript.worlds.allowance import OPTION, TASK_DIR_BYTES, shown_size
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -60,6 +61,16 @@ def add_trace_signals(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_task_dir_limit(parser: argparse.ArgumentParser, folder: str) -> None:
+    """Add `--task-dir-limit`, which bounds what programs write into a folder."""
+    parser.add_argument(
+        OPTION,
+        default=str(TASK_DIR_BYTES),
+        metavar="SIZE",
+        help=f"bytes that programs may add to {folder}, such as 500MB (default {shown_size(TASK_DIR_BYTES)})",
+    )
+
+
 def add_serve(
     subparsers: argparse._SubParsersAction[argparse.ArgumentParser], firmware: argparse.ArgumentParser
 ) -> None:
@@ -95,6 +106,7 @@ def add_serve(
     )
     serve.add_argument("--robots", type=int, default=1, metavar="N", help="so many of each --robot (default 1)")
     serve.add_argument("--task-dir", metavar="DIR", help="task folder of the robots (default: an empty one in memory)")
+    add_task_dir_limit(serve, "each robot's task folder")
     serve.add_argument("--power-on", action="store_true", help="begin with power on and brakes released")
     serve.add_argument("--local", action="store_true", help="begin in local control: clients may only look")
     serve.add_argument("--joints", metavar="Q1,...,Q6", help="joint positions at the start, rad")

@@ -1,4 +1,4 @@
-"""Values of the command line: `--set`, `--joints`, `--epoch`."""
+"""Values of the command line: `--set`, `--joints`, `--epoch`, sizes in bytes."""
 
 from __future__ import annotations
 
@@ -86,6 +86,26 @@ def parse_epoch(text: str) -> float:
     except ValueError:
         raise UsageError(f"--epoch {text}: write seconds since 1970, or a time such as 2024-01-01T00:00:00Z") from None
     return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+
+
+_UNITS: Final = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "kib": 1 << 10, "mib": 1 << 20, "gib": 1 << 30}
+
+
+def parse_size(text: str, option: str) -> int:
+    """A number of bytes, with a unit or without: `5000`, `100MB`, `1.5 GiB`.
+
+    Raises:
+        UsageError: not of this form.
+    """
+    number = text.strip().rstrip("BbKkMmGgi")
+    factor = _UNITS.get(text.strip()[len(number) :].lower())
+    try:
+        size = float(number) * (factor or 0)
+        if factor and isfinite(size) and size >= 0:
+            return int(size)
+    except ValueError:
+        pass
+    raise UsageError(f"{option} {text}: write a number of bytes such as 5000, 100MB or 2GiB")
 
 
 def _literal(text: str, setting: str) -> Any:

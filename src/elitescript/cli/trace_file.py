@@ -11,6 +11,7 @@ from typing import TextIO
 from elitescript.cli import jsonlines
 from elitescript.controller.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
 from elitescript.errors import UsageError
+from elitescript.messages.paths import why_no_file
 from elitescript.messages.signals import Value
 
 
@@ -33,6 +34,8 @@ class TraceFile(AbstractContextManager["TraceFile"]):
         self._columns = (*TRACE_COLUMNS, *(ACTUAL_COLUMNS if has_actual else ()), *signals)
         if path.suffix not in (".csv", ".jsonl"):
             raise UsageError(f"--trace {path}: the name must end in .csv or .jsonl")
+        if why := why_no_file(path):
+            raise UsageError(f"--trace {path}: it {why}")
         try:
             self._file: TextIO = path.open("w", encoding="utf-8", newline="")
         except OSError as error:

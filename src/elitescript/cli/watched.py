@@ -1,55 +1,250 @@
-"""A run in a process that can be ended from outside.
+"""A run in a process that another one watches over.
 
-A single call into C, such as `sum(range(10**12))`, reaches no checkpoint and lets no other thread of its process run.
-So with `--max-wall` the program runs in a child, and the parent does nothing but wait for it.
+A single call into C, such as `sum(range(10**12))`, reaches no checkpoint and lets no other thread of its process run;
+one that calls itself too deep, such as the end of a `map` of `map` of `map`, crashes the process. So programs run in
+a child, and the parent does nothing but wait for it: it ends what takes too long, and says where a crash was.
+
+The child writes where it is to a pipe when it crashes (`faulthandler`). It ends with its parent, and signals that only
+the parent gets are passed on.
 """
 
 from __future__ import annotations
 
 import os
-import signal
-import subprocess
 import sys
-from contextlib import suppress
-from types import FrameType
-from typing import Any, Final
+import time
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Final
 
 MARK: Final = "ELITESCRIPT_WATCHED"
-"""Set in the environment of a child that is watched."""
+"""Set in the environment of a child that is watched: the descriptor for the trace of a crash, 0 for none."""
 
 GRACE_S: Final = 2.0
 """What a child gets beyond its limit: to start, and to end by itself at its next checkpoint."""
 
+ALARM: Final = 1
 TIME_LIMIT: Final = 4
-"""Exit code, as that of a run that ends at its limit by itself."""
+"""Exit codes, as those of a run that ends so by itself."""
+
+STACK_BYTES: Final = 1 << 30
+"""Stack of a child, for calls of C code in C code: 8 MB, which is usual, hold 100,000 `map` in one another. It takes
+memory only as it is used."""
+
+MEMORY_DEFAULT: Final = "4GiB"
+"""Memory that a run may have, *assumed*: more than a controller has, less than most computers."""
+MEMORY_MIN: Final = 512 << 20
+"""Address space that a run has whatever was asked for: Python, this package and its model take it."""
+
+TRACE_MAX: Final = 1 << 16
+
+HINT: Final = "do not nest iterators (map, filter, zip, itertools) or objects hundreds of thousands deep"
 
 
-def run_watched(command: list[str], environment: dict[str, str], max_wall_s: float, *, is_json: bool) -> int:
-    """Run a command for so much wall time at most; return its exit code, or that of the time limit."""
+def can_watch() -> bool:
+    """Whether this system lets a process be watched without a limit of its time."""
+    return sys.platform == "linux"
+
+
+def run_watched(command: list[str], environment: dict[str, str], max_wall_s: float | None, *, is_json: bool) -> int:
+    """Run a command of ours; return its exit code.
+
+    Args:
+        command: program and arguments; the third word behind `-m elitescript` names the command for messages.
+        environment: of the child.
+        max_wall_s: how much wall time it may take; any if None.
+        is_json: how to say how it ended if it does not say so itself.
+    """
+    name = f"elitescript {command[command.index('elitescript') + 1]}"
+    if can_watch():
+        status, trace = _watch(command, environment, max_wall_s)
+    else:
+        assert max_wall_s is not None
+        status, trace = _wait(command, environment, max_wall_s), b""
+    if status is None:
+        text = f"no checkpoint within --max-wall {max_wall_s:g} s: a single call does not come back; process ended"
+        print(f"{_erased()}{name}: {text}", file=sys.stderr)
+        if is_json:
+            _print_records({"type": "end", "state": "time_limit", "t": None, "killed": True, "text": text})
+        return TIME_LIMIT
+    if status >= 0:
+        return status
+    import signal
+
+    if -status in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGPIPE):
+        # Somebody has ended it: this process ends alike, for whoever looks at how.
+        signal.signal(-status, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {-status})
+        os.kill(os.getpid(), -status)
+        return 128 - status
+    _report_crash(name, signal.Signals(-status).name, place_in_trace(trace), is_json=is_json)
+    return ALARM
+
+
+def place_in_trace(trace: bytes) -> tuple[str, int] | None:
+    """Name and line of the program text that a trace of `faulthandler` was in; None if it was in none."""
+    for row in trace.decode("utf-8", "replace").splitlines():
+        file, quote, rest = row.strip().removeprefix('File "').partition('", line ')
+        # Texts of programs are the only ones that are no files of Python.
+        if quote and not file.endswith(".py") and not file.startswith("<frozen"):
+            return file, int(rest.split()[0])
+    return None
+
+
+def watch_for_crashes() -> bool:
+    """Prepare a child that is watched for a crash, which writes its trace; return whether this is such a child."""
+    mark = os.environ.get(MARK, "")
+    if not mark.isdigit():
+        return False
+    if int(mark):
+        import _thread
+        import faulthandler
+        from io import TextIOWrapper
+
+        faulthandler.enable(file=int(mark), all_threads=False)
+        if isinstance(sys.stdout, TextIOWrapper):
+            # What is in a buffer is lost in a crash.
+            sys.stdout.reconfigure(line_buffering=True)
+        # Threads would get as much stack as this process may have.
+        _thread.stack_size(8 << 20)
+    return True
+
+
+def limit_memory(size: int) -> None:
+    """Let this process have so many bytes of memory at most, where the system can limit it."""
+    try:
+        import resource
+    except ImportError:
+        return
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    soft = size if hard == resource.RLIM_INFINITY else min(size, hard)
+    # The least that a run needs for itself.
+    resource.setrlimit(resource.RLIMIT_AS, (max(soft, MEMORY_MIN), hard))
+
+
+def _watch(command: list[str], environment: dict[str, str], max_wall_s: float | None) -> tuple[int | None, bytes]:
+    """Run a command; return its exit code, the negative signal that ended it, or None at the limit; and its trace."""
+    import fcntl
+    import resource
+
+    trace, crash = os.pipe()
+    parted, parent = os.pipe()
+    sys.stdout.flush()
+    child = os.fork()
+    if not child:
+        try:
+            # The end of the parent closes its pipe, which ends this process with SIGIO.
+            os.close(parent)
+            fcntl.fcntl(parted, fcntl.F_SETOWN, os.getpid())
+            fcntl.fcntl(parted, fcntl.F_SETFL, fcntl.fcntl(parted, fcntl.F_GETFL) | os.O_ASYNC)
+            for descriptor in (parted, crash):
+                os.set_inheritable(descriptor, True)
+            hard = resource.getrlimit(resource.RLIMIT_STACK)[1]
+            soft = STACK_BYTES if hard == resource.RLIM_INFINITY else min(STACK_BYTES, hard)
+            resource.setrlimit(resource.RLIMIT_STACK, (soft, hard))
+            os.execve(command[0], command, {**environment, MARK: str(crash)})
+        finally:
+            os._exit(127)
+    os.close(parted)
+    os.close(crash)
+    code = _ended(child, max_wall_s)
+    os.set_blocking(trace, False)
+    try:
+        return code, os.read(trace, TRACE_MAX)
+    except BlockingIOError:
+        return code, b""
+
+
+def _ended(child: int, max_wall_s: float | None) -> int | None:
+    """Wait for the end of a child, which is killed at the limit; see `_watch`."""
+    end_s = None if max_wall_s is None else time.monotonic() + max_wall_s + GRACE_S
+    # The child starts meanwhile.
+    import signal
+
+    passed_on = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+    awaited = {signal.SIGCHLD, *passed_on}
+    signal.pthread_sigmask(signal.SIG_BLOCK, awaited)
+    while True:
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended:
+            return os.waitstatus_to_exitcode(status)
+        # Not longer at once than an hour: who sleeps for years overflows a counter.
+        left_s = 3600.0 if end_s is None else min(end_s - time.monotonic(), 3600.0)
+        if left_s <= 0.0:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            return None
+        told = signal.sigtimedwait(awaited, left_s)
+        # A terminal sends to both processes, which has the code of the kernel, a positive one.
+        if told is not None and told.si_signo in passed_on and told.si_code <= 0:
+            os.kill(child, told.si_signo)
+
+
+def _wait(command: list[str], environment: dict[str, str], max_wall_s: float) -> int | None:
+    """Run a command where nothing but its time can be watched; see `_watch`."""
+    import signal
+    import subprocess
+
     # In a process group of its own, the child hears of Ctrl-C once: through us.
     own_group: dict[str, Any] = {"process_group": 0, "close_fds": False} if os.name == "posix" else {}
-    child = subprocess.Popen(command, env={**environment, MARK: "1"}, **own_group)
+    child = subprocess.Popen(command, env={**environment, MARK: "0"}, **own_group)
 
-    def pass_on(number: int, _frame: FrameType | None) -> None:
-        with suppress(OSError, ValueError):
+    def pass_on(number: int, _frame: object) -> None:
+        try:
             child.send_signal(number)
+        except (OSError, ValueError):
+            return
 
     signal.signal(signal.SIGINT, pass_on if os.name == "posix" else signal.SIG_IGN)
     signal.signal(signal.SIGTERM, pass_on)
     try:
-        code = child.wait(timeout=max_wall_s + GRACE_S)
+        return child.wait(timeout=max_wall_s + GRACE_S)
     except subprocess.TimeoutExpired:
         child.kill()
         child.wait()
-        from elitescript.cli.screen import ERASE, understands_escapes
+        return None
 
-        text = f"no checkpoint within --max-wall {max_wall_s:g} s: a single call does not come back; process ended"
-        # The child was killed with its status line on the terminal.
-        has_status = sys.stderr.isatty() and understands_escapes(os.environ, os.name)
-        print(f"{ERASE if has_status else ''}elitescript run: {text}", file=sys.stderr)
-        if is_json:
-            from elitescript.cli import jsonlines
 
-            print(jsonlines.line({"type": "end", "state": "time_limit", "t": None, "killed": True, "text": text}))
-        return TIME_LIMIT
-    return code if code >= 0 or os.name != "posix" else 128 - code
+def _erased() -> str:
+    """Return what takes away the status line that a child has left on the terminal; see `cli.screen`."""
+    from elitescript.cli.screen import ERASE, understands_escapes
+
+    return ERASE if sys.stderr.isatty() and understands_escapes(os.environ, os.name) else ""
+
+
+def _report_crash(name: str, cause: str, place: tuple[str, int] | None, *, is_json: bool) -> None:
+    from elitescript.errors import CODES
+
+    code = "R151"
+    text = f"{CODES[code].title} ({cause})"
+    hint = HINT
+    if cause == "SIGKILL":
+        text += ": the system had no more memory, or somebody has killed it"
+        hint = "--memory-limit bounds what a run may have"
+    file, line = place or ("", 0)
+    where = f" in line {line} of {file}" if line else ""
+    print(f"{_erased()}{name}: ALARM {code}{where}: {text}", file=sys.stderr)
+    if source := _line_of(file, line):
+        print(f"{line:>8} | {source}", file=sys.stderr)
+    print(f"    hint: {hint}", file=sys.stderr)
+    if is_json:
+        details = {"class": "ProcessCrashed", "text": text, "line": line, "column": 0, "thread": "", "hint": hint}
+        _print_records(
+            {"type": "alarm", "t": None, "code": code, **details},
+            {"type": "end", "state": "alarm", "t": None, "killed": True, "text": text},
+        )
+
+
+def _line_of(file: str, line: int) -> str:
+    if not os.path.isfile(file):  # noqa: PTH113
+        return ""
+    with open(file, encoding="utf-8", errors="replace") as text:  # noqa: PTH123
+        return next((row.rstrip() for number, row in enumerate(text, 1) if number == line), "")
+
+
+def _print_records(*records: dict[str, Any]) -> None:
+    from elitescript.cli import jsonlines
+
+    for record in records:
+        print(jsonlines.line(record), flush=True)

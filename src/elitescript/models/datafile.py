@@ -19,6 +19,7 @@ from typing import Any, Final, NamedTuple
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kinematics.arm import JointVector
+from elitescript.messages.paths import why_no_file
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
 """How a source knows: the maker wrote it, somebody saw it, or it was chosen here."""
@@ -253,6 +254,8 @@ def read_text(path: Path) -> str:
     Raises:
         UsageError: it cannot be read, is too large for a model file or is not UTF-8.
     """
+    if why := why_no_file(path, is_stream_allowed=True):
+        raise UsageError(f"{path}: cannot be read: it {why}")
     try:
         with path.open("rb") as file:
             data = file.read(MAX_FILE_BYTES + 1)

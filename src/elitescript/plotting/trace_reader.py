@@ -11,6 +11,7 @@ from elitescript.controller.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
 from elitescript.controller.trace_signals import NO_SIGNALS, SignalLevels
 from elitescript.errors import UsageError
 from elitescript.messages.motion import Six
+from elitescript.messages.paths import why_no_file
 from elitescript.messages.signals import Value, parse_signal_name
 
 SUFFIXES: Final = (".csv", ".jsonl")
@@ -28,6 +29,8 @@ def read_trace(path: Path) -> list[TraceRow]:
     Raises:
         UsageError: the file cannot be read or is not a trace; the text begins with `file:line:`.
     """
+    if why := why_no_file(path, is_stream_allowed=True):
+        raise UsageError(f"cannot read {path}: it {why}")
     try:
         text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:

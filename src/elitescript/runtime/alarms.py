@@ -22,6 +22,10 @@ from elitescript.runtime.strand import INNER_TEXTS, Strand
 
 UNCAUGHT: Final = "R100"
 _MISCALLED: Final = ("R101", "R102", "R103")
+OUT_OF_MEMORY: Final = "R150"
+MEMORY_HINT: Final = (
+    "make shorter lists and texts, or keep fewer of them; `run --memory-limit` sets what a run may have"
+)
 
 
 class Place(NamedTuple):
@@ -86,11 +90,25 @@ def alarm_of(
             details["hint"] = command.call_hint
     elif type(error) is NameError and type(error.name) is str and text.endswith("is not defined"):
         code, class_name, text, details = _unknown_name(error.name, text, place, known, catalogue, profile)
+    elif isinstance(error, MemoryError) and not text:
+        code, text, details = OUT_OF_MEMORY, memory_text(), {"hint": MEMORY_HINT}
     elif type(error).__module__ == "builtins":
         text, details = _in_plain_words(class_name, text, place)
     if place.inner:
         text = f"{text} ({place.inner})"
     return Alarm(clock(), code, class_name, text, place.line, place.column, thread, place.source_line, details)
+
+
+def memory_text() -> str:
+    """Return what is wrong when there is not enough memory, with the limit of the process if it has one."""
+    text = "there is not enough memory for what this line asks for"
+    try:
+        import resource
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    except ImportError:  # not on this system
+        return text
+    return text if limit == resource.RLIM_INFINITY else f"{text}: a run may have {limit >> 20} MiB"
 
 
 def abandoned(strand: Strand, tick: int) -> Alarm:

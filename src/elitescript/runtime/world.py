@@ -11,7 +11,8 @@ that folder, with `/` between its parts and without `..`.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import IO, TYPE_CHECKING, Any, Final, Protocol
+from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase, TextIOWrapper
+from typing import IO, TYPE_CHECKING, Any, Final, Protocol, cast
 
 from elitescript.errors import ArgumentTypeError, ScriptPermissionError
 
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 TASK_PATH: Final = "/task/"
 """The task folder as scripts see it; ends in `/` because programs append names to it (*assumed*)."""
+READ_AHEAD: Final = 8192
+"""Bytes that Python reads at once."""
 
 
 class Files(Protocol):
@@ -31,7 +34,7 @@ class Files(Protocol):
     """
 
     def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
-        """Open a file.
+        """Open a file; what is flushed is seen by whoever else has it open.
 
         Args:
             name: relative to the task folder.
@@ -58,6 +61,31 @@ class Files(Protocol):
 
     def make_folder(self, name: str) -> None:
         """Make a folder in an existing one."""
+
+
+def opened(
+    raw: RawIOBase, mode: str, encoding: str | None, newline: str | None, *, read_ahead: int = READ_AHEAD
+) -> IO[Any]:
+    """Put Python's buffers over a file of a world, so that files of all worlds are buffered alike.
+
+    Args:
+        raw: the file.
+        mode: see `Files.open`.
+        encoding: see `Files.open`.
+        newline: see `Files.open`.
+        read_ahead: bytes that are read at once from a file for reading.
+    """
+    file: BufferedRandom | BufferedReader | BufferedWriter
+    if "+" in mode:
+        file = BufferedRandom(raw)
+    elif "r" in mode:
+        file = BufferedReader(raw, read_ahead)
+    else:
+        file = BufferedWriter(raw)
+    if encoding is None:
+        return cast("IO[bytes]", file)
+    # Text is written through, so that what is flushed is all that was written.
+    return TextIOWrapper(cast("IO[bytes]", file), encoding=encoding, newline=newline, write_through=True)
 
 
 class Channels(Protocol):

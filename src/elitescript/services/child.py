@@ -63,6 +63,8 @@ def main(descriptor: int) -> None:
     """Serve at the inherited socket; never returns."""
     # The parent asks with this signal where a program is that does not answer. Not even a call into C delays it.
     faulthandler.register(signal.SIGUSR1, all_threads=False)
+    # A crash leaves the same trace.
+    faulthandler.enable(all_threads=False)
     # Ctrl-C reaches the whole group of the terminal; the parent decides what it means.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     line = frames.BlockingLine(descriptor)

@@ -437,7 +437,7 @@ class ChildLink:
     def _replace(self, tick: int, reason: str, hint: str = "") -> None:
         """Kill the child, report it, and start a fresh one."""
         assert self._child is not None
-        where = self._child.where() if self._given_up_s else None
+        where = self._child.where()
         self._child.kill()
         self._child = None
         self._desk.close()

@@ -10,12 +10,12 @@ from __future__ import annotations
 from base64 import b64decode, b64encode
 from collections.abc import Callable
 from contextlib import suppress
-from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase, TextIOWrapper
-from typing import IO, Any, Final, cast
+from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase
+from typing import IO, Any, Final
 
 from elitescript.errors import ScriptPermissionError
 from elitescript.messages.shapes import CodecError, is_large
-from elitescript.runtime.world import Files
+from elitescript.runtime.world import Files, opened
 
 OPEN_MAX: Final = 300
 PIECE_MAX: Final = 1 << 18
@@ -83,7 +83,10 @@ class FileDesk:
             raise OSError(24, "Too many open files", name)
         if not set(mode) <= set("rwxab+") or len(mode) > 3 or "b" not in mode:
             raise CodecError(f"no mode of a file: {mode[:10]!r}")
-        self._open[self._next] = self._files.open(name[:NAME_MAX], mode, None, None)
+        file: Any = self._files.open(name[:NAME_MAX], mode, None, None)
+        # Who asks has a buffer; one more here would hide what other handles write.
+        is_buffered = isinstance(file, BufferedRandom | BufferedReader | BufferedWriter)
+        self._open[self._next] = file.detach() if is_buffered else file
         self._next += 1
         return self._next - 1
 
@@ -170,16 +173,7 @@ class RemoteFiles:
         """See `runtime.world.Files.open`."""
         letters = mode.replace("t", "").replace("b", "") + "b"
         raw = _RemoteFile(self._ask, _value(self._ask(["open", name, letters])), mode)
-        file: IO[bytes]
-        if "+" in mode:
-            file = BufferedRandom(raw)
-        elif "r" in mode:
-            file = BufferedReader(raw, PIECE_MAX)
-        else:
-            file = BufferedWriter(raw)
-        if "b" in mode:
-            return file
-        return TextIOWrapper(cast("IO[bytes]", file), encoding=encoding, newline=newline)
+        return opened(raw, mode, None if "b" in mode else encoding, newline, read_ahead=PIECE_MAX)
 
     def kind(self, name: str) -> str:
         """See `runtime.world.Files.kind`."""

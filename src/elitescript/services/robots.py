@@ -16,19 +16,27 @@ from elitescript.services.jail import Layer
 from elitescript.services.journal import Journal
 from elitescript.services.replay import RecordedRobot
 from elitescript.services.robot_link import InProcessLink, RobotLink
+from elitescript.worlds.allowance import TASK_DIR_BYTES, Allowance
 from elitescript.worlds.memory import MemoryFiles
 from elitescript.worlds.real import RealFiles
 from elitescript.worlds.request_channels import RequestWorld
 
 
 def robot_link(
-    config: KernelConfig, *, task_dir: Path | None, in_process: bool, is_jailed: bool, journal: Path | None
+    config: KernelConfig,
+    *,
+    task_dir: Path | None,
+    task_dir_limit: int = TASK_DIR_BYTES,
+    in_process: bool,
+    is_jailed: bool,
+    journal: Path | None,
 ) -> RobotLink:
     """The way to one robot.
 
     Args:
         config: of the robot.
         task_dir: its task folder; an empty one in memory if None.
+        task_dir_limit: bytes that its programs may add to it.
         in_process: keep it in this process.
         is_jailed: lock its process in.
         journal: file to write the session to.
@@ -36,7 +44,8 @@ def robot_link(
     Raises:
         UsageError: the journal cannot be written.
     """
-    files: Files = MemoryFiles({}) if task_dir is None else RealFiles(task_dir.resolve())
+    allowance = Allowance(task_dir_limit)
+    files: Files = MemoryFiles({}, allowance) if task_dir is None else RealFiles(task_dir.resolve(), allowance)
     record = None if journal is None else Journal(journal, config)
     if not in_process:
         return ChildLink(config, files=files, is_jailed=is_jailed, journal=record)

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.messages.paths import why_no_file
 from elitescript.messages.signals import Value
 from elitescript.worlds.toml_lines import Path as TomlPath
 from elitescript.worlds.toml_lines import lines_of, nearest
@@ -77,6 +78,8 @@ def load_cell(path: str | Path, *, network: str = "") -> Cell:
     import tomllib
 
     file = Path(path)
+    if why := why_no_file(file, is_stream_allowed=True):
+        raise UsageError(f"world file {file} {why}")
     try:
         text = file.read_text(encoding="utf-8")
     except OSError as error:

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from io import BytesIO, TextIOWrapper
-from typing import IO, Any, Final
+from io import RawIOBase, UnsupportedOperation
+from typing import IO, Any
 
-from elitescript.runtime.world import Channels
-
-FOLDERS_MAX: Final = 1000
-"""Folders that a program may make."""
-BYTES_MAX: Final = 64 * 1024 * 1024
-"""Of all files together: they take memory of whoever serves the programs."""
-FILES_MAX: Final = 10_000
+from elitescript.runtime.world import Channels, opened
+from elitescript.worlds.allowance import Allowance
 
 
 class MemoryWorld:
@@ -21,6 +16,7 @@ class MemoryWorld:
     Args:
         files: content by name relative to the task folder.
         channels: the network; nothing listens on any port if None.
+        allowance: what programs may write; the default limit if None.
 
     Attributes:
         files: the task folder, with `contents` to look into.
@@ -29,8 +25,13 @@ class MemoryWorld:
 
     __slots__ = ("channels", "files")
 
-    def __init__(self, files: Mapping[str, bytes] | None = None, channels: Channels | None = None) -> None:
-        self.files = MemoryFiles(files or {})
+    def __init__(
+        self,
+        files: Mapping[str, bytes] | None = None,
+        channels: Channels | None = None,
+        allowance: Allowance | None = None,
+    ) -> None:
+        self.files = MemoryFiles(files or {}, allowance)
         if channels is None:
             from elitescript.worlds.virtual.network import VirtualNetwork
 
@@ -38,107 +39,115 @@ class MemoryWorld:
         self.channels = channels
 
 
+class _Content:
+    """The bytes of one file, which all its handles share, and how many handles are open."""
+
+    __slots__ = ("data", "handles", "is_removed")
+
+    def __init__(self, data: bytes = b"") -> None:
+        self.data = bytearray(data)
+        self.handles = 0
+        self.is_removed = False
+
+
 class MemoryFiles:
     """A task folder in memory.
 
-    Attributes:
-        contents: bytes of each file that is not being written just now, by name.
+    A file that is removed while it is open can be used until it is closed, as on a disk, and counts until then.
+
+    Args:
+        files: content by name; it does not count as written by programs.
+        allowance: what programs may write; the default limit if None.
     """
 
-    __slots__ = ("_folders", "contents")
+    __slots__ = ("_allowance", "_folders", "_nodes")
 
-    def __init__(self, files: Mapping[str, bytes]) -> None:
-        self.contents = dict(files)
-        self._folders: set[str] = set()
+    def __init__(self, files: Mapping[str, bytes], allowance: Allowance | None = None) -> None:
+        self._allowance = Allowance() if allowance is None else allowance
+        self._nodes = {name: _Content(data) for name, data in files.items()}
+        parts = (name.split("/") for name in files)
+        self._folders = {"/".join(words[:end]) for words in parts for end in range(len(words))} | {""}
+
+    @property
+    def contents(self) -> dict[str, bytes]:
+        """The bytes of each file at this moment, by name."""
+        return {name: bytes(node.data) for name, node in self._nodes.items()}
 
     def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
-        """See `runtime.world.Files.open`. What is written is seen by others when the file is flushed or closed."""
-        self._check_openable(name, mode)
-        is_new = name not in self.contents
-        if "r" in mode and is_new:
+        """See `runtime.world.Files.open`."""
+        self._check_openable(name)
+        node = self._nodes.get(name)
+        if "r" in mode and node is None:
             raise FileNotFoundError(2, "No such file or directory", name)
-        if "x" in mode and not is_new:
+        if "x" in mode and node is not None:
             raise FileExistsError(17, "File exists", name)
-        if is_new and len(self.contents) >= FILES_MAX:
-            raise OSError(28, f"more than {FILES_MAX} files", name)
-        if is_new or "w" in mode:
-            self.contents[name] = b""
-        file = _MemoryFile(self, name, mode)
-        if encoding is None:
-            return file
-        # A text file writes through, so that what is flushed is all that was written.
-        return TextIOWrapper(file, encoding=encoding, newline=newline, write_through=True)
+        if node is None:
+            self._allowance.check_entry(name)
+            node = self._nodes[name] = _Content()
+            self._allowance.add(0, 1)
+        file = _MemoryFile(self._allowance, node, name, mode)
+        if "w" in mode:
+            file.truncate(0)
+        return opened(file, mode, encoding, newline)
 
-    def check_room(self, name: str, size: int) -> None:
-        """Let a file have so many bytes.
-
-        Raises:
-            OSError: the task folder is full.
-        """
-        if size > len(self.contents.get(name, b"")):
-            others = sum(len(content) for other, content in self.contents.items() if other != name)
-            if size + others > BYTES_MAX:
-                raise OSError(28, f"No space left: files in memory have {BYTES_MAX} bytes together", name)
-
-    def _check_openable(self, name: str, mode: str) -> None:
-        if self.kind(name) == "folder":
+    def _check_openable(self, name: str) -> None:
+        if name in self._folders:
             raise IsADirectoryError(21, "Is a directory", name)
-        folder, slash, _ = name.rpartition("/")
-        if slash and self.kind(folder) != "folder":
+        if name.rpartition("/")[0] not in self._folders:
             raise FileNotFoundError(2, "No such file or directory", name)
 
     def kind(self, name: str) -> str:
         """See `runtime.world.Files.kind`."""
-        if name in self.contents:
-            return "file"
-        if name == "" or name in self._folders or any(other.startswith(name + "/") for other in self.contents):
-            return "folder"
-        return ""
+        return "file" if name in self._nodes else "folder" if name in self._folders else ""
 
     def size(self, name: str) -> int:
         """See `runtime.world.Files.size`."""
-        if name not in self.contents:
-            raise FileNotFoundError(2, "No such file or directory", name)
-        return len(self.contents[name])
+        return len(self._node(name).data)
 
     def names(self, name: str) -> list[str]:
         """See `runtime.world.Files.names`."""
-        if self.kind(name) != "folder":
+        if name not in self._folders:
             raise FileNotFoundError(2, "No such file or directory", name)
         start = name + "/" if name else ""
-        inside = (other[len(start) :] for other in (*self.contents, *self._folders) if other.startswith(start))
-        return sorted({other.partition("/")[0] for other in inside if other})
+        inside = (other[len(start) :] for other in (*self._nodes, *self._folders) if other.startswith(start))
+        return sorted(other for other in inside if other and "/" not in other)
 
     def remove(self, name: str) -> None:
         """See `runtime.world.Files.remove`."""
-        if name not in self.contents:
-            raise FileNotFoundError(2, "No such file or directory", name)
-        del self.contents[name]
+        node = self._node(name)
+        del self._nodes[name]
+        node.is_removed = True
+        self._allowance.add(0 if node.handles else -len(node.data), -1)
 
     def make_folder(self, name: str) -> None:
         """See `runtime.world.Files.make_folder`."""
         if self.kind(name):
             raise FileExistsError(17, "File exists", name)
-        if "/" in name and self.kind(name.rpartition("/")[0]) != "folder":
+        if name.rpartition("/")[0] not in self._folders:
             raise FileNotFoundError(2, "No such file or directory", name)
-        if len(self._folders) >= FOLDERS_MAX:
-            raise OSError(28, f"more than {FOLDERS_MAX} folders", name)
+        self._allowance.check_entry(name)
         self._folders.add(name)
+        self._allowance.add(0, 1)
+
+    def _node(self, name: str) -> _Content:
+        if name not in self._nodes:
+            raise FileNotFoundError(2, "No such file or directory", name)
+        return self._nodes[name]
 
 
-class _MemoryFile(BytesIO):
-    """An open file; puts its bytes back when it is flushed, if something was written."""
+class _MemoryFile(RawIOBase):
+    """One handle of a file: a position in the bytes that all handles share."""
 
-    def __init__(self, files: MemoryFiles, name: str, mode: str) -> None:
-        super().__init__(files.contents[name])
-        self._files = files
+    def __init__(self, allowance: Allowance, node: _Content, name: str, mode: str) -> None:
+        super().__init__()
+        self._allowance = allowance
+        self._node = node
         self._file_name = name
         self._can_read = "r" in mode or "+" in mode
         self._can_write = mode.strip("bt") != "r"
         self._appends = "a" in mode
-        self._is_changed = False
-        if self._appends:
-            self.seek(0, 2)
+        self._position = len(node.data) if self._appends else 0
+        node.handles += 1
 
     def readable(self) -> bool:
         return self._can_read
@@ -146,51 +155,72 @@ class _MemoryFile(BytesIO):
     def writable(self) -> bool:
         return self._can_write
 
-    def _check_readable(self) -> None:
+    def seekable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any, /) -> int:
         if not self._can_read:
-            raise OSError("not readable")
-
-    def read(self, size: int | None = -1, /) -> bytes:
-        self._check_readable()
-        return super().read(size)
-
-    def read1(self, size: int | None = -1, /) -> bytes:
-        self._check_readable()
-        return super().read1(-1 if size is None else size)
-
-    def readline(self, size: int | None = -1, /) -> bytes:
-        self._check_readable()
-        return super().readline(size)
-
-    def readlines(self, hint: int | None = None, /) -> list[bytes]:
-        self._check_readable()
-        return super().readlines(hint)
+            raise UnsupportedOperation("not readable")
+        with memoryview(buffer).cast("B") as view:
+            data = self._node.data[self._position : self._position + len(view)]
+            view[: len(data)] = data
+        self._position += len(data)
+        return len(data)
 
     def write(self, data: Any, /) -> int:
-        if not self._can_write:
-            raise OSError("not writable")
-        if self._appends:
-            self.seek(0, 2)
-        with memoryview(data) as view:
-            self._files.check_room(self._file_name, self.tell() + view.nbytes)
-        self._is_changed = True
-        return super().write(data)
+        self._check_writable()
+        content = self._node.data
+        start = len(content) if self._appends else self._position
+        with memoryview(data).cast("B") as view:
+            end = start + len(view)
+            if view:
+                self._grow(max(start, len(content)), end)
+                content[start:end] = view
+        self._position = end
+        return end - start
+
+    def seek(self, offset: int, whence: int = 0, /) -> int:
+        position = (0, self._position, len(self._node.data))[whence] + offset
+        if position < 0:
+            raise OSError(22, "Invalid argument")
+        self._position = position
+        return position
+
+    def tell(self) -> int:
+        return self._position
 
     def truncate(self, size: int | None = None, /) -> int:
-        if not self._can_write:
-            raise OSError("not writable")
-        self._is_changed = True
-        return super().truncate(size)
+        self._check_writable()
+        size = self._position if size is None else size
+        if size < 0:
+            raise OSError(22, "Invalid argument")
+        content = self._node.data
+        if size < len(content):
+            self._allowance.add(size - len(content))
+            del content[size:]
+        else:
+            self._grow(size, size)
+        return size
 
-    def flush(self) -> None:
-        super().flush()
-        if self._is_changed and self._file_name in self._files.contents:
-            self._is_changed = False
-            self._files.contents[self._file_name] = self.getvalue()
+    def _grow(self, zeros_until: int, end: int) -> None:
+        """Count what the file grows by, and put zeros between its end and a place behind it."""
+        content = self._node.data
+        growth = end - len(content)
+        self._allowance.check_room(growth, self._file_name)
+        if zeros_until > len(content):
+            content.extend(bytes(zeros_until - len(content)))
+        self._allowance.add(max(growth, 0))
+
+    def _check_writable(self) -> None:
+        if self.closed:
+            raise ValueError("I/O operation on closed file.")
+        if not self._can_write:
+            raise UnsupportedOperation("not writable")
 
     def close(self) -> None:
-        try:
-            if not self.closed:
-                self.flush()
-        finally:
+        if not self.closed:
             super().close()
+            node = self._node
+            node.handles -= 1
+            if node.is_removed and not node.handles:
+                self._allowance.add(-len(node.data))

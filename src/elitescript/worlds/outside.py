@@ -11,6 +11,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.timing import seconds
 from elitescript.runtime.world import Channels, World
+from elitescript.worlds.allowance import TASK_DIR_BYTES, Allowance
 from elitescript.worlds.cell import Cell, load_cell
 from elitescript.worlds.real_channels import RealChannels
 from elitescript.worlds.surroundings import Surroundings
@@ -23,6 +24,7 @@ class Outside:
         world: devices, the path of a world file, or a folder and a network by themselves; this computer if None.
         task_dir: the task folder; that of the program if None.
         lines: serial ports of this computer by those of the robot.
+        task_dir_limit: bytes that programs may add to a task folder.
 
     Attributes:
         cell: what a world file says about the robot itself.
@@ -33,13 +35,14 @@ class Outside:
         UsageError: arguments that do not go together, or a mistake in the file.
     """
 
-    __slots__ = ("_task_dir", "_world", "cell", "channels", "surroundings")
+    __slots__ = ("_allowance", "_task_dir", "_task_dir_limit", "_world", "cell", "channels", "surroundings")
 
     def __init__(
         self,
         world: World | Surroundings | str | Path | None,
         task_dir: str | Path | None,
         lines: Mapping[str, str] | None,
+        task_dir_limit: int = TASK_DIR_BYTES,
     ) -> None:
         self.cell = Cell()
         if isinstance(world, str | Path):
@@ -48,6 +51,8 @@ class Outside:
         elif isinstance(world, Surroundings) and world.cell is not None:
             self.cell = world.cell
         self._task_dir = None if task_dir is None else Path(task_dir)
+        self._task_dir_limit = task_dir_limit
+        self._allowance = Allowance(task_dir_limit)
         self._world: World | None = None
         self.surroundings: Surroundings | None = None
         self.channels: Channels
@@ -74,10 +79,10 @@ class Outside:
         if folder is None:
             from elitescript.worlds.memory import MemoryWorld
 
-            return MemoryWorld(channels=self.channels)
+            return MemoryWorld(channels=self.channels, allowance=Allowance(self._task_dir_limit))
         from elitescript.worlds.real import RealWorld
 
-        return RealWorld(folder, self.channels)
+        return RealWorld(folder, self.channels, self._allowance)
 
     def fault(self, tick: int, kind: str, on: int | str, settings: Mapping[str, Any]) -> DisturbInput | None:
         """Let something go wrong on channels, from a tick on or later; see `worlds.virtual.faults.Fault`.

@@ -9,6 +9,7 @@ from typing import Final
 from elitescript.errors import UsageError
 from elitescript.language.source import SourceFile
 from elitescript.language.unknown_names import nearest
+from elitescript.messages.paths import why_no_file
 
 SUFFIX: Final = ".script"
 
@@ -29,6 +30,8 @@ def source_of(program: str | Path) -> SourceFile:
     if isinstance(program, str) and not _is_path(program):
         return SourceFile("<program>", program)
     path = Path(program)
+    if why := why_no_file(path, is_stream_allowed=True):
+        raise UsageError(f"cannot read {path}: it {why}")
     try:
         data = path.read_bytes()
     except (OSError, ValueError) as error:

@@ -22,6 +22,7 @@ from typing import IO, Any, Final, Protocol
 
 from elitescript.controller.signal_view import signal_write
 from elitescript.errors import UsageError
+from elitescript.messages.paths import why_no_file
 from elitescript.messages.signals import KEPT, SIGNALS, Value, parse_signal_name, signal_name
 
 FORMAT: Final = "elitescript state"
@@ -116,7 +117,7 @@ class StateFile:
         disk: what it is on.
 
     Raises:
-        UsageError: there is no such folder.
+        UsageError: there is no such folder, or no file can be there.
     """
 
     __slots__ = ("_disk", "_lock", "_path", "_seen")
@@ -130,11 +131,22 @@ class StateFile:
         """What was there when it was looked at last; None without a file."""
         if disk is None and not self._path.parent.is_dir():
             raise UsageError(f"state file {self._path}: there is no folder {self._path.parent}")
+        for used in (self._path, self._lock_path, self._new_path):
+            if why := why_no_file(used):
+                raise UsageError(f"state file {self._path}: {used} {why}")
 
     @property
     def path(self) -> Path:
         """Where it is."""
         return self._path
+
+    @property
+    def _lock_path(self) -> Path:
+        return self._path.with_name(self._path.name + ".lock")
+
+    @property
+    def _new_path(self) -> Path:
+        return self._path.with_name(self._path.name + ".new")
 
     def hold(self) -> None:
         """Keep everybody else away until `release`.
@@ -145,7 +157,7 @@ class StateFile:
         if self._lock is not None:
             return
         try:
-            self._lock = self._disk.lock(self._path.with_name(self._path.name + ".lock"))
+            self._lock = self._disk.lock(self._lock_path)
         except BlockingIOError:
             raise UsageError(
                 f"state file {self._path}: another `elitescript` uses it; give each its own with --state"
@@ -184,7 +196,7 @@ class StateFile:
         with self._held():
             if self._read() != self._seen:
                 raise UsageError(f"state file {self._path}: somebody else has changed it; it was left as it is")
-            beside = self._path.with_name(self._path.name + ".new")
+            beside = self._new_path
             try:
                 self._disk.write(beside, data)
                 self._disk.sync(beside)

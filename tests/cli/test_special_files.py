@@ -1,0 +1,64 @@
+"""Pipes, devices and folders where a file is meant are refused before anything waits for them."""
+
+import os
+
+import pytest
+
+from elitescript.cli.main import main
+from elitescript.messages.paths import why_no_file
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "good.script").write_text("def p():\n  textmsg('ran')\nend\n")
+    for name in ("pipe", "pipe.script", "pipe.toml", "pipe.csv", "pipe.jsonl", "kept.json.lock", "other.json.new"):
+        os.mkfifo(name)
+    (tmp_path / "folder").mkdir()
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (["run", "pipe.script"], "cannot read pipe.script: it is a named pipe, not a file"),
+        (["run", "folder"], "cannot read folder: it is a folder, not a file"),
+        (["run", "/dev/zero"], "cannot read /dev/zero: it is a device, not a file"),
+        (["check", "pipe.script"], "cannot read pipe.script: it is a named pipe, not a file"),
+        (["plot", "pipe.script"], "cannot read pipe.script: it is a named pipe, not a file"),
+        (["plot", "pipe.csv"], "cannot read pipe.csv: it is a named pipe, not a file"),
+        (["run", "good.script", "--world", "pipe.toml"], "world file pipe.toml is a named pipe, not a file"),
+        (["run", "good.script", "--robot", "pipe.toml"], "pipe.toml: cannot be read: it is a named pipe, not a file"),
+        (["run", "good.script", "--trace", "pipe.csv"], "--trace pipe.csv: it is a named pipe, not a file"),
+        (["run", "good.script", "--trace", "pipe.jsonl"], "--trace pipe.jsonl: it is a named pipe, not a file"),
+        (["run", "good.script", "--state", "pipe"], "pipe is a named pipe, not a file"),
+        (["run", "good.script", "--state", "kept.json"], "kept.json.lock is a named pipe, not a file"),
+        (["run", "good.script", "--state", "other.json"], "other.json.new is a named pipe, not a file"),
+        (["run", "good.script", "--state", "folder"], "folder is a folder, not a file"),
+        (["run", "good.script", "--state", "/dev/null"], "/dev/null is a device, not a file"),
+        (["serve", "--port", "all=0", "--state", "pipe"], "pipe is a named pipe, not a file"),
+        (["serve", "--port", "all=0", "--world", "pipe.toml"], "world file pipe.toml is a named pipe, not a file"),
+    ],
+)
+def test_a_call_is_refused(folder, capsys, call, words):
+    assert main(call) == 2
+    out, err = capsys.readouterr()
+    assert words in err
+    assert "ran" not in out
+
+
+def test_what_the_shell_has_opened_may_be_a_pipe(folder):
+    reading, writing = os.pipe()
+    try:
+        assert why_no_file(f"/dev/fd/{reading}", is_stream_allowed=True) == ""
+        assert why_no_file(f"/dev/fd/{reading}") == "is a named pipe, not a file"
+    finally:
+        os.close(reading)
+        os.close(writing)
+
+
+@pytest.mark.parametrize("name", ["good.script", "missing", "a\0b"])
+def test_files_and_what_is_missing_are_left_to_who_opens_them(folder, name):
+    assert why_no_file(name) == ""
