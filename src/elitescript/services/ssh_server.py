@@ -34,8 +34,8 @@ WRONG_PASSWORD_S: Final = 1.0
 """How long the answer to a wrong password takes."""
 LOGIN_S: Final = 20
 """A client that has not logged in by then is let go."""
-WINDOW: Final = 256 * 1024
-"""Bytes of a channel that may wait to be read."""
+WINDOW: Final = 64 * 1024
+"""Bytes of a channel that may wait to be read: few, so that a transfer does not hold up a tick for long."""
 KEY_EXCHANGES: Final = ("curve25519-sha256", "curve25519-sha256@libssh.org", "ecdh-sha2-nistp256")
 """Those that keep the process busy for less than a tick."""
 
@@ -338,7 +338,10 @@ class _Sftp(asyncssh.SFTPServer):
         """Files are in memory: nothing to do."""
 
     def exit(self) -> None:
-        """The client closed what it had open."""
+        """The client has ended the session: say that all is well, without which `scp` reports a failure."""
+        if not self.channel.is_closing():
+            with contextlib.suppress(OSError):
+                self.channel.exit(0)
 
     def _space(self) -> Any:
         blocks, free = BYTES_MAX // 4096, self._files.free // 4096
