@@ -6,7 +6,10 @@ import pytest
 
 from elitescript.services.ssh_commands import FindBridge, Kill, Refuse, Say, StartBridge, read_command
 
-SOCAT = "bash -lc 'socat tcp-l:{port},reuseaddr,fork,nodelay file:{device},nonblock,raw,waitlock=/var/run/{lock} > /dev/null 2>&1 &'"
+SOCAT = (
+    "bash -lc 'socat tcp-l:{port},reuseaddr,fork,nodelay file:{device},nonblock,raw,waitlock=/var/run/{lock} "
+    "> /dev/null 2>&1 &'"
+)
 TOOL = SOCAT.format(port=54321, device="/dev/ttyTCI0", lock="tty0")
 
 
@@ -48,7 +51,7 @@ def test_what_the_vendors_client_sends_is_known(command: str, action: object) ->
         "kill -1",
         "kill $$",
         "kill 99999999999999999999",
-        "kill ２００１",
+        "kill \uff12\uff10\uff10\uff11",
         TOOL.replace("/dev/ttyTCI0", "/etc/passwd"),
         TOOL.replace("/dev/ttyTCI0", "/dev/ttyTCI0/../sda"),
         TOOL.replace("file:/dev/ttyTCI0,nonblock", "exec:sh,nonblock"),

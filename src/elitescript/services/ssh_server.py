@@ -143,8 +143,8 @@ class SshPort:
         """Answer the command of a client; one that asks for a shell gets a text."""
         command = process.command
         if command is None:
-            what = f"the subsystem {process.subsystem!r}" if process.subsystem else "a shell"
-            process.stderr.write(f"elitescript: there is no {what.removeprefix('a ')} here.\n".encode())
+            what = f"subsystem {process.subsystem!r}" if process.subsystem else "shell"
+            process.stderr.write(f"elitescript: there is no {what} here.\n".encode(errors="replace"))
             process.exit(ssh_commands.NO_SUCH_COMMAND)
             return
         text, problem, status = await self._answer(command)
