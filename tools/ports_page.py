@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.services import binding, listener, liveness, shares, tcp
+from elitescript.services import binding, listener, liveness, shares, ssh_commands, tcp
 from elitescript.services.broker import CHANNELS_MAX
 from elitescript.services.control_verbs import VERBS
 from elitescript.services.cycle import CATCH_UP_TICKS
@@ -92,6 +92,16 @@ def ports_page() -> str:
         "",
         f"TCP, at most {CHANNELS_MAX} at a time. A peer that does not read stops the program that writes to it, and",
         "the other way round.",
+        "",
+        "## SSH",
+        "",
+        "`serve --ssh` ([what it is for](../ssh.md)) answers SFTP and SCP with files in memory, and these commands;",
+        "`PORT` and `NUMBER` are decimal, `...` are further options. There is no shell: anything else ends with status "
+        f"{ssh_commands.NO_SUCH_COMMAND}.",
+        "",
+        "| command | what it does |",
+        "|---|---|",
+        *(f"| `{cell(row.form)}` | {cell(row.effect)} |" for row in ssh_commands.COMMANDS),
         "",
         "## `elitescript ctl`",
         "",
