@@ -7,6 +7,8 @@ import json
 import os
 import re
 import socket
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,7 +19,7 @@ from elitescript.cli import ssh_login
 from elitescript.cli.main import main
 from elitescript.cli.ssh_login import Login
 from elitescript.errors import UsageError
-from tests.cli.test_serve import line_with, ports_in, start, stop
+from tests.cli.test_serve import SOURCE, line_with, ports_in, start, stop
 
 
 def login(password: str | None = None, *, ssh: bool = True) -> Login | None:
@@ -114,3 +116,12 @@ class TestServed:
         assert robot["ssh"]["user"] == "root" and robot["ssh"]["host_key"].startswith("SHA256:")
         assert robot["ports"]["ssh"] > 0
         assert "hidden" not in json.dumps(ready) + out
+
+
+def test_serving_without_it_does_not_load_the_library() -> None:
+    code = (
+        "import sys, elitescript.cli.serve, elitescript.cli.doctor; sys.exit('asyncssh' in sys.modules "
+        "or 'elitescript.services.ssh_desk' in sys.modules)"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(SOURCE)}
+    assert subprocess.run([sys.executable, "-c", code], env=environment, check=False).returncode == 0
