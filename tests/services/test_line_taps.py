@@ -14,7 +14,7 @@ from elitescript.messages.outputs import (
     OpenLine,
     SendChannel,
 )
-from elitescript.services.line_taps import LineTaps
+from elitescript.services.line_taps import GRACE_TICKS, LineTaps
 
 OPEN = OpenLine(7, "tool", LineSettings(115200, 0, 1, 8))
 
@@ -110,6 +110,12 @@ def test_bytes_for_a_line_that_no_program_has_enabled_are_lost_and_the_log_says_
     client = Client()
     taps.join("tool", client)
     assert taps.send("tool", b"x")
+    assert not taps.send("tool", bytes(CHANNEL_WINDOW))
+    for _ in range(GRACE_TICKS):
+        taps.outgoing([])
+    assert said == [] and client.resumed == 0
+    taps.outgoing([])
+    assert client.resumed == 1
     assert taps.send("tool", b"y")
     assert said == [
         "a client bridges the serial port tool, and its bytes go nowhere: no program has enabled it "
@@ -117,6 +123,33 @@ def test_bytes_for_a_line_that_no_program_has_enabled_are_lost_and_the_log_says_
     ]
     opened(taps)
     assert taps.outgoing([]) == []
+
+
+def test_what_a_client_sends_while_the_line_opens_waits_for_it(taps: LineTaps, said: list[str]) -> None:
+    taps.join("tool", Client())
+    taps.send("tool", b"early, ")
+    assert taps.outgoing([OPEN]) == [OPEN]
+    taps.send("tool", b"less early")
+    assert taps.outgoing([]) == []
+    taps.incoming([ChannelOpened(7, True)])
+    assert taps.outgoing([]) == (SendChannel(7, b"early, less early"),)
+    assert said == []
+
+
+def test_the_next_client_waits_again(taps: LineTaps, said: list[str]) -> None:
+    first, second = Client(), Client()
+    taps.join("tool", first)
+    for _ in range(GRACE_TICKS + 1):
+        taps.outgoing([])
+    taps.leave("tool", first)
+    taps.join("tool", first)
+    taps.send("tool", b"of one that has gone")
+    taps.leave("tool", first)
+    taps.join("tool", second)
+    taps.send("tool", b"x")
+    opened(taps)
+    assert taps.outgoing([]) == (SendChannel(7, b"x"),)
+    assert len(said) == 1
 
 
 def test_nothing_bound_is_said_once(taps: LineTaps, said: list[str]) -> None:
@@ -139,7 +172,9 @@ def test_a_line_that_ends_while_a_client_waits_lets_it_go_on(taps: LineTaps, sai
     else:
         assert taps.incoming([ChannelClosed(7, "unplugged")]) == [ChannelClosed(7, "unplugged")]
     assert client.resumed == 1
-    assert taps.send("tool", b"x")
+    for _ in range(GRACE_TICKS + 1):
+        taps.send("tool", b"x")
+        taps.outgoing([])
     assert len(said) == 1
     assert taps.incoming([ChannelData(7, b"late")]) == [ChannelData(7, b"late")]
 

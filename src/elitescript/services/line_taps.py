@@ -3,6 +3,9 @@
 A bridge uses the channel that the robot has open for a port: the line has the settings that a program gave it, and
 there is one owner of the device. While a bridge has a client, what arrives on the line goes to the client and not to
 programs (*assumed*: two readers of one line get what the other leaves). Programs may go on sending.
+
+The vendor's client enables a port by a program and connects soon after: what it sends meanwhile waits, for as long as
+`GRACE_TICKS`.
 """
 
 from __future__ import annotations
@@ -20,7 +23,11 @@ from elitescript.messages.outputs import (
     OpenLine,
     SendChannel,
 )
+from elitescript.messages.timing import TICKS_PER_S
 
+GRACE_TICKS: Final = TICKS_PER_S
+"""How long bytes of clients wait for a line that is not open."""
+OPENING: Final = "it does not open"
 NOT_ENABLED: Final = "no program has enabled it (tool_serial_config, masterboard_serial_config)"
 
 
@@ -41,7 +48,7 @@ class LineClient(Protocol):
 class _Tap:
     """One serial port."""
 
-    __slots__ = ("channel", "clients", "device", "is_told", "owed", "pending", "unsent", "why")
+    __slots__ = ("channel", "clients", "device", "is_told", "owed", "pending", "unsent", "waited", "why")
 
     def __init__(self, device: str) -> None:
         self.device = device
@@ -53,16 +60,29 @@ class _Tap:
         """Whether the log says already that bytes are lost."""
         self.clients: list[LineClient] = []
         self.pending = bytearray()
-        """From clients, until the next tick."""
+        """From clients, until the next tick, or until the line opens."""
         self.unsent = 0
         """Bytes from clients that have not left the line."""
         self.owed = 0
         """Bytes that clients got and for which the line has no credit yet."""
+        self.waited = 0
+        """Ticks for which clients have waited for the line to open."""
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether bytes from clients have nowhere to go, and nothing is to be waited for."""
+        return bool(self.why) and (self.why not in (NOT_ENABLED, OPENING) or self.waited > GRACE_TICKS)
 
     def begin(self, channel: int, why: str) -> None:
+        is_first = self.why == NOT_ENABLED and why == OPENING
         self.channel, self.why, self.is_told = channel, why, False
+        self.unsent = self.owed = self.waited = 0
+        if not is_first:
+            self.drop()
+
+    def drop(self) -> None:
+        """Lose what waits."""
         self.pending.clear()
-        self.unsent = self.owed = 0
         for client in self.clients:
             client.go_on()
 
@@ -86,18 +106,24 @@ class LineTaps:
     def join(self, device: str, client: LineClient) -> None:
         """A client of a bridge connects to a serial port."""
         tap = self._taps[device]
+        if not tap.clients:
+            tap.waited = 0
         tap.clients.append(client)
-        if tap.why:
+        if tap.is_lost:
             self._tell(tap)
 
     def leave(self, device: str, client: LineClient) -> None:
         """It has gone."""
-        self._taps[device].clients.remove(client)
+        tap = self._taps[device]
+        tap.clients.remove(client)
+        if tap.why and not tap.clients:
+            # What waits is not for a line that opens some time later.
+            tap.drop()
 
     def send(self, device: str, data: bytes) -> bool:
-        """Send bytes at the next tick; whether there is room for more. Bytes for a closed line are lost."""
+        """Send bytes at the next tick; whether there is room for more. Bytes for a line that stays closed are lost."""
         tap = self._taps[device]
-        if tap.why:
+        if tap.is_lost:
             self._tell(tap)
             return True
         tap.pending += data
@@ -118,15 +144,24 @@ class LineTaps:
                 case OpenLine(number, device) if device in self._taps:
                     tap = self._taps[device]
                     self._by_channel.pop(tap.channel, None)
-                    tap.begin(number, "it is about to open")
+                    tap.begin(number, OPENING)
                     self._by_channel[number] = tap
                 case CloseChannel(number) if number in self._by_channel:
                     self._by_channel.pop(number).begin(0, NOT_ENABLED)
         more: list[ChannelRequest] = []
-        for tap in self._by_channel.values():
+        for tap in self._taps.values():
             if not tap.why:
                 more += self._asked(tap)
+            elif tap.clients and not tap.is_lost:
+                self._wait(tap)
         return (*requests, *more) if more else requests
+
+    def _wait(self, tap: _Tap) -> None:
+        """Clients wait one more tick for a line that is not open."""
+        tap.waited += 1
+        if tap.is_lost:
+            tap.drop()
+            self._tell(tap)
 
     @staticmethod
     def _asked(tap: _Tap) -> list[ChannelRequest]:
