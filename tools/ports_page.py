@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.services import binding, listener, liveness, shares, tcp
+from elitescript.services import binding, listener, liveness, shares, ssh_commands, tcp
 from elitescript.services.broker import CHANNELS_MAX
 from elitescript.services.control_verbs import VERBS
 from elitescript.services.cycle import CATCH_UP_TICKS
 from elitescript.services.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 from elitescript.services.lockstep import UNANSWERING_S
-from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES
+from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES, SSH
 from tools.markdown import NOTICE, cell
 
 _PAGES = {
@@ -20,6 +20,7 @@ _PAGES = {
     "interpreter": "interpreter.md",
     "query": "interpreter.md",
     "modbus": "modbus.md",
+    "ssh": "../ssh.md",
 }
 
 
@@ -39,6 +40,8 @@ def ports_page() -> str:
         name = f"[`{row.name}`]({_PAGES[row.name]})" if row.name in _PAGES else f"`{row.name}`"
         since = f"{row.since[0]}.{row.since[1]} and later" if any(row.since) else "all"
         lines.append(f"| {name} | {row.number} | {cell(row.summary)} | {since} | {cell(row.evidence)} |")
+    name = f"[`{SSH.name}`]({_PAGES[SSH.name]})"
+    lines.append(f"| {name} | {SSH.number} | {cell(SSH.summary)} | all | {cell(SSH.evidence)} |")
     backlog, most = tcp.SAMPLE_BACKLOG // 1024, tcp.BACKLOG_MAX // 1024
     stalled_s = tcp.STALLED_TICKS // TICKS_PER_S
     lines += [
@@ -46,7 +49,7 @@ def ports_page() -> str:
         "With an older `--firmware` a port stays closed, and the `ready` line says so (*assumed*: what a controller of",
         "that firmware does there is not known).",
         "",
-        "## What every port promises (*assumed*)",
+        "## What every port but `ssh` promises (*assumed*)",
         "",
         "- A message is one write, without delay (`TCP_NODELAY`).",
         f"- Up to {listener.CLIENTS_MAX} clients for each port; more are accepted and closed at once.",
@@ -97,6 +100,16 @@ def ports_page() -> str:
         "",
         f"TCP, at most {CHANNELS_MAX} at a time. A peer that does not read stops the program that writes to it, and",
         "the other way round.",
+        "",
+        "## SSH",
+        "",
+        "`serve --ssh` ([what it is for](../ssh.md)) answers SFTP and SCP with files in memory, and these commands;",
+        "`PORT` and `NUMBER` are decimal, `...` are further options. There is no shell: anything else ends with status "
+        f"{ssh_commands.NO_SUCH_COMMAND}.",
+        "",
+        "| command | what it does |",
+        "|---|---|",
+        *(f"| `{cell(row.form)}` | {cell(row.effect)} |" for row in ssh_commands.COMMANDS),
         "",
         "## `elitescript ctl`",
         "",

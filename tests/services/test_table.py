@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of
+from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of, spare_numbers
 from tests.protocol.snapshots import description, output
 
 
@@ -58,6 +58,19 @@ def test_instances_do_not_get_in_each_others_way() -> None:
 def test_nonsense_is_refused(instance: int, chosen: dict[str, int], why: str) -> None:
     with pytest.raises(UsageError, match=why):
         port_numbers(instance, chosen)
+
+
+def test_the_ssh_port_is_there_only_when_it_is_asked_for() -> None:
+    assert "ssh" not in port_numbers(0, {}) and "ssh" not in spare_numbers(0, {})
+    assert port_numbers(0, {}, has_ssh=True)["ssh"] == 22
+    assert port_numbers(1, {}, robot=2, has_ssh=True)["ssh"] == 322
+    assert port_numbers(0, {"ssh": 2022}, has_ssh=True)["ssh"] == 2022
+    assert spare_numbers(0, {}, has_ssh=True) == {"modbus": 5020, "ssh": 2222}
+    assert spare_numbers(0, {"ssh": 22}, has_ssh=True) == {"modbus": 5020}
+    with pytest.raises(UsageError, match="only with --ssh"):
+        port_numbers(0, {"ssh": 22})
+    with pytest.raises(UsageError, match="modbus and ssh cannot have the same port 22"):
+        port_numbers(0, {"modbus": 22}, has_ssh=True)
 
 
 @pytest.mark.parametrize("service", SERVICES, ids=NAMES)

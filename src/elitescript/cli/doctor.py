@@ -8,15 +8,17 @@ import platform
 import socket
 import sys
 import time
+from importlib.util import find_spec
 from typing import Any
 
 from elitescript import __version__
 from elitescript.cli import jsonlines
+from elitescript.cli.ssh_login import has_extra
 from elitescript.services.connect_policy import OPTION, ConnectPolicy
 from elitescript.services.cycle import Cycle
 from elitescript.services.jail import is_complete
 from elitescript.services.robots import probe_jail
-from elitescript.services.table import port_numbers, spare_numbers
+from elitescript.services.table import SSH, port_numbers, spare_numbers
 
 _CYCLES = 50
 
@@ -30,9 +32,10 @@ def doctor(options: argparse.Namespace) -> int:
         "system": f"{platform.system()} {platform.release()} on {platform.machine()}",
     }
     layers, trouble = asyncio.run(probe_jail())
-    ports = port_numbers(options.instance, {})
+    extras = {"serial": find_spec("serial") is not None, "ssh": has_extra()}
+    ports = port_numbers(options.instance, {}, has_ssh=True)
     # Where this user may not have a port, `serve` takes its spare one.
-    for name, number in spare_numbers(options.instance, {}).items():
+    for name, number in spare_numbers(options.instance, {}, has_ssh=True).items():
         if _is_forbidden(ports[name]):
             ports[name] = number
     busy = {name: number for name, number in ports.items() if not _is_free(number)}
@@ -43,6 +46,7 @@ def doctor(options: argparse.Namespace) -> int:
         record: dict[str, Any] = {
             "type": "doctor",
             "versions": versions,
+            "extras": extras,
             "jail": {layer.name: {"active": layer.is_active, "detail": layer.detail} for layer in layers},
             "is_jailed": is_jailed,
             "trouble": trouble,
@@ -55,6 +59,8 @@ def doctor(options: argparse.Namespace) -> int:
         return 0 if is_jailed and not trouble else 1
     for name, version in versions.items():
         print(f"{name + ':':<14}{version}")
+    found = (f"{name} {'installed' if is_there else 'not installed'}" for name, is_there in extras.items())
+    print(f"{'extras:':<14}{', '.join(found)}")
     print("jail of the process that runs programs:")
     for layer in layers:
         print(f"  {'active' if layer.is_active else 'MISSING':<9}{layer.name + ':':<14}{layer.detail}")
@@ -64,7 +70,8 @@ def doctor(options: argparse.Namespace) -> int:
         print("  Without a layer, programs are trusted as far: serve only people you trust.")
     print(f"ports of instance {options.instance}:")
     for name, number in ports.items():
-        print(f"  {'in use' if name in busy else 'free':<9}{number:<6} {name}")
+        condition = " (with serve --ssh)" if name == SSH.name else ""
+        print(f"  {'in use' if name in busy else 'free':<9}{number:<6} {name}{condition}")
     print(f"connections:  programs of a served robot reach {ConnectPolicy().text} (`serve {OPTION}`)")
     late = f"{lateness['p50']:.2f} ms late (median), {lateness['max']:.2f} ms at worst"
     print(f"time:         clock resolution {clock_ns:.0f} ns; ticks begin {late}")

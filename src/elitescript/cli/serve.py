@@ -19,6 +19,7 @@ from elitescript.cli.last_resort import last_resort
 from elitescript.cli.remedies import served
 from elitescript.cli.report import JsonReport, Report, TextReport, parse_logs
 from elitescript.cli.settings import parse_joints, parse_settings, parse_size
+from elitescript.cli.ssh_login import Login, ssh_login
 from elitescript.cli.terminal import PatientStream, TaggedStream
 from elitescript.cli.writable import Writable
 from elitescript.errors import UsageError
@@ -35,7 +36,7 @@ from elitescript.services.robots import numbered_path, probe_jail, robot_link
 from elitescript.services.server import Server, is_loopback
 from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.station import DEVICE, Note, Station
-from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of, spare_numbers
+from elitescript.services.table import NAMES, SERVICES, SSH, port_numbers, services_of, spare_numbers
 from elitescript.worlds.line_bindings import parse_bindings
 from elitescript.worlds.state_file import StateFile
 
@@ -55,16 +56,18 @@ def serve(options: argparse.Namespace) -> int:
     for config in {(config.model, config.model_text): config for config in configs}.values():
         # What cannot be a robot is told before a port is open or a process started.
         _check_ports(options, Kernel(config).description)
-    chosen = chosen_ports(options.port)
-    numbers = [port_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
-    spares = [spare_numbers(options.instance, chosen, robot=index) for index in range(len(configs))]
+    chosen = chosen_ports(options.port, (*NAMES, SSH.name) if options.ssh else NAMES)
+    login = ssh_login(options)
+    robots, has_ssh = range(len(configs)), login is not None
+    numbers = [port_numbers(options.instance, chosen, robot=index, has_ssh=has_ssh) for index in robots]
+    spares = [spare_numbers(options.instance, chosen, robot=index, has_ssh=has_ssh) for index in robots]
     _check_host(options)
     _lockstep_timeout_s(options)
     if not is_in_process(options):
-        return _run(options, configs, worlds, numbers, spares, _on_signals)
+        return _run(options, configs, worlds, numbers, spares, login, _on_signals)
     # Programs run in this process, and may keep it from hearing signals.
     with last_resort("elitescript serve") as listen:
-        return _run(options, configs, worlds, numbers, spares, lambda stop: listen(_threadsafe(stop)))
+        return _run(options, configs, worlds, numbers, spares, login, lambda stop: listen(_threadsafe(stop)))
 
 
 def _run(
@@ -73,6 +76,7 @@ def _run(
     worlds: list[World | None],
     numbers: list[dict[str, int]],
     spares: list[dict[str, int]],
+    login: Login | None,
     on_signals: Callable[[asyncio.Event], None],
 ) -> int:
     out = PatientStream(sys.stdout, told_to_programs) if options.json else PatientStream(sys.stdout)
@@ -83,7 +87,7 @@ def _run(
         with contextlib.ExitStack() as held:
             keepers = _keepers(options.state, len(configs), held)
             configs = list(map(_remembering, configs, keepers))
-            asyncio.run(_serve(options, configs, worlds, keepers, numbers, spares, log, on_signals))
+            asyncio.run(_serve(options, configs, worlds, keepers, numbers, spares, login, log, on_signals))
     finally:
         out.close()
         err.close()
@@ -97,6 +101,7 @@ async def _serve(
     keepers: list[StateKeeper | None],
     numbers: list[dict[str, int]],
     spares: list[dict[str, int]],
+    login: Login | None,
     log: Log,
     on_signals: Callable[[asyncio.Event], None],
 ) -> None:
@@ -115,13 +120,14 @@ async def _serve(
             world=worlds[index],
             keeper=keeper,
             policy=policy,
+            ssh_password=None if login is None else login.password,
         )
         for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
     ]
     server = Server(stations, options.host, numbers, options.instance, spares)
     await server.open()
     try:
-        log.ready(options.host, server, configs, policy.text)
+        log.ready(options.host, server, configs, policy.text, login)
         await server.run(stop)
     finally:
         await server.close()
@@ -264,8 +270,8 @@ def line_bindings(texts: list[str], robots: int) -> dict[str, str]:
     return parse_bindings(texts)
 
 
-def chosen_ports(texts: list[str]) -> dict[str, int]:
-    """Ports by name from `NAME=NUMBER`.
+def chosen_ports(texts: list[str], names: tuple[str, ...] = NAMES) -> dict[str, int]:
+    """Ports by name from `NAME=NUMBER`; `all` means those of `names`.
 
     Raises:
         UsageError: not of this form.
@@ -278,7 +284,7 @@ def chosen_ports(texts: list[str]) -> dict[str, int]:
             raise UsageError(f"--port {text}: write NAME=NUMBER, such as rtsi=40004")
         if name == ALL and int(number):
             raise UsageError(f"--port {text}: only {ALL}=0 makes sense; --instance N moves all ports")
-        chosen |= dict.fromkeys(NAMES, 0) if name == ALL else {name: int(number)}
+        chosen |= dict.fromkeys(names, 0) if name == ALL else {name: int(number)}
     return chosen
 
 
@@ -293,6 +299,11 @@ def _check_ports(options: argparse.Namespace, description: RobotDescription) -> 
 def _check_host(options: argparse.Namespace) -> None:
     if is_loopback(options.host):
         return
+    if options.ssh and not options.trust_network:
+        raise UsageError(
+            f"--ssh --host {options.host} lets other computers log in and bridge the serial ports; nothing but the "
+            "password keeps them out. Insist with --trust-network"
+        )
     why = _why_not_jailed(options)
     if not why:
         print(
@@ -388,25 +399,38 @@ class Log:
                 tag = f"{name}: " if self._are_several else ""
                 self._reports[name] = TextReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
 
-    def ready(self, host: str, server: Server, configs: list[KernelConfig], reach: str) -> None:
+    def ready(
+        self, host: str, server: Server, configs: list[KernelConfig], reach: str, login: Login | None = None
+    ) -> None:
         """Every port is open; say so with what programs reach, and then what has happened before."""
-        self._say_ready(host, server, configs, reach)
+        self._say_ready(host, server, configs, reach, login)
         held, self._held = self._held or [], None
         for station, what in held:
             self.take(station, what)
 
-    def _say_ready(self, host: str, server: Server, configs: list[KernelConfig], reach: str) -> None:
+    def _say_ready(
+        self, host: str, server: Server, configs: list[KernelConfig], reach: str, login: Login | None
+    ) -> None:
         if self._is_json:
-            robots = [
+            robots: list[dict[str, Any]] = [
                 {"robot": config.robot_id, "model": config.model, "ports": station.ports, "ctl": address}
                 for config, station, address in zip(configs, server.stations, server.control_addresses, strict=True)
             ]
+            if login is not None:
+                for robot, station in zip(robots, server.stations, strict=True):
+                    robot["ssh"] = {"user": login.user, "host_key": station.host_key}
+                    if login.is_random:
+                        robot["ssh"]["password"] = login.password
             self._record({"type": "ready", "host": host, "robots": robots, "allow_connect": reach})
             return
         robots_text = "; ".join(_ports_text(station) for station in server.stations)
         self._out.write(f"ready on {host}: {robots_text}\n")
         self._out.write(f"ctl at {', '.join(server.control_addresses)}\n")
         self._out.write(f"programs reach {reach}\n")
+        if login is not None:
+            password = f"password {login.password}" if login.is_random else "password as given"
+            keys = ", ".join(station.host_key for station in server.stations)
+            self._out.write(f"ssh: user {login.user}, {password}, host key {keys}\n")
         for address, usual in zip(server.control_addresses, server.usual_addresses, strict=True):
             if address != usual:
                 self._err.write(

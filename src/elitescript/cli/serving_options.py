@@ -87,7 +87,18 @@ def add_serve(
     serve.add_argument(
         "--trust-network",
         action="store_true",
-        help="serve other computers although no jail keeps their programs away from this one",
+        help="serve other computers although no jail keeps their programs away from this one, or with --ssh",
+    )
+    serve.add_argument(
+        "--ssh",
+        action="store_true",
+        help="an SSH port as well (extra `ssh`): SFTP, SCP, the log and bridges to serial ports; never a shell or a "
+        "file of this computer",
+    )
+    serve.add_argument(
+        "--ssh-password",
+        metavar="TEXT|@FILE",
+        help="of the user root (default: a random one, printed once); other users of this computer can read TEXT",
     )
     serve.add_argument("--instance", type=int, default=0, metavar="N", help="moves every port by 100 * N (default 0)")
     serve.add_argument(

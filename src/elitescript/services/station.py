@@ -31,10 +31,11 @@ from elitescript.services.lockstep import TIMEOUT_S, Lockstep
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.shares import Shares
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.table import services_of
+from elitescript.services.table import SSH, services_of
 
 if TYPE_CHECKING:
     from elitescript.services.served_world import ServedWorld
+    from elitescript.services.ssh_desk import SshDesk
     from elitescript.worlds.virtual.world import World
 
 RTSI: Final = "rtsi"
@@ -81,6 +82,7 @@ class Station:
         world: virtual devices beside the robot.
         keeper: remembers what the robot keeps; nobody does if None.
         policy: what programs may reach.
+        ssh_password: that SSH clients log in with; there is no SSH port if None.
     """
 
     __slots__ = (
@@ -103,6 +105,7 @@ class Station:
         "_overruns_before",
         "_relief",
         "_relieved_s",
+        "_ssh",
         "_stepped",
         "_task",
         "_world",
@@ -127,12 +130,18 @@ class Station:
         world: World | None = None,
         keeper: StateKeeper | None = None,
         policy: ConnectPolicy | None = None,
+        ssh_password: str | None = None,
     ) -> None:
         self.name = name
         self.link = link
         self.listeners: dict[str, Listener] = {}
         self._by_urgency: list[Listener] = []
-        self.broker = Broker(self.post, lines, policy)
+        self._ssh: SshDesk | None = None
+        if ssh_password is not None:
+            from elitescript.services.ssh_desk import SshDesk
+
+            self._ssh = SshDesk(self, ssh_password)
+        self.broker = Broker(self.post if self._ssh is None else self._post_from_lines, lines, policy)
         self.output: Output
         self.shares = Shares()
         self.waits_for = ""
@@ -177,6 +186,12 @@ class Station:
         """Take inputs for the next tick that begins; return its number."""
         self._inbox.post(inputs)
         return self.output.tick + (2 if self._is_under_way else 1)
+
+    def _post_from_lines(self, inputs: list[Input]) -> None:
+        """Take what channels have to say; what belongs to bridges of serial ports stays with them."""
+        assert self._ssh is not None
+        if kept := self._ssh.taps.incoming(inputs):
+            self.post(kept)
 
     def waiting_of(self, origin: str) -> int:
         """Inputs of a client that could not go in at the last tick."""
@@ -236,7 +251,15 @@ class Station:
     @property
     def ports(self) -> dict[str, int]:
         """Number of every open port by name."""
-        return {name: listener.number for name, listener in self.listeners.items()}
+        numbers = {name: listener.number for name, listener in self.listeners.items()}
+        if self._ssh is not None and self._ssh.number:
+            numbers[SSH.name] = self._ssh.number
+        return numbers
+
+    @property
+    def host_key(self) -> str:
+        """Fingerprint of the SSH port's key; empty without such a port."""
+        return "" if self._ssh is None else self._ssh.fingerprint
 
     # ---------------------------------------------------------------- life
 
@@ -262,6 +285,8 @@ class Station:
                 connect = service.open(self.link.description)
                 self.listeners[service.name] = Listener(service, self, connect, bound)
             self._by_urgency = sorted(self.listeners.values(), key=lambda listener: listener.service.name != RTSI)
+            if self._ssh is not None:
+                self._ssh.bind(host, numbers[SSH.name], (spares or {}).get(SSH.name))
         except BaseException:
             for listener in self.listeners.values():
                 listener.release()
@@ -280,6 +305,8 @@ class Station:
         """Accept clients, and let time pass from now on."""
         for listener in self.listeners.values():
             await listener.open()
+        if self._ssh is not None:
+            await self._ssh.open()
         self._hear(self.output)
         self._cycle = Cycle(on_left_out=self._left_out)
         if self._is_lockstep:
@@ -304,6 +331,8 @@ class Station:
             self._relief.cancel()
         for listener in self.listeners.values():
             await listener.close()
+        if self._ssh is not None:
+            await self._ssh.close()
         if self._world is not None:
             self._world.close_all()
         self.broker.close_all()
@@ -405,7 +434,10 @@ class Station:
         if self._inbox.refused:
             self._tell_refused()
         inputs = self._inbox.take(self.link.room)
-        return inputs if self._world is None else inputs + self._world.inputs(self.output.tick + 1)
+        if self._world is None:
+            return inputs
+        beside = self._world.inputs(self.output.tick + 1)
+        return inputs + (beside if self._ssh is None else self._ssh.taps.incoming(beside))
 
     def _tell_refused(self) -> None:
         count, self._inbox.refused = self._inbox.refused, 0
@@ -433,6 +465,10 @@ class Station:
 
     def _carry_out(self, output: Output) -> None:
         """Do what programs ask of their connections; virtual devices see the tick."""
+        if self._ssh is not None:
+            requests = self._ssh.taps.outgoing(output.requests)
+            if requests is not output.requests:
+                output = replace(output, requests=tuple(requests))
         self.broker.carry_out(output.requests if self._world is None else self._world.take(output))
 
     def _begin_reading(self) -> None:
@@ -446,6 +482,8 @@ class Station:
     def _hear(self, output: Output) -> None:
         for event in output.events:
             self._listen(self, event)
+            if self._ssh is not None:
+                self._ssh.hear(event)
 
     def _left_out(self, ticks: int) -> None:
         is_playing = self.output.snapshot.robot.task_state is TaskState.PLAYING

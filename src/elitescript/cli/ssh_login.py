@@ -1,0 +1,64 @@
+"""Who may log in at the SSH port of `serve`, from the command line."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from elitescript.errors import UsageError
+
+if TYPE_CHECKING:
+    import argparse
+
+MISSING: Final = "--ssh needs asyncssh: pip install 'elitescript[ssh]'"
+PASSWORD_MAX: Final = 256
+"""Characters."""
+RANDOM_BYTES: Final = 12
+
+
+class Login(NamedTuple):
+    """The only login."""
+
+    user: str
+    password: str
+    is_random: bool
+    """Made here, so that it must be printed."""
+
+
+def ssh_login(options: argparse.Namespace) -> Login | None:
+    """The login that the options ask for; None without `--ssh`.
+
+    Raises:
+        UsageError: the extra is missing, or the password is none.
+    """
+    if not options.ssh:
+        if options.ssh_password is not None:
+            raise UsageError("--ssh-password does nothing without --ssh")
+        return None
+    if not has_extra():
+        raise UsageError(MISSING)
+    given: str | None = options.ssh_password
+    if given is None:
+        from secrets import token_urlsafe
+
+        return Login("root", token_urlsafe(RANDOM_BYTES), is_random=True)
+    password = _read(given[1:]) if given.startswith("@") else given
+    if not password or len(password) > PASSWORD_MAX or not password.isprintable():
+        raise UsageError(f"--ssh-password: 1 to {PASSWORD_MAX} printable characters are a password")
+    return Login("root", password, is_random=False)
+
+
+def has_extra() -> bool:
+    """Whether the extra `ssh` is installed."""
+    from importlib.util import find_spec
+
+    return find_spec("asyncssh") is not None
+
+
+def _read(name: str) -> str:
+    from pathlib import Path
+
+    try:
+        with Path(name).open(encoding="utf-8") as file:
+            return file.read(4 * PASSWORD_MAX).rstrip("\r\n")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"--ssh-password @{name}: {getattr(error, 'strerror', None) or error}") from error

@@ -1,0 +1,328 @@
+"""The SSH port, by the client of the library on loopback."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import inspect
+from collections.abc import AsyncIterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from elitescript.messages.inputs import ChannelOpened
+from elitescript.messages.line import LineSettings
+from elitescript.messages.outputs import OpenLine
+from elitescript.services.binding import bind
+from elitescript.services.line_taps import LineTaps
+from elitescript.services.serial_bridges import SerialBridges
+from elitescript.services.ssh_files import RobotFiles
+from tests.services.served import run
+from tests.services.test_serial_bridges import free_port
+
+asyncssh = pytest.importorskip("asyncssh")
+ssh_server = import_module("elitescript.services.ssh_server")
+
+LOG = "/opt/elite/data/log/log_history.csv"
+ROW = b"time,text\n"
+
+
+class Host:
+    def __init__(self) -> None:
+        self.said: list[str] = []
+        self.taps = LineTaps(self.said.append)
+        self.bridges = SerialBridges("127.0.0.1", self.taps)
+        self.files = RobotFiles({LOG: lambda: ROW})
+        self.port = ssh_server.SshPort("secret", self.files, self.bridges, self.said.append, wrong_password_s=0)
+        self.number = 0
+
+    def connect(self, password: str = "secret", username: str = "root") -> Any:
+        return asyncssh.connect(
+            "127.0.0.1",
+            self.number,
+            username=username,
+            password=password,
+            known_hosts=None,
+            client_keys=None,
+            config=None,
+            agent_path=None,
+        )
+
+
+@contextlib.asynccontextmanager
+async def hosted() -> AsyncIterator[Host]:
+    host = Host()
+    bound = bind("127.0.0.1", 0)
+    host.number = bound.getsockname()[1]
+    await host.port.open(bound)
+    try:
+        yield host
+    finally:
+        await host.port.close()
+        host.bridges.close_all()
+
+
+class TestLogin:
+    def test_the_right_password_is_let_in_and_the_host_key_is_the_one_that_is_shown(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                assert client.get_server_host_key().get_fingerprint() == host.port.fingerprint
+                assert host.port.fingerprint.startswith("SHA256:")
+                assert host.said == []
+
+        run(scene())
+
+    @pytest.mark.parametrize(
+        ("username", "password"), [("root", "secre"), ("root", ""), ("root", "secret "), ("admin", "secret")]
+    )
+    def test_anything_else_is_refused(self, username: str, password: str) -> None:
+        async def scene() -> None:
+            async with hosted() as host:
+                with pytest.raises(asyncssh.PermissionDenied):
+                    await host.connect(password, username)
+                assert host.said == ["ssh: a login with a wrong user name or password is refused"]
+
+        run(scene())
+
+    def test_a_connection_has_three_attempts(self) -> None:
+        class Guesser(asyncssh.SSHClient):
+            guesses = 0
+
+            def password_auth_requested(self) -> str:
+                Guesser.guesses += 1
+                return f"guess {Guesser.guesses}"
+
+        async def scene() -> None:
+            async with hosted() as host:
+                with pytest.raises((asyncssh.Error, OSError)):
+                    await asyncssh.create_connection(
+                        Guesser,
+                        "127.0.0.1",
+                        host.number,
+                        username="root",
+                        known_hosts=None,
+                        client_keys=None,
+                        config=None,
+                        agent_path=None,
+                    )
+                assert Guesser.guesses == 3
+                assert len(host.said) == 3
+
+        run(scene())
+
+    def test_connections_are_bounded(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, contextlib.AsyncExitStack() as held:
+                for _ in range(ssh_server.CONNECTIONS_MAX):
+                    await held.enter_async_context(host.connect())
+                with pytest.raises((asyncssh.Error, OSError)):
+                    await host.connect()
+                assert host.said == ["ssh: a client is refused, 8 are connected"]
+
+        run(scene())
+
+
+class TestCommands:
+    def test_a_variable_is_printed(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                done = await client.run("printenv PATH")
+                assert (done.exit_status, done.stdout, done.stderr) == (
+                    0,
+                    "/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin\n",
+                    "",
+                )
+
+        run(scene())
+
+    @pytest.mark.parametrize(
+        "command", ["printenv PATH; id", "cat /etc/passwd", "sh -c id", "$(id)", "echo x > /tmp/x", "kill", "é\u2028"]
+    )
+    def test_no_command_reaches_a_shell(self, command: str) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                done = await client.run(command)
+                assert (done.exit_status, done.stdout) == (127, "")
+                assert "This is no shell" in done.stderr
+                assert host.files.names("/tmp") == []
+
+        run(scene())
+
+    def test_only_bridges_can_be_killed(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                for number in (1, 2001):
+                    done = await client.run(f"kill {number}")
+                    assert (done.exit_status, done.stderr) == (1, f"elitescript: {number} is no bridge\n")
+
+        run(scene())
+
+    def test_there_is_no_shell_no_terminal_no_forwarding_and_no_other_subsystem(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                shell = await client.run(None)
+                assert (shell.exit_status, shell.stderr) == (127, "elitescript: there is no shell here.\n")
+                with pytest.raises(asyncssh.ChannelOpenError):
+                    await client.run("printenv PATH", term_type="xterm")
+                with pytest.raises(asyncssh.ChannelOpenError):
+                    await client.open_connection("127.0.0.1", host.number)
+                with pytest.raises(asyncssh.ChannelListenError):
+                    await client.start_server(lambda *_: None, "127.0.0.1", 0)
+                other = await client.run(subsystem="netconf")
+                assert (other.exit_status, other.stderr) == (
+                    127,
+                    "elitescript: there is no subsystem 'netconf' here.\n",
+                )
+
+        run(scene())
+
+    def test_the_sequence_of_the_vendors_client_bridges_the_tool(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                host.taps.outgoing([OpenLine(7, "tool", LineSettings(115200, 0, 1, 8))])
+                host.taps.incoming([ChannelOpened(7, True)])
+                port = free_port()
+                find = f"ps| grep \"[s]ocat tcp-l:{port}\" | awk '{{print $1}}'"
+                start = (
+                    f"bash -lc 'socat tcp-l:{port},reuseaddr,fork,nodelay "
+                    "file:/dev/ttyTCI0,nonblock,raw,waitlock=/var/run/tty0 > /dev/null 2>&1 &'"
+                )
+                assert (await client.run(find)).stdout == ""
+                assert (await client.run(start)).exit_status == 0
+                number = int((await client.run(find)).stdout)
+                assert host.bridges.find(port) == number
+                again = await client.run(start)
+                assert again.exit_status == 1
+                assert again.stderr.startswith(f"elitescript: the serial port tool cannot be bridged at port {port}: ")
+                assert len(host.said) == 1
+                assert (await client.run(f"kill {number}")).exit_status == 0
+                assert (await client.run(find)).stdout == ""
+
+        run(scene())
+
+
+class TestFiles:
+    def test_scp_both_ways(self, tmp_path: Path) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                (tmp_path / "up").write_bytes(bytes(range(256)) * 1000)
+                await asyncssh.scp(str(tmp_path / "up"), (client, "/tmp/file"))
+                await asyncssh.scp((client, "/tmp/file"), str(tmp_path / "down"))
+                assert (tmp_path / "down").read_bytes() == bytes(range(256)) * 1000
+                await asyncssh.scp((client, LOG), str(tmp_path / "log"))
+                assert (tmp_path / "log").read_bytes() == ROW
+
+        run(scene())
+
+    @pytest.mark.parametrize("path", ["/etc/passwd", "../../../etc/passwd", "/tmp/../etc/passwd", "/proc/self/environ"])
+    def test_scp_and_sftp_find_no_file_of_this_computer(self, tmp_path: Path, path: str) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                with pytest.raises(asyncssh.SFTPError):
+                    await asyncssh.scp((client, path), str(tmp_path / "x"))
+                async with client.start_sftp_client() as sftp:
+                    with pytest.raises(asyncssh.SFTPNoSuchFile):
+                        await sftp.stat(path)
+                    with pytest.raises(asyncssh.SFTPNoSuchFile):
+                        await sftp.open(path)
+
+        run(scene())
+
+    def test_nothing_is_written_on_this_computer(self, tmp_path: Path) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                (tmp_path / "up").write_bytes(b"x")
+                target = tmp_path / "planted"
+                with pytest.raises(asyncssh.SFTPError):
+                    await asyncssh.scp(str(tmp_path / "up"), (client, str(target)))
+                async with client.start_sftp_client() as sftp:
+                    with pytest.raises(asyncssh.SFTPError):
+                        await sftp.put(str(tmp_path / "up"), str(target))
+                    for act in (
+                        sftp.symlink("/etc", "/tmp/link"),
+                        sftp.link(str(tmp_path / "up"), "/tmp/link"),
+                        sftp.readlink("/tmp"),
+                        sftp.mkdir(str(tmp_path / "made")),
+                        sftp.remove(str(tmp_path / "up")),
+                        sftp.rmdir(str(tmp_path)),
+                        sftp.chmod(str(tmp_path / "up"), 0o777),
+                        sftp.truncate(str(tmp_path / "up"), 0),
+                        sftp.rename(str(tmp_path / "up"), "/tmp/moved"),
+                        sftp.posix_rename(str(tmp_path / "up"), "/tmp/moved"),
+                    ):
+                        with pytest.raises(asyncssh.SFTPError):
+                            await act
+                    assert await sftp.listdir("/tmp") == [".", ".."]
+                assert sorted(path.name for path in tmp_path.iterdir()) == ["up"]
+                assert (tmp_path / "up").read_bytes() == b"x"
+
+        run(scene())
+
+    def test_a_folder_by_sftp(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client, client.start_sftp_client() as sftp:
+                assert await sftp.realpath("..") == "/"
+                await sftp.mkdir("/tmp/d")
+                async with sftp.open("/tmp/d/a", "w") as file:
+                    await file.write("text")
+                async with sftp.open("/tmp/d/a", "a") as file:
+                    await file.write("!")
+                assert await sftp.getsize("/tmp/d/a") == 5
+                await sftp.truncate("/tmp/d/a", 2)
+                assert (await sftp.stat("/tmp/d/a")).size == 2
+                await sftp.rename("/tmp/d/a", "/tmp/b")
+                await sftp.rmdir("/tmp/d")
+                assert sorted(await sftp.listdir("/")) == [".", "..", "opt", "tmp"]
+                assert await sftp.isdir("/tmp") and await sftp.isfile("/tmp/b")
+                assert (await sftp.statvfs("/tmp")).bsize == 4096
+
+        run(scene())
+
+    def test_more_than_there_is_room_for_is_refused(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+        monkeypatch.setattr("elitescript.services.ssh_files.BYTES_MAX", 1000)
+
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                (tmp_path / "up").write_bytes(bytes(2000))
+                with pytest.raises(asyncssh.SFTPError, match="at most"):
+                    await asyncssh.scp(str(tmp_path / "up"), (client, "/tmp/a"))
+                async with client.start_sftp_client() as sftp, sftp.open("/tmp/b", "w") as file:
+                    with pytest.raises(asyncssh.SFTPError):
+                        await file.write("x", 1 << 40)
+                assert host.files.free >= 0
+
+        run(scene())
+
+    def test_files_that_a_client_leaves_open_are_closed(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host:
+                for _ in range(3):
+                    client = await host.connect()
+                    sftp = await client.start_sftp_client()
+                    for number in range(20):
+                        await sftp.open(f"/tmp/{number}", "w")
+                    client.abort()
+                    await client.wait_closed()
+                    while host.files._open:
+                        await asyncio.sleep(0)
+
+        run(scene())
+
+
+HARMLESS = {
+    "channel",
+    "connection",
+    "convert_attrs",
+    "env",
+    "format_longname",
+    "logger",
+}
+"""Members of the library's file server that reach no file."""
+
+
+def test_no_method_of_the_library_that_reaches_files_of_this_computer_is_left() -> None:
+    public = {name for name, _ in inspect.getmembers(asyncssh.SFTPServer) if not name.startswith("_")}
+    replaced = {name for name in vars(ssh_server._Sftp) if not name.startswith("_")}
+    assert public - replaced == HARMLESS
