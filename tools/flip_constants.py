@@ -1,0 +1,207 @@
+"""Change random entries of tables, one at a time, and print those that no test misses: `python -m tools.flip_constants`.
+
+A table that is tested against itself is not tested. So one constant of a module-level table is replaced by another
+value in a copy of the repository, the tests of that package are run there, and a change that they let pass is a
+*survivor*. Tests that compare generated pages with the code do not count: the page would be generated again.
+
+The choice follows the seed alone. `--list` prints what would be changed; `--only` restricts it to some files.
+Exit code: 0 if every change was noticed, 1 if one survived.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+ROOT: Final = Path(__file__).resolve().parent.parent
+SOURCE: Final = ROOT / "src" / "elitescript"
+
+TABLES: Final[dict[str, tuple[str, ...]]] = {
+    "controller/tasks.py": ("controller", "kernel"),
+    "controller/modes.py": ("controller", "kernel"),
+    "controller/safety.py": ("controller", "kernel"),
+    "controller/safety_limits.py": ("controller",),
+    "protocol/device_modes.py": ("protocol",),
+    "protocol/rtsi_variables.py": ("protocol",),
+    "protocol/rtsi_inputs.py": ("protocol",),
+    "protocol/primary_packets.py": ("protocol",),
+    "protocol/primary_messages.py": ("protocol",),
+    "protocol/primary_commands.py": ("protocol",),
+    "protocol/dashboard_verbs.py": ("protocol",),
+    "protocol/interpreter.py": ("protocol", "kernel"),
+    "modbus/port_map.py": ("modbus", "protocol"),
+    "modbus/pdu.py": ("modbus",),
+    "messages/signals.py": ("messages", "controller", "protocol"),
+    "messages/enums.py": ("messages", "protocol", "controller"),
+    "services/table.py": ("services",),
+    "worlds/virtual/faults.py": ("worlds", "faults"),
+}
+"""Files with tables, and the folders of tests that must notice a change in them, nearest first."""
+
+LEFT_OUT: Final = ("test_reference", "test_devices_page", "test_motion_page")
+"""Tests that compare generated pages with the code."""
+
+KEPT: Final = ("src", "tests", "tools", "docs", "examples", "benchmarks", "pyproject.toml", "README.md", "Makefile")
+TIMEOUT_S: Final = 600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Flip:
+    """One change of one file."""
+
+    file: str
+    line: int
+    start: int
+    end: int
+    """Where the constant stands in its line, in bytes of UTF-8."""
+    old: str
+    new: str
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}: {self.old} -> {self.new}"
+
+
+def flips(file: str, text: str) -> Iterator[Flip]:
+    """Yield every change of a constant in the module-level tables of a file, and of the members of its enumerations."""
+    tree = ast.parse(text)
+    members = _members(tree)
+    for statement in tree.body:
+        if isinstance(statement, ast.Assign | ast.AnnAssign) and statement.value is not None:
+            yield from _flips_in(file, text, statement.value, members)
+        elif isinstance(statement, ast.ClassDef) and any(_is_enum(base) for base in statement.bases):
+            for entry in statement.body:
+                if isinstance(entry, ast.Assign):
+                    yield from _flips_in(file, text, entry.value, members)
+
+
+def _members(tree: ast.Module) -> dict[str, list[str]]:
+    """Return the members of enumerations that a file names, by enumeration."""
+    found: dict[str, set[str]] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.attr.isupper():
+            found.setdefault(node.value.id, set()).add(node.attr)
+    return {name: sorted(attributes) for name, attributes in found.items() if name[0].isupper()}
+
+
+def _is_enum(base: ast.expr) -> bool:
+    return isinstance(base, ast.Name) and base.id.endswith("Enum")
+
+
+def _flips_in(file: str, text: str, value: ast.expr, members: dict[str, list[str]]) -> Iterator[Flip]:
+    in_formats = {id(part) for node in ast.walk(value) if isinstance(node, ast.JoinedStr) for part in ast.walk(node)}
+    for node in ast.walk(value):
+        new = None if id(node) in in_formats else _changed(node, members)
+        if new is None or node.lineno != node.end_lineno:  # type: ignore[attr-defined]
+            continue
+        old = ast.get_source_segment(text, node) or ""
+        yield Flip(file, node.lineno, node.col_offset, node.end_col_offset, old, new)  # type: ignore[attr-defined]
+
+
+def _changed(node: ast.AST, members: dict[str, list[str]]) -> str | None:
+    """Return another value as source text; None for what is no constant, or is prose."""
+    if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+        others = [name for name in members.get(node.value.id, ()) if name != node.attr]
+        return f"{node.value.id}.{others[node.col_offset % len(others)]}" if others else None
+    if not isinstance(node, ast.Constant):
+        return None
+    value = node.value
+    if isinstance(value, bool):
+        return str(not value)
+    if isinstance(value, int):
+        return str(value + 1)
+    if isinstance(value, float):
+        return str(value * 1.5 + 1.0)
+    if isinstance(value, str) and value and " " not in value and "*" not in value:
+        return repr(f"{value}x")
+    return None
+
+
+def applied(text: str, flip: Flip) -> str:
+    """Return the text with one change."""
+    lines = text.split("\n")
+    line = lines[flip.line - 1].encode()
+    lines[flip.line - 1] = (line[: flip.start] + flip.new.encode() + line[flip.end :]).decode()
+    return "\n".join(lines)
+
+
+def survives(copy: Path, flip: Flip) -> bool:
+    """Return whether the tests of a changed copy pass: nearest first, so that most changes cost one file of tests."""
+    path = copy / "src" / "elitescript" / flip.file
+    original = path.read_text(encoding="utf-8")
+    path.write_text(applied(original, flip), encoding="utf-8")
+    try:
+        return all(_passes(copy, tests) for tests in _tests(copy, flip.file))
+    finally:
+        path.write_text(original, encoding="utf-8")
+
+
+def _tests(copy: Path, file: str) -> Iterator[list[str]]:
+    own = copy / "tests" / Path(file).parent / f"test_{Path(file).stem}.py"
+    if own.is_file():
+        yield [str(own)]
+    for folder in TABLES[file]:
+        yield [str(copy / "tests" / folder)]
+
+
+def _passes(copy: Path, tests: list[str]) -> bool:
+    ignored = [f"--ignore-glob=*{name}*" for name in LEFT_OUT]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *ignored, *tests]
+    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "PYTHONPATH": str(copy / "src")}
+    try:
+        done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, timeout=TIMEOUT_S, check=False)
+    except subprocess.TimeoutExpired:
+        return False
+    return done.returncode == 0
+
+
+def chosen(seed: int, count: int, only: list[str]) -> list[Flip]:
+    """Return the changes of a seed: as many from each file as its share of all constants, at least one."""
+    files = [file for file in TABLES if not only or file in only]
+    possible = {file: list(flips(file, (SOURCE / file).read_text(encoding="utf-8"))) for file in files}
+    random_ = random.Random(seed)
+    first = [random_.choice(entries) for entries in possible.values() if entries]
+    rest = [flip for entries in possible.values() for flip in entries if flip not in first]
+    random_.shuffle(rest)
+    return sorted((first + rest)[:count], key=lambda flip: (flip.file, flip.line, flip.start))
+
+
+def main() -> int:
+    """Make the changes of the command line; return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--only", action="append", default=[], metavar="FILE", help="such as controller/tasks.py")
+    parser.add_argument("--list", action="store_true", help="print the changes, run nothing")
+    options = parser.parse_args()
+    changes = chosen(options.seed, options.count, options.only)
+    survivors: list[Flip] = []
+    with tempfile.TemporaryDirectory(prefix="flips") as folder:
+        copy = Path(folder)
+        for name in () if options.list else KEPT:
+            source = ROOT / name
+            if source.is_dir():
+                shutil.copytree(source, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+            else:
+                shutil.copy(source, copy / name)
+        for number, flip in enumerate(changes, 1):
+            lives = not options.list and survives(copy, flip)
+            print(f"{number:4}/{len(changes)} {'SURVIVES ' if lives else ''}{flip}", flush=True)
+            survivors += [flip] * lives
+    print(f"seed {options.seed}: {len(survivors)} of {len(changes)} changes survived")
+    for flip in survivors:
+        print(f"  {flip}")
+    return 1 if survivors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
