@@ -15,7 +15,7 @@ from elitescript.controller.safety_limits import SafetyLimits
 from elitescript.controller.signal_view import Signals, signal_write
 from elitescript.controller.trace import Trace
 from elitescript.errors import UsageError
-from elitescript.language.compiler import CompiledUnit, Options, compile_unit
+from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
 from elitescript.language.options import SECONDARY
 from elitescript.language.source import SourceFile
 from elitescript.messages.enums import TaskState
@@ -232,7 +232,7 @@ class VirtualRobot:
             UsageError: no such file.
         """
         source = program if isinstance(program, SourceFile) else source_of(program)
-        return compile_unit(source, self._options)
+        return compile_task(source, self._options)
 
     def run(
         self,

@@ -78,6 +78,15 @@ def test_findings_against_the_catalogue_warn_and_fail_only_when_strict(run_json)
     assert (code, records[0]["severity"]) == (3, "error")
 
 
+def test_a_text_in_which_nothing_runs_is_said_before_the_run_and_refused_when_strict(run_json):
+    text = "import math\ndef a():\n  sync()\nend\ndef b():\n  a()\nend\n"
+    code, records = run_json(text)
+    assert (code, [record["type"] for record in records]) == (0, ["problem", "end"])
+    assert (records[0]["code"], records[0]["severity"], records[0]["line"]) == ("W214", "warning", 5)
+    code, records = run_json(text, "--strict")
+    assert (code, [record["severity"] for record in records]) == (3, ["error"])
+
+
 def test_halt_is_no_failure(run_json):
     code, records = run_json("def a():\n  halt()\nend\n")
     assert (code, records[-1]["state"]) == (0, "stopped")

@@ -130,7 +130,7 @@ def test_a_secondary_program_by_itself():
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("def a():\nif True:\ntextmsg(1)\nend\nend\n", ["E001 2", "E001 3"]),
+        ("def a():\nif True:\n  textmsg(1)\nend\nend\n", ["E001 2"]),
         ("def a():\n  x = 1\n    y = 2\n    z = 3\n  w = 4\nend", ["E001 3"]),
         ("def a():\n    x = 1\n   y = 2\n    z = 3\nend", ["E001 3"]),
         ("def a():\n    while x:\n        f()\n      g()\n      h()\n    i()\nend", ["E001 4"]),
@@ -180,3 +180,23 @@ def test_a_tab_among_blanks_is_named(text):
     (problem, *_) = check_unit(SourceFile("a", text))
     assert problem.code == "E001"
     assert "tab" in problem.hint
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("def a():\n  else:\n  f()\nend\n", "the body of the `else` of line 2 should be indented here"),
+        ("def a():\n  if x:\n    f()\n  else:\n  end\nend\n", "the body of this `else` is empty"),
+        ("def a():\n  else:\nend\n", "the body of this `else` is empty"),
+    ],
+)
+def test_messages_name_the_header_whose_body_is_missing(text, expected):
+    assert expected in [problem.text for problem in check_unit(SourceFile("f", text))]
+
+
+def test_no_message_quotes_an_empty_word():
+    for header in ("else:", "elif x:", "except:", "finally:", "loop 5:", "(a):", '"x":', "case 1:"):
+        for body in ("", "  f()\n", "    f()\n"):
+            text = f"def a():\n  {header}\n{body}end\n"
+            messages = [problem.text + problem.hint for problem in check_unit(SourceFile("f", text))]
+            assert not any("``" in message or "` `" in message for message in messages), text

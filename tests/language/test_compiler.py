@@ -19,6 +19,7 @@ from elitescript.language.compiler import (
     column_of,
     compile_expression,
     compile_parsed,
+    compile_task,
     compile_unit,
 )
 from elitescript.language.parser import parse
@@ -321,3 +322,20 @@ def test_a_file_of_that_name_on_the_disk_makes_no_difference(tmp_path, monkeypat
     for text in ("x = '温'; y = 1 2", "x = '温'; break", "x = '温'; y = 012"):
         (found,) = check_unit(SourceFile("pick.script", text))
         assert found.column in (10, 14, 16)
+
+
+class TestTasks:
+    IDLE = "x = 1\ndef a():\n  pass\ndef b():\n  a()\n"
+
+    def test_a_text_in_which_nothing_runs_says_so(self):
+        unit = compile_task(SourceFile("f", self.IDLE))
+        assert [(problem.code, problem.line, problem.is_error) for problem in unit.diagnostics] == [("W214", 4, False)]
+
+    def test_a_strict_run_refuses_it(self):
+        with pytest.raises(ProgramError) as caught:
+            compile_task(SourceFile("f", self.IDLE), Options(strict=True))
+        assert [problem.code for problem in caught.value.problems] == ["W214"]
+
+    @pytest.mark.parametrize("text", ["def a():\n  pass\n", "def a():\n  pass\na()\n", "x = 1\n", IDLE + "b()\n"])
+    def test_other_texts_say_nothing(self, text):
+        assert compile_task(SourceFile("f", text)).diagnostics == ()

@@ -8,7 +8,7 @@ from typing import Any, Final
 from elitescript.controller.controller import Controller
 from elitescript.errors import ProgramError, ScriptError
 from elitescript.kernel.nonsense import Nonsense
-from elitescript.language.compiler import CompiledUnit, compile_unit
+from elitescript.language.compiler import CompiledUnit, compile_task
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.source import SourceFile
@@ -79,7 +79,7 @@ class Programs:
         Raises:
             ProgramError: it does not compile.
         """
-        unit = compile_unit(SourceFile(name, text), Options(strict=self._is_strict, kind=kind))
+        unit = compile_task(SourceFile(name, text), Options(strict=self._is_strict, kind=kind))
         for problem in unit.diagnostics[:PROBLEMS_MAX]:
             self._warn(_told(problem), problem.line)
         return unit

@@ -13,10 +13,11 @@ from functools import cache
 from typing import Final
 
 from elitescript.language.diagnostics import Fix
+from elitescript.language.flat import restore_indentation
 from elitescript.language.lexer import LogicalLine
 from elitescript.language.masked import WIDE_COLON, header_colon
 from elitescript.language.options import LINE
-from elitescript.language.rewriting import Draft
+from elitescript.language.rewriting import BlockEnd, Draft
 
 _CLAUSES_OF = {
     "if": ("elif", "else"),
@@ -31,7 +32,8 @@ _SOFT_COMPOUND = frozenset(("async", "case", "match", "sec", "thread"))
 
 
 def read_blocks(draft: Draft) -> None:
-    """Check the structure, replace `end` and `sec`, and note the headers in `draft.headers`."""
+    """Check the structure, replace `end` and `sec`, and note headers and ends in `draft.headers` and `draft.ends`."""
+    restore_indentation(draft)
     _Reader(draft).read()
 
 
@@ -47,13 +49,17 @@ def _soft_header() -> re.Pattern[str]:
 
 
 class _Block:
-    __slots__ = ("clauses", "colon_missing", "column", "header", "opener", "waits", "word")
+    __slots__ = ("clauses", "colon_missing", "column", "has_lines", "header", "label", "opener", "waits", "word")
 
     def __init__(self, opener: LogicalLine, word: str) -> None:
         self.opener = opener
         self.header = opener
         """Its newest header: the opener, or the last clause."""
         self.word = word
+        self.label = ""
+        """What messages call its newest header."""
+        self.has_lines = False
+        """A body of it begins on the line below its header."""
         self.column = opener.column
         self.waits = False
         """Its header was the last line, and the body has still to come."""
@@ -62,7 +68,7 @@ class _Block:
 
 
 class _Reader:
-    __slots__ = ("blocks", "closed", "draft", "indents", "left", "lost", "skip_above", "skipping_at", "waiting")
+    __slots__ = ("blocks", "closed", "draft", "indents", "last", "left", "lost", "skip_above", "skipping_at", "waiting")
 
     def __init__(self, draft: Draft) -> None:
         self.draft = draft
@@ -75,6 +81,8 @@ class _Reader:
         """By column, the block that was left last, and the line that left it."""
         self.lost: dict[int, int] = {}
         """By column, how many blocks never got their body; their `end` is not a second mistake."""
+        self.last: LogicalLine | None = None
+        """The line before the one that is being read."""
         self.skip_above = -1
         self.skipping_at = -1
 
@@ -88,9 +96,9 @@ class _Reader:
             if line.word == "end" and _end().fullmatch(self.draft.code(line)):
                 following = lines[index + 1] if index < last else line
                 self._end(line, following.word in _CLAUSES and following.column == line.column)
-                continue
-            if self._indent(line, deeper_follows):
+            elif self._indent(line, deeper_follows):
                 self._line(line, deeper_follows)
+            self.last = line
         while self.blocks:
             self._close(self.blocks.pop(), None)
 
@@ -134,7 +142,7 @@ class _Reader:
     def _unexpected(self, line: LogicalLine) -> None:
         if self.closed:
             block, end = self.closed
-            text = f"this line is indented like the body of `{block.word}`, but `end` in line {end.line} closed that"
+            text = f"this line is indented like the body of the {block.label}, but `end` in line {end.line} closed that"
             hint = "move the `end` behind it, or indent it like the `end`"
         elif line is self.draft.lexed.lines[0]:
             text = "the first line is indented"
@@ -229,8 +237,9 @@ class _Reader:
         if not self.blocks or self.blocks[-1] is not block:
             self.blocks.append(block)
         block.header = line
+        block.label = f"`{line.word}`" if line.word else "block"
         if not code[colon + 1 :].strip():
-            block.waits = True
+            block.waits = block.has_lines = True
             self.waiting = block
 
     def _secondary(self, line: LogicalLine) -> None:
@@ -240,7 +249,7 @@ class _Reader:
                 "E105",
                 line.start,
                 line.start + 3,
-                f"a secondary program cannot stand inside the `{block.word}` of line {block.opener.line}",
+                f"a secondary program cannot stand inside the {block.label} of line {block.header.line}",
                 "move it out and send it by itself, or write `def`",
             )
         self.draft.secondaries.add(line.line)
@@ -292,12 +301,15 @@ class _Reader:
             f"`{line.word}` belongs to no {names} in this column",
             hint,
         )
+        label = f"`{line.word}`"
         line.word = ""
         self.draft.broken.add(line)
         code = self.draft.code(line)
         colon = header_colon(code)
         if colon >= 0:
-            self._open(_Block(line, "if"), line, colon, code)
+            block = _Block(line, "if")
+            self._open(block, line, colon, code)
+            block.label = label
 
     def _end(self, line: LogicalLine, clause_follows: bool) -> None:
         draft = self.draft
@@ -313,7 +325,7 @@ class _Reader:
             self._close(self.blocks.pop(), line)
         self.blocks.pop()
         if not clause_follows:
-            self._close(block, line)
+            self._close(block, line, has_end=True)
         self.waiting = None
         while self.indents[-1] > line.column:
             self.indents.pop()
@@ -327,11 +339,11 @@ class _Reader:
         left = self.left.get(line.column)
         if left:
             block, leaver = left
-            hint = f"the `{block.word}` of line {block.opener.line} already ended before line {leaver.line}"
+            hint = f"the {block.label} of line {block.header.line} already ended before line {leaver.line}"
         elif self.blocks:
             block = self.blocks[-1]
             hint = (
-                f"the innermost open block is `{block.word}` of line {block.opener.line}, "
+                f"the innermost open block is the {block.label} of line {block.header.line}, "
                 f"which starts in column {block.column + 1}"
             )
         else:
@@ -350,14 +362,18 @@ class _Reader:
                 "E001",
                 line.start,
                 line.start + max(1, len(line.word)),
-                f"the body of the `{block.header.word}` of line {block.header.line} should be indented here",
+                f"the body of the {block.label} of line {block.header.line} should be indented here",
                 "indent the lines that belong to it, or write `pass`",
             )
             self._repair(block, empty=True)
             return
         self._close(block, line)
 
-    def _close(self, block: _Block, line: LogicalLine | None) -> None:
+    def _close(self, block: _Block, line: LogicalLine | None, *, has_end: bool = False) -> None:
+        outer = self.blocks[-1].word if self.blocks else ""
+        last = self.last or block.opener
+        if block.has_lines or has_end:
+            self.draft.ends.append(BlockEnd(block.word, outer, block.opener, last, line, has_end))
         if block.waits:
             if line is None and self.draft.options.kind == LINE:
                 self._single_line(block)
@@ -393,7 +409,7 @@ class _Reader:
             "E104",
             header.start,
             header.start + colon + 1,
-            f"the body of this `{header.word}` is empty",
+            f"the body of this {block.label} is empty",
             "write `pass` where nothing is to be done",
         )
 
@@ -403,7 +419,7 @@ class _Reader:
             "E001",
             header.start,
             header.end,
-            f"a block cannot begin in a single line: the body of this `{header.word}` is missing",
+            f"a block cannot begin in a single line: the body of this {block.label} is missing",
             "send several lines as `def name():` ... `end`",
         )
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import CodeType
 from typing import Final
 
@@ -36,6 +36,7 @@ __all__ = [
     "compile_expression",
     "compile_parsed",
     "compile_statement",
+    "compile_task",
     "compile_unit",
 ]
 
@@ -76,6 +77,27 @@ def compile_unit(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit
             of the text.
     """
     return compile_parsed(parse(source, options))
+
+
+def compile_task(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit:
+    """Compile a text that is about to run, and say so if nothing in it runs.
+
+    Raises:
+        ProgramError: as `compile_unit`; in a strict run also a text in which nothing runs.
+    """
+    parsed = parse(source, options)
+    problem = None
+    if len(parsed.tree.body) > 1 and not parsed.has_errors:
+        from elitescript.language.idle import calls_something, idle_problem
+
+        problem = idle_problem(parsed, calls_something)
+    unit = compile_parsed(parsed)
+    if problem is None:
+        return unit
+    problems = in_order((*unit.diagnostics, problem))
+    if problem.is_error:
+        raise ProgramError(problems)
+    return replace(unit, diagnostics=problems)
 
 
 def compile_parsed(parsed: Parsed) -> CompiledUnit:

@@ -19,7 +19,7 @@ from elitescript.language.foreign import read_foreign
 from elitescript.language.lexer import Lexed, LogicalLine, lex
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.python2 import read_escapes
-from elitescript.language.rewriting import Draft, PositionMap, Unfolding
+from elitescript.language.rewriting import BlockEnd, Draft, PositionMap, Unfolding
 from elitescript.language.source import SourceFile
 
 _INDENT = "  "
@@ -34,6 +34,7 @@ class Translation(NamedTuple):
         diagnostics: what was found.
         lines: the logical lines; offsets are those of the author's text.
         headers: the lines that open a block or a clause.
+        ends: where blocks end.
         broken: lines with mistakes that Python's parser should not meet.
         dropped: lines that stand outside every block.
         marks: (line, column) of the line marks.
@@ -45,6 +46,7 @@ class Translation(NamedTuple):
     diagnostics: tuple[Diagnostic, ...]
     lines: tuple[LogicalLine, ...]
     headers: frozenset[LogicalLine]
+    ends: tuple[BlockEnd, ...]
     broken: frozenset[LogicalLine]
     dropped: frozenset[LogicalLine]
     marks: frozenset[tuple[int, int]]
@@ -76,6 +78,7 @@ def translate(source: SourceFile, options: Options = DEFAULT) -> Translation:
         (*folded, *draft.diagnostics),
         tuple(lexed.lines),
         frozenset(draft.headers),
+        tuple(draft.ends),
         frozenset(draft.broken.union(line for line in lexed.lines if line.broken)),
         frozenset(draft.dropped),
         frozenset(draft.marks),

@@ -28,6 +28,9 @@ MAX_SYNTAX_ERRORS = 20
 NO_FILE = "<elitescript>"
 """Python looks into the file of this name to report a mistake, so it gets a name that no file has."""
 
+_BESIDE_SYNTAX = ("E104", "E105")
+"""Errors about the block of a header, which say nothing about what stands in the header."""
+
 _PLACEHOLDERS = {
     "if": "if 1:",
     "elif": "elif 1:",
@@ -221,7 +224,7 @@ class _Reader:
             self.blamed = {
                 self.logical_index(problem.line)
                 for problem in self.problems
-                if problem.is_error and problem.line <= len(rows)
+                if problem.is_error and problem.code not in _BESIDE_SYNTAX and problem.line <= len(rows)
             }
         row = rows[min(error.lineno or 1, len(rows)) - 1]
         known = index in self.blamed or self.hidden.get(index)

@@ -94,6 +94,26 @@ class PositionMap:
         return line, column
 
 
+class BlockEnd(NamedTuple):
+    """Where a block ends, and whether an `end` says so.
+
+    Attributes:
+        word: the keyword of its header; empty for a line that only looks like one.
+        outer: the keyword of the block around it; empty at the top.
+        opener: its header.
+        last: its last line.
+        follower: the line behind it, which may be its `end`; None at the end of the text.
+        has_end: it has an `end` of its own.
+    """
+
+    word: str
+    outer: str
+    opener: LogicalLine
+    last: LogicalLine
+    follower: LogicalLine | None
+    has_end: bool
+
+
 class Draft:
     """A text under examination.
 
@@ -102,6 +122,7 @@ class Draft:
         diagnostics: findings so far, in places of the author's text.
         broken: logical lines that Python's parser must not see; they become placeholders.
         dropped: logical lines that become blank.
+        ends: where blocks end whose body has lines of its own, in the order of their ends.
         headers: for each logical line that opens a block or goes on with the next clause of one,
             the index of its colon in `code(line)`; the length of the code if the colon is missing.
         marks: (line, column) of each `$ LINE`, as the author wrote it.
@@ -114,6 +135,7 @@ class Draft:
         "broken",
         "diagnostics",
         "dropped",
+        "ends",
         "headers",
         "lexed",
         "marks",
@@ -132,6 +154,7 @@ class Draft:
         self._counts = dict.fromkeys(Severity, 0)
         self.broken: set[LogicalLine] = set()
         self.dropped: set[LogicalLine] = set()
+        self.ends: list[BlockEnd] = []
         self.headers: dict[LogicalLine, int] = {}
         self.marks: set[tuple[int, int]] = set()
         self.secondaries: set[int] = set()

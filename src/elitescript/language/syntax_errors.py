@@ -125,6 +125,19 @@ _AT_PLACE: Final = (
     (r"else\s+if\b|if\b.*\belse\s*$", "`else if` is written `elif`", "write `elif condition:`"),
     (r"(?:elseif|elsif)\b", "this is written `elif`", "write `elif condition:`"),
     (r".*\bthen\b", "`then` does not exist here", "end the line with `:`"),
+    (r"end[ \t]+\w", "`end` stands alone on its line", "one `end` closes every kind of block"),
+    (r"//|/\*", "a comment begins with `#`", "write `#` in front of it"),
+    (r"for\s*\(.*;.*;", "a `for` loop goes over a list or a range", "write `for i in range(3):`"),
+    (r"foreach\b|for[ \t]+each\b", "a loop over a list is a `for`", "write `for item in items:`"),
+    (r"(?:loop|repeat)\b", "loops are `while` and `for`", "write `for n in range(3):` or `while True:`"),
+    (r"(?:switch|select)\b", "`switch` does not exist here", "write `if x == 1:`, `elif x == 2:`, `else:`"),
+    (r"(?:case\b|default[ \t]*:)", "this stands outside every `match`", "write `if x == 1:`, `elif x == 2:`, `else:`"),
+    (r"catch\b", "this is written `except`", "write `except Exception as e:`"),
+    (r"[^'\"]*\bnew[ \t]+\w", "objects are made without `new`", "write x = Name()"),
+    (r"[^'\"]*\b(?:AND|OR|NOT)\b", "`and`, `or` and `not` are written in small letters", "write them in small letters"),
+    (r"[^'\"]*(?:&[ \t]*&|\|[ \t]*\|)", "this is an operator of C", "write `and`, `or`"),
+    (r"[^'\"]*[=!]==", "this comparison has one `=` too many", "write `==` or `!=`"),
+    (r"[\w.]+[ \t]*:=", "an assignment is written `=`", "write x = 1"),
     (r".*[^=!<>]=>|.*=<", "this comparison is written the other way round", "write >= or <="),
     (r".*\{\s*$", "a block does not begin with `{`", "end the line with `:` and indent the body"),
     (r"^\s*\}\s*$", "a block does not end with `}`", "a block ends where its indentation ends"),
@@ -139,6 +152,8 @@ def explain(message: str, row: str) -> tuple[str, str]:
         text, hint = explain(message.removeprefix("f-string: "), "")
         return f"in the f-string: {text}", hint or "check the braces { } and what stands between them"
     vague = message == "invalid syntax" or message.startswith("expected ")
+    # Python takes the first part of a loop of C for a comparison.
+    vague = vague or (message.startswith("invalid syntax") and ";" in row)
     if vague:
         stripped = row.strip()
         for pattern, text, hint in _AT_PLACE:

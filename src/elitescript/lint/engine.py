@@ -16,7 +16,7 @@ from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
 
 _ANY_SYNTAX = "E001"
-_BESIDE_SYNTAX = ("E107", "E115")
+_BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")
 """Errors in lines that could be read: they are about something else than a syntax error there."""
 
 
@@ -31,7 +31,7 @@ def check_source(
     Args:
         source: the text.
         profile: the firmware that it is for.
-        strict: what only this implementation accepts is an error.
+        strict: what only this implementation accepts is an error, and what cannot be meant.
         presets: names of globals that have a value before the program begins.
     """
     parsed = parse(source, Options(strict=strict))
@@ -69,7 +69,7 @@ def _located(finding: Finding, rule: Rule, program: Program) -> Diagnostic:
         end_column=span.end_column,
         hint=finding.hint,
         fix=finding.fix,
-        severity=Severity.ERROR if finding.is_error else None,
+        severity=Severity.ERROR if finding.is_error or (rule.is_structural and program.is_strict) else None,
     )
 
 

@@ -57,6 +57,7 @@ class Rule(NamedTuple):
     check: Check
     instead_of: tuple[str, ...]
     needs_all_lines: bool
+    is_structural: bool
 
     @property
     def explanation(self) -> str:
@@ -68,7 +69,12 @@ _RULES: Final[dict[str, Rule]] = {}
 
 
 def rule(
-    *, code: str, since: str, instead_of: tuple[str, ...] = (), needs_all_lines: bool = False
+    *,
+    code: str,
+    since: str,
+    instead_of: tuple[str, ...] = (),
+    needs_all_lines: bool = False,
+    is_structural: bool = False,
 ) -> Callable[[Check], Check]:
     """Make the function below a rule.
 
@@ -77,12 +83,13 @@ def rule(
         since: release of elitescript that brought it.
         instead_of: codes that say the same less well; their findings at the same place are dropped.
         needs_all_lines: a line that could not be read may be what it misses, so it is left out then.
+        is_structural: what it finds cannot be meant, so `--strict` makes an error of it.
     """
 
     def register(check: Check) -> Check:
         if code in _RULES or code not in CODES:
             raise InternalError(f"{check.__module__}: {code} is another rule's, or no code")
-        _RULES[code] = Rule(code, since, check, instead_of, needs_all_lines)
+        _RULES[code] = Rule(code, since, check, instead_of, needs_all_lines, is_structural)
         return check
 
     return register

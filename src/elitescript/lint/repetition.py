@@ -109,6 +109,10 @@ class Analyst:
                 work.is_uncertain = True
             work.exits.append([*guards, node.test] if isinstance(node, ast.Assert) else guards)
             self._expressions(node, work)
+        elif isinstance(node, ast.Try):
+            self._try(node, guards, work, is_nested=is_nested)
+        elif isinstance(node, (ast.Import, ast.ImportFrom)):
+            work.changed.update(alias.asname or alias.name.partition(".")[0] for alias in node.names)
         elif isinstance(node, (ast.For, ast.While)):
             self._expression(node.iter if isinstance(node, ast.For) else node.test, work)
             if isinstance(node, ast.For):
@@ -116,10 +120,21 @@ class Analyst:
             self._block([*node.body, *node.orelse], guards, work, is_nested=True)
         elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             work.changed.add(node.name)
-        elif isinstance(node, (ast.With, ast.Try, ast.Match, ast.Import, ast.ImportFrom)):
+        elif isinstance(node, (ast.With, ast.Match)):
             work.is_uncertain = True
         else:
             self._expressions(node, work)
+
+    def _try(self, node: ast.Try, guards: list[ast.expr], work: Work, *, is_nested: bool) -> None:
+        """What a `try` does; where a handler leaves, an exception may be the way out, which is not followed."""
+        self._block([*node.body, *node.orelse, *node.finalbody], guards, work, is_nested=is_nested)
+        exits = len(work.exits)
+        for handler in node.handlers:
+            if handler.name:
+                work.changed.add(handler.name)
+            self._block(handler.body, guards, work, is_nested=is_nested)
+        if len(work.exits) > exits:
+            work.is_uncertain = True
 
     def _expressions(self, node: ast.AST, work: Work) -> None:
         for child in ast.iter_child_nodes(node):

@@ -16,6 +16,9 @@ from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Strand
 from elitescript.runtime.world import Channels
 
+NOT_ALL_THERE: Final = "a secondary program (sec) does not wait: {what} was read once, before all had come"
+"""What is said once of readings with a time-out."""
+
 _OPENING: Final = "opening"
 _OPEN: Final = "open"
 _CLOSED: Final = "closed"

@@ -21,7 +21,7 @@ from elitescript.messages.timing import TICKS_PER_S, ticks_for
 from elitescript.modbus import pdu
 from elitescript.modbus.pdu import DeviceError
 from elitescript.modbus.rtu_exchange import RtuExchange, gap_s
-from elitescript.runtime.connection import Receiver
+from elitescript.runtime.connection import NOT_ALL_THERE, Receiver
 from elitescript.runtime.deadline import Deadline
 from elitescript.runtime.line import CLOSED, MODBUS, PLAIN, Line, SilentWire, Wire
 from elitescript.runtime.scheduler import Scheduler
@@ -166,13 +166,15 @@ class Lines:
         if count <= 0 or not line.readers.take(reason, deadline.tick):
             return b""
         try:
-            return self._read(wire, count, reason, deadline)
+            return self._read(wire, device, count, reason, deadline)
         finally:
             line.readers.give()
 
-    def _read(self, wire: Wire, count: int, reason: str, deadline: Deadline) -> bytes:
+    def _read(self, wire: Wire, device: str, count: int, reason: str, deadline: Deadline) -> bytes:
         data = bytearray()
         is_last = self._caller.is_secondary
+        if is_last and len(wire.received) < count:
+            self._warn_once(f"sec read {device}", NOT_ALL_THERE.format(what=_called(device)))
         while True:
             size = min(count - len(data), len(wire.received))
             data += wire.received[:size]

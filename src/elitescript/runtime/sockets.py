@@ -13,7 +13,7 @@ from elitescript.commands.context import Rule
 from elitescript.errors import ScriptStateError
 from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.messages.timing import TICKS_PER_S, seconds
-from elitescript.runtime.connection import Connection, Receiver
+from elitescript.runtime.connection import NOT_ALL_THERE, Connection, Receiver
 from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.strand import Stopped, Strand
 from elitescript.runtime.world import Channels
@@ -141,8 +141,8 @@ class Sockets:
     def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
         """Read what a rule finds, waiting for it as long as the connection stands.
 
-        A secondary program does not wait. A read that fails because the connection does not stand takes one tick, so
-        that a loop around it lets time go by (*assumed*).
+        A secondary program does not wait; that it went on without its data is said once. A read that fails because
+        the connection does not stand takes one tick, so that a loop around it lets time go by (*assumed*).
 
         Args:
             name: of the connection.
@@ -154,6 +154,8 @@ class Sockets:
         """
         connection = self._by_name.get(name)
         reason = f"data on socket {name!r}"
+        if connection is not None and self._caller.is_secondary and rule(connection.received, False)[0] is None:
+            self._warn_once(f"sec read {name}", NOT_ALL_THERE.format(what=f"socket {name!r}"))
         if connection is not None and (value := connection.read(rule, reason, timeout_s)) is not None:
             return value
         if not self._caller.is_secondary:

@@ -25,6 +25,8 @@ def test_an_endless_loop_without_a_wait_is_found():
         ("def look():", "  textmsg(get_flag(0))", "while True:", "  look()"),
         ("$ LINE: (1, 'loop')", "while True:", "  $ LINE: (2, 'nothing')"),
         ("lines = []", "while True:", "  lines.append('x'.upper())"),
+        ("while True:", "  try:", "    x = int('3')", "  except ValueError:", "    textmsg('no number')"),
+        ("while True:", "  import math", "  x = math.pi"),
     ],
     ids=str,
 )
@@ -70,6 +72,8 @@ def test_a_global_that_another_thread_sets_is_the_outside():
         ("def f():", "  while True:", "    yield 1", "textmsg(f)"),
         ("gripper = rpc_factory('xmlrpc', 'http://127.0.0.1:9')", "while True:", "  gripper.poll()"),
         ("while True:", "  if get_flag(0):", "    halt()"),
+        ("while True:", "  try:", "    x = int('3')", "  except ValueError:", "    sleep(1)"),
+        ("while True:", "  try:", "    x = next(iter([]))", "  except StopIteration:", "    break"),
     ],
     ids=str,
 )

@@ -47,7 +47,7 @@ def test_a_reserved_word_is_said_to_be_one():
         ("from math import gcd", "gcd(4, 6)"),
         ("def f(g):", "  g()", "f(print)"),
         ("d = {}", "d.anything()"),
-        ("str(len([1]))",),
+        ("textmsg(str(len([1])))",),
         ("try:", "  new_thing()", "except NameError:", "  pass"),
     ],
     ids=str,

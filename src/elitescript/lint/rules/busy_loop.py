@@ -21,7 +21,7 @@ from elitescript.lint.registry import Finding, rule
 from elitescript.lint.repetition import Analyst
 
 
-@rule(code="W204", since="0.1", needs_all_lines=True)
+@rule(code="W204", since="0.1", needs_all_lines=True, is_structural=True)
 def busy_loop(program: Program) -> Iterator[Finding]:
     """Report each such loop."""
     loops = program.nodes(ast.While)

@@ -19,7 +19,7 @@ from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W205", since="0.1")
+@rule(code="W205", since="0.1", is_structural=True)
 def forbidden_in_secondary(program: Program) -> Iterator[Finding]:
     """Report such calls inside `sec`."""
     inside = [(node.lineno, node.end_lineno or node.lineno) for node in program.secondaries]
@@ -27,6 +27,7 @@ def forbidden_in_secondary(program: Program) -> Iterator[Finding]:
         return
     forbidden = [(call, command.name) for command, call, _ in program.command_calls if not command.works_in_sec]
     forbidden += [(call, _PYTHON_SLEEP) for call in _python_sleeps(program)]
+    forbidden += _remote_calls(program)
     for call, name in forbidden:
         if any(first <= call.lineno <= last for first, last in inside):
             yield Finding(
@@ -38,6 +39,27 @@ def forbidden_in_secondary(program: Program) -> Iterator[Finding]:
 
 _PYTHON_SLEEP: Final = "time.sleep"
 """Python's own function that waits, and so is refused like the command `sleep`."""
+
+
+def _remote_calls(program: Program) -> Iterator[tuple[ast.Call, str]]:
+    """Remote procedures, called through what `rpc_factory` gave in the same text."""
+    for scope in program.symbols.scopes:
+        for call in scope.calls:
+            base = call.func.value if isinstance(call.func, ast.Attribute) else None
+            if isinstance(base, ast.Name):
+                home = scope.home(base.id)
+                bindings = home.bindings[base.id] if home else program.symbols.global_bindings(base.id)
+                sources = [getattr(program.symbols.parent(binding.node), "value", None) for binding in bindings]
+            else:
+                sources = [base]
+            if sources and all(_is_factory(source, program) for source in sources):
+                yield call, "remote procedures"
+
+
+def _is_factory(node: ast.AST | None, program: Program) -> bool:
+    if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name) or node.func.id != "rpc_factory":
+        return False
+    return program.command(node.func.id, program.symbols.scope_of(node)) is not None
 
 
 def _python_sleeps(program: Program) -> Iterator[ast.Call]:

@@ -1,7 +1,8 @@
-"""A command without its parentheses: `sync` where `sync()` was meant.
+"""A call without its parentheses: `sync` where `sync()` was meant.
 
-The name alone is the command itself, a value that is always true; nothing waits, reads or moves. Reported is where
-that can be no purpose: as a statement, in a condition or a calculation, and given to a name that is never called.
+The name alone is the command or function itself, a value that is always true; nothing waits, reads or moves.
+Reported is where that can be no purpose: as a statement and in a condition; of a command also in a calculation, and
+given to a name that is never called.
 
     while True:
       sync                                   # W215: write `sync()`
@@ -15,31 +16,79 @@ import ast
 from collections.abc import Iterator
 
 from elitescript.language.diagnostics import Edit, Fix
+from elitescript.language.symbols import Scope
 from elitescript.lint.program import Program, Use
 from elitescript.lint.registry import Finding, rule
 
 _OPERATIONS = (ast.BoolOp, ast.BinOp, ast.Compare, ast.UnaryOp, ast.If, ast.While, ast.IfExp, ast.Assert)
 
 
-@rule(code="W215", since="0.1")
+@rule(code="W215", since="0.1", is_structural=True)
 def uncalled_command(program: Program) -> Iterator[Finding]:
-    """Report the name of a command where only its result can be meant."""
+    """Report the name of a command or function where only its call can be meant."""
+    yield from _commands(program)
+    yield from _functions(program)
+
+
+def _commands(program: Program) -> Iterator[Finding]:
     for use in program.outside:
         command = program.command(use.name, use.scope)
         if command is None or use.is_call or not _wants_the_result(program, use):
             continue
-        has_arguments = any(param.is_required for param in command.params)
-        call = f"{use.name}(...)" if has_arguments else f"{use.name}()"
-        line, _, end_line, end_column = program.span(use.node)
-        fix = None
-        if not has_arguments:
-            fix = Fix("call it", (Edit(line, end_column, end_line, end_column, "()"),), safe=True)
-        yield Finding(
-            use.node,
-            f"`{use.name}` without parentheses is the command itself, which does nothing and is always true",
-            f"write {call}",
-            fix,
-        )
+        needs_arguments = any(param.is_required for param in command.params)
+        yield _finding(program, use.node, "command", needs_arguments=needs_arguments)
+
+
+def _functions(program: Program) -> Iterator[Finding]:
+    """Names of functions of the program, and of Python's own ones, as statements and conditions."""
+    for node in program.nodes(ast.Name):
+        parent = program.symbols.parent(node)
+        is_statement = isinstance(parent, ast.Expr)
+        if not is_statement and not _is_condition(node, parent):
+            continue
+        scope = program.symbols.scope_of(node)
+        functions = _only_functions(node.id, scope, program)
+        if functions:
+            yield _finding(program, node, "function", needs_arguments=any(map(_needs_arguments, functions)))
+    for use in program.outside:
+        if use.name in _BUILTINS and isinstance(program.symbols.parent(use.node), ast.Expr):
+            yield _finding(program, use.node, "function", needs_arguments=use.name not in _WITHOUT_ARGUMENTS)
+
+
+_BUILTINS = frozenset(("exit", "input", "quit"))
+_WITHOUT_ARGUMENTS = frozenset(("exit", "quit"))
+
+
+def _finding(program: Program, node: ast.Name, kind: str, *, needs_arguments: bool) -> Finding:
+    line, _, end_line, end_column = program.span(node)
+    fix = None
+    if not needs_arguments:
+        fix = Fix("call it", (Edit(line, end_column, end_line, end_column, "()"),), safe=True)
+    return Finding(
+        node,
+        f"`{node.id}` without parentheses is the {kind} itself, which does nothing and is always true",
+        f"write {node.id}(...)" if needs_arguments else f"write {node.id}()",
+        fix,
+    )
+
+
+def _is_condition(node: ast.Name, parent: ast.AST | None) -> bool:
+    if isinstance(parent, (ast.If, ast.While, ast.IfExp, ast.Assert)):
+        return parent.test is node
+    return isinstance(parent, ast.UnaryOp) and isinstance(parent.op, ast.Not)
+
+
+def _only_functions(name: str, scope: Scope, program: Program) -> list[ast.FunctionDef]:
+    """The functions that a name stands for; none if it may be something else."""
+    home = scope.home(name)
+    bindings = home.bindings[name] if home else program.symbols.global_bindings(name)
+    functions = [binding.node for binding in bindings if isinstance(binding.node, ast.FunctionDef)]
+    return functions if len(functions) == len(bindings) else []
+
+
+def _needs_arguments(function: ast.FunctionDef) -> bool:
+    args = function.args
+    return len(args.posonlyargs) + len(args.args) > len(args.defaults) or None in args.kw_defaults
 
 
 def _wants_the_result(program: Program, use: Use) -> bool:

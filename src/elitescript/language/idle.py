@@ -1,0 +1,93 @@
+"""Texts in which nothing runs: they only define functions.
+
+A `def` that stands alone is the program. With a line beside it the whole text is the program and each `def` in it a
+function, which somebody has to call.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Final
+
+from elitescript.language.diagnostics import Diagnostic, Edit, Fix, Severity, diagnostic
+from elitescript.language.kinds import SCRIPT, is_text
+from elitescript.language.parser import Parsed, character_offset
+
+_MOST_NAMES: Final = 4
+"""Functions that the message lists."""
+
+
+def idle_problem(parsed: Parsed, has_effect: Callable[[ast.expr], bool]) -> Diagnostic | None:
+    """What to say about a text that only defines functions (W214); None about any other.
+
+    Args:
+        parsed: the text.
+        has_effect: whether evaluating a constant's or a parameter's value may do anything else.
+    """
+    if parsed.kind != SCRIPT or parsed.translation.secondaries:
+        return None
+    statements = parsed.tree.body
+    functions = [statement for statement in statements if isinstance(statement, ast.FunctionDef)]
+    if not functions or not all(_does_nothing(statement, has_effect) for statement in statements):
+        return None
+    first, is_certain = _beginning(functions)
+    if len(functions) == 1:
+        text = f"nothing calls `{first.name}`: beside other top-level lines a `def` is a function and does not run"
+        hint = "put those lines into the `def`, which then runs by itself, or call {call} at the end"
+    else:
+        names = [f"`{function.name}`" for function in functions]
+        listed = ", ".join(names) if len(names) <= _MOST_NAMES else f"{', '.join(names[:_MOST_NAMES])}, ..."
+        text = f"nothing runs: the text only defines {len(names)} functions ({listed}), and no line calls one"
+        hint = "call what is to run at the end, as in {call}"
+        if is_certain:
+            hint = "call {call} at the end, or put the other functions into the `def` of that one"
+    call = f"{first.name}()" if _runs_without_arguments(first) else f"{first.name}(...)"
+    row = parsed.source.line(first.lineno)
+    column = row.find(first.name, character_offset(row, first.col_offset) + len("def")) + 1
+    return diagnostic(
+        "W214",
+        first.lineno,
+        column,
+        text,
+        end_column=column + len(first.name),
+        hint=hint.format(call=call),
+        fix=_call_at_the_end(parsed, first) if is_certain else None,
+        severity=Severity.ERROR if parsed.options.strict else None,
+    )
+
+
+def calls_something(value: ast.expr) -> bool:
+    """Whether evaluating an expression calls anything."""
+    return any(isinstance(node, ast.Call) for node in ast.walk(value))
+
+
+def _does_nothing(statement: ast.stmt, has_effect: Callable[[ast.expr], bool]) -> bool:
+    """It imports, declares, defines, or gives a name a value without doing anything for that."""
+    if isinstance(statement, (ast.Assign, ast.AnnAssign)):
+        return statement.value is None or not has_effect(statement.value)
+    if isinstance(statement, ast.FunctionDef):
+        defaults = [*statement.args.defaults, *(value for value in statement.args.kw_defaults if value is not None)]
+        return not statement.decorator_list and not any(map(has_effect, defaults))
+    if isinstance(statement, ast.ClassDef):
+        return not statement.decorator_list and all(_does_nothing(inner, has_effect) for inner in statement.body)
+    return isinstance(statement, (ast.Import, ast.ImportFrom, ast.Global, ast.Pass)) or is_text(statement)
+
+
+def _beginning(functions: list[ast.FunctionDef]) -> tuple[ast.FunctionDef, bool]:
+    """The function that was probably meant to run, and whether only it can be, as others use the rest."""
+    used = {node.id for function in functions for node in ast.walk(function) if isinstance(node, ast.Name)}
+    roots = [function for function in functions if function.name not in used and _runs_without_arguments(function)]
+    return (roots or functions)[-1], len(roots) == 1
+
+
+def _runs_without_arguments(function: ast.FunctionDef) -> bool:
+    args = function.args
+    return len(args.posonlyargs) + len(args.args) == len(args.defaults) and None not in args.kw_defaults
+
+
+def _call_at_the_end(parsed: Parsed, function: ast.FunctionDef) -> Fix:
+    lines = parsed.source.lines
+    last = max(number for number, row in enumerate(lines, 1) if row.strip())
+    column = len(lines[last - 1]) + 1
+    return Fix(f"call {function.name}()", (Edit(last, column, last, column, f"\n{function.name}()"),), safe=False)

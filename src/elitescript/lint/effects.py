@@ -1,0 +1,79 @@
+"""Which expressions have no other effect than their value."""
+
+from __future__ import annotations
+
+import ast
+from typing import Final
+
+from elitescript.commands.registry import Command
+from elitescript.language.symbols import Resolution
+from elitescript.lint.program import Program
+
+_PURE_FAMILIES: Final = frozenset(("kinematics", "lists", "maths", "poses", "strings"))
+_READING: Final = ("get_", "is_", "read_")
+_ALSO_READING: Final = frozenset(
+    """
+    cal_rpy_frame controller_timestamp encoder_get_tick_count encoder_unwind_delta_tick_count force modbus_get_error
+    modbus_get_signal_status modbus_get_time_since_signal_invalid path_offset_get serial_is_open serial_mode
+    socket_is_connected tool_serial_is_open tool_serial_mode
+    """.split()  # noqa: SIM905
+)
+_CHANGING: Final = frozenset(("random", "get_micro_line_values_by_index"))
+"""`random` gives another value each time; the other one belongs to a file that is loaded."""
+
+_PURE_BUILTINS: Final = frozenset(
+    """
+    abs all any bin bool bytearray bytes chr complex dict divmod enumerate float format frozenset hash hex id int
+    isinstance len list long max min oct ord pow range repr reversed round set sorted str sum tuple type unichr zip
+    """.split()  # noqa: SIM905
+)
+
+
+def only_gives_a_value(command: Command) -> bool:
+    """Whether a command changes nothing, so that a call of it is made for its result alone."""
+    if command.waits or command.name in _CHANGING:
+        return False
+    module = command.function.__module__.rpartition(".")[2]
+    return module in _PURE_FAMILIES or command.name in _ALSO_READING or command.name.startswith(_READING)
+
+
+def _is_pure_call(call: ast.Call, program: Program) -> bool:
+    """Whether a call only gives a value, whatever its arguments do: a reading command, `math.sin`, `len`."""
+    function = call.func
+    if isinstance(function, ast.Attribute):
+        base = function.value
+        scope = program.symbols.scope_of(call)
+        return isinstance(base, ast.Name) and program.imported(base.id, scope) == "math"
+    if not isinstance(function, ast.Name):
+        return False
+    scope = program.symbols.scope_of(function)
+    command = program.command(function.id, scope)
+    if command is not None:
+        return only_gives_a_value(command)
+    return function.id in _PURE_BUILTINS and scope.resolve(function.id) is Resolution.BUILTIN
+
+
+def has_effect(root: ast.expr, program: Program) -> bool:
+    """Whether evaluating an expression may do anything besides giving its value."""
+    stack: list[ast.AST] = [root]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, (ast.Yield, ast.YieldFrom, ast.Await, ast.NamedExpr)):
+            return True
+        if isinstance(node, ast.Call) and not _is_pure_call(node, program):
+            return True
+        if not isinstance(node, ast.Lambda):
+            stack.extend(ast.iter_child_nodes(node))
+    return False
+
+
+def is_tried(node: ast.AST, program: Program) -> bool:
+    """Whether a `try` in the same function catches what a node raises, so that the program may only ask."""
+    child = node
+    for above in program.symbols.ancestors(node):
+        if isinstance(above, (ast.FunctionDef, ast.Lambda)):
+            return False
+        if isinstance(above, ast.Try) and above.handlers and child in above.body:
+            return True
+        child = above
+    return False

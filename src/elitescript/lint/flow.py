@@ -1,0 +1,112 @@
+"""Whether the end of a block can be reached: what leaves, and what never comes back."""
+
+from __future__ import annotations
+
+import ast
+from typing import Final
+
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.language.symbols import Resolution, Scope
+from elitescript.lint.program import Program
+
+_LEAVING: Final = frozenset(("exit", "halt", "quit"))
+_DEEPEST: Final = 60
+"""Blocks inside each other that are followed."""
+
+
+class Flow:
+    """Follows the blocks of one program, and the functions that they call."""
+
+    __slots__ = ("_program", "_returns")
+
+    def __init__(self, program: Program) -> None:
+        self._program = program
+        self._returns: dict[Scope, bool] = {}
+
+    def reaches_end(self, block: list[ast.stmt], depth: int = 0) -> bool:
+        """Whether what stands behind a block may be run after it; True where that is uncertain."""
+        return depth > _DEEPEST or all(self._passes(statement, depth + 1) for statement in block)
+
+    def _passes(self, node: ast.stmt, depth: int) -> bool:
+        if isinstance(node, (ast.Return, ast.Raise, ast.Break, ast.Continue)):
+            return False
+        if isinstance(node, ast.If):
+            return self.reaches_end(node.body, depth) or self.reaches_end(node.orelse, depth)
+        if isinstance(node, ast.While):
+            if isinstance(node.test, ast.Constant) and node.test.value:
+                return _has_break(node.body)
+            return _has_break(node.body) or self.reaches_end(node.orelse, depth)
+        if isinstance(node, ast.For):
+            return _has_break(node.body) or self.reaches_end(node.orelse, depth)
+        if isinstance(node, ast.Try):
+            return self._try_passes(node, depth)
+        if isinstance(node, ast.With):
+            return self.reaches_end(node.body, depth)
+        if isinstance(node, ast.Match):
+            return not any(_takes_all(case) for case in node.cases) or any(
+                self.reaches_end(case.body, depth) for case in node.cases
+            )
+        if isinstance(node, ast.Assert):
+            return not isinstance(node.test, ast.Constant) or bool(node.test.value)
+        return not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and self._never_returns(node.value))
+
+    def _try_passes(self, node: ast.Try, depth: int) -> bool:
+        if not self.reaches_end(node.finalbody, depth):
+            return False
+        if self.reaches_end([*node.body, *node.orelse], depth):
+            return True
+        return any(self.reaches_end(handler.body, depth) for handler in node.handlers)
+
+    def _never_returns(self, call: ast.Call) -> bool:
+        """Whether a call ends the program: `halt()`, or a function that always comes to it."""
+        if not isinstance(call.func, ast.Name):
+            return False
+        name = call.func.id
+        scope = self._program.symbols.scope_of(call)
+        if scope.resolve(name) is Resolution.BUILTIN:
+            command = CATALOGUE.get(name)
+            return name in _LEAVING and (command is None or self._program.is_available(command))
+        targets = self._program.symbols.definitions(name, scope)
+        return bool(targets) and not any(self._may_return(target) for target in targets)
+
+    def _may_return(self, scope: Scope) -> bool:
+        if scope not in self._returns:
+            # A function that calls itself is taken to return.
+            self._returns[scope] = True
+            node = scope.node
+            if isinstance(node, ast.FunctionDef) and not node.decorator_list and not own_nodes(node, ast.Return):
+                is_generator = own_nodes(node, ast.Yield) or own_nodes(node, ast.YieldFrom)
+                self._returns[scope] = bool(is_generator) or self.reaches_end(node.body)
+        return self._returns[scope]
+
+
+def own_nodes(function: ast.FunctionDef, kind: type[ast.AST]) -> list[ast.AST]:
+    """The nodes of one kind in a function itself, not in those inside it; in no particular order."""
+    found = []
+    stack: list[ast.AST] = list(function.body)
+    while stack:
+        node = stack.pop()
+        if isinstance(node, kind):
+            found.append(node)
+        if not isinstance(node, (ast.FunctionDef, ast.Lambda, ast.ClassDef)):
+            stack.extend(ast.iter_child_nodes(node))
+    return found
+
+
+def _has_break(body: list[ast.stmt]) -> bool:
+    """Whether a loop may be left by a `break` of its own."""
+    stack: list[ast.AST] = list(body)
+    while stack:
+        node = stack.pop()
+        if isinstance(node, ast.Break):
+            return True
+        if isinstance(node, (ast.For, ast.While)):
+            stack.extend(node.orelse)
+        elif not isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.expr)):
+            stack.extend(ast.iter_child_nodes(node))
+    return False
+
+
+def _takes_all(case: ast.match_case) -> bool:
+    """Whether a case of a `match` takes every value."""
+    return case.guard is None and isinstance(case.pattern, ast.MatchAs) and case.pattern.pattern is None

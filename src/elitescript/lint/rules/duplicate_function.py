@@ -1,0 +1,80 @@
+"""A function that is defined twice in the same block.
+
+The second `def` takes the place of the first one, which then nobody can call any more; usually a piece of the text
+was pasted twice, or two functions got the same name by mistake. A first one that is used before the second comes,
+and definitions in different branches of an `if` or `try`, are left alone; so is what the pendant's plug-ins repeat
+word by word for each of their nodes, in texts with line marks.
+
+    def job():
+      def grip():
+        set_tool_digital(0, True)
+      end
+      def grip():                # W217
+        set_tool_digital(1, True)
+      end
+      grip()
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from elitescript.lint.program import Program
+from elitescript.lint.registry import Finding, rule
+
+
+@rule(code="W217", since="0.2", is_structural=True)
+def duplicate_function(program: Program) -> Iterator[Finding]:
+    """Report each later definition."""
+    for scope in program.symbols.scopes:
+        for block in _blocks(scope.statements):
+            latest: dict[str, ast.FunctionDef] = {}
+            for statement in block:
+                if not isinstance(statement, ast.FunctionDef):
+                    _forget_used(latest, statement)
+                    continue
+                before = latest.get(statement.name)
+                if before is not None and not statement.decorator_list and not _is_repeated(before, statement, program):
+                    name = statement.name
+                    yield Finding(
+                        program.name_span(statement, name),
+                        f"`{name}` is defined already in line {before.lineno}: nobody can call that one any more",
+                        "remove one of the two, or give it another name",
+                    )
+                if statement.decorator_list:
+                    latest.pop(statement.name, None)
+                else:
+                    latest[statement.name] = statement
+
+
+def _is_repeated(before: ast.FunctionDef, after: ast.FunctionDef, program: Program) -> bool:
+    return program.parsed.has_line_marks and ast.dump(before) == ast.dump(after)
+
+
+def _blocks(statements: list[ast.stmt]) -> Iterator[list[ast.stmt]]:
+    """The statements of a scope, and those of the blocks in it that are no scopes of their own."""
+    stack = [statements]
+    while stack:
+        block = stack.pop()
+        yield block
+        for statement in block:
+            if isinstance(statement, (ast.FunctionDef, ast.ClassDef)):
+                continue
+            for field in ("body", "orelse", "finalbody"):
+                inner = getattr(statement, field, None)
+                if inner:
+                    stack.append(inner)
+            stack += [handler.body for handler in getattr(statement, "handlers", ())]
+            stack += [case.body for case in getattr(statement, "cases", ())]
+
+
+def _forget_used(latest: dict[str, ast.FunctionDef], statement: ast.stmt) -> None:
+    """A statement between two definitions may use the first one, itself or through what it calls."""
+    for node in ast.walk(statement):
+        if isinstance(node, ast.Call):
+            latest.clear()
+            return
+        if isinstance(node, ast.Name):
+            latest.pop(node.id, None)

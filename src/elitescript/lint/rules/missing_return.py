@@ -1,0 +1,119 @@
+"""A function whose value is used, and that returns none on one of its paths.
+
+Who comes to the end of such a function gets `None`, and the alarm, or the wrong number, comes up elsewhere. A
+caller that asks for `None`, or only whether the value is true, gets along with it; so does a function that says
+`return None` itself.
+
+    def job():
+      def speed_of(part):        # W220: nothing is returned if part is neither 1 nor 2
+        if part == 1:
+          return 0.5
+        elif part == 2:
+          return 0.2
+      movel(TARGET, v=speed_of(3))
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from elitescript.language.symbols import Scope
+from elitescript.lint.flow import Flow, own_nodes
+from elitescript.lint.program import Program
+from elitescript.lint.registry import Finding, rule
+
+
+@rule(code="W220", since="0.2", needs_all_lines=True, is_structural=True)
+def missing_return(program: Program) -> Iterator[Finding]:
+    """Report each such function at its name."""
+    flow = Flow(program)
+    calls = _calls_by_name(program)
+    for scope in program.symbols.scopes:
+        function = scope.node
+        if not isinstance(function, ast.FunctionDef) or scope.kind != "function" or function.decorator_list:
+            continue
+        returns = [node for node in own_nodes(function, ast.Return) if isinstance(node, ast.Return) and node.value]
+        if not returns or any(_is_none(node.value) for node in returns) or _is_generator(function):
+            continue
+        if not flow.reaches_end(function.body):
+            continue
+        used = _line_of_use(scope, calls.get(scope.name, []), program)
+        if used:
+            first = min(node.lineno for node in returns)
+            yield Finding(
+                program.name_span(function, function.name),
+                f"`{function.name}` returns a value in line {first}, but none when it comes to its end, "
+                f"and line {used} uses it",
+                "return a value on every path, also behind the last `if` or loop",
+            )
+
+
+def _is_generator(function: ast.FunctionDef) -> bool:
+    return bool(own_nodes(function, ast.Yield) or own_nodes(function, ast.YieldFrom))
+
+
+def _is_none(node: ast.AST | None) -> bool:
+    return isinstance(node, ast.Constant) and node.value is None
+
+
+def _calls_by_name(program: Program) -> dict[str, list[tuple[ast.Call, Scope]]]:
+    calls: dict[str, list[tuple[ast.Call, Scope]]] = {}
+    for scope in program.symbols.scopes:
+        for call in scope.calls:
+            if isinstance(call.func, ast.Name):
+                calls.setdefault(call.func.id, []).append((call, scope))
+    return calls
+
+
+def _line_of_use(function: Scope, calls: list[tuple[ast.Call, Scope]], program: Program) -> int:
+    """The first line that cannot do with `None` for the value; 0 if there is none, or if some caller expects it."""
+    lines = []
+    for call, scope in calls:
+        if function not in program.symbols.definitions(function.name, scope):
+            continue
+        uses = list(_uses(call, scope, program))
+        if any(_asks_for_none(use, program) for use in uses):
+            return 0
+        lines += [call.lineno for use in uses if not _takes_none(use, program)]
+    return min(lines, default=0)
+
+
+def _uses(call: ast.expr, scope: Scope, program: Program) -> Iterator[ast.expr]:
+    """The places at which the value of a call is looked at: the call itself, or the variable that gets it."""
+    above = program.symbols.parent(call)
+    if isinstance(above, (ast.Assign, ast.AnnAssign)):
+        targets = above.targets if isinstance(above, ast.Assign) else [above.target]
+        if all(isinstance(target, ast.Name) for target in targets):
+            for target in targets:
+                assert isinstance(target, ast.Name)
+                home = scope.home(target.id)
+                for other in program.symbols.scopes:
+                    if other.home(target.id) is home:
+                        yield from other.reads.get(target.id, ())
+            return
+    if not isinstance(above, ast.Expr):
+        yield call
+
+
+def _asks_for_none(use: ast.expr, program: Program) -> bool:
+    above = program.symbols.parent(use)
+    if isinstance(above, ast.Compare):
+        return any(_is_none(side) for side in (above.left, *above.comparators))
+    return isinstance(above, ast.Call) and isinstance(above.func, ast.Name) and above.func.id in _KIND_QUESTIONS
+
+
+def _takes_none(use: ast.expr, program: Program) -> bool:
+    """Whether a value is only asked whether it is true or equal to something, handed on, or never looked at."""
+    above = program.symbols.parent(use)
+    if isinstance(above, ast.Compare):
+        return all(isinstance(operator, (ast.Eq, ast.NotEq, ast.Is, ast.IsNot)) for operator in above.ops)
+    if isinstance(above, ast.UnaryOp):
+        return isinstance(above.op, ast.Not)
+    if isinstance(above, (ast.If, ast.While, ast.IfExp, ast.Assert)):
+        return above.test is use
+    return isinstance(above, (ast.BoolOp, ast.Return, ast.Expr, ast.Lambda))
+
+
+_KIND_QUESTIONS = frozenset(("isinstance", "type", "bool"))

@@ -1,0 +1,43 @@
+"""A call or a calculation that is made for its result alone, and whose result is not used.
+
+Commands that read or compute (`get_...()`, `pose_trans(...)`, `str_cat(...)`) change nothing, neither their
+arguments nor the robot; so do `len`, `sorted` and the functions of `math`. A sum alone on its line is often the
+rest of a line above that was broken without brackets. Where an argument does something, the call is left alone.
+
+    def job():
+      target = get_actual_tcp_pose()
+      pose_trans(target, [0, 0, 0.1, 0, 0, 0])   # W219: target is as before
+      movel(target)
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from elitescript.language.options import LINE
+from elitescript.lint.effects import has_effect, is_tried
+from elitescript.lint.program import Program
+from elitescript.lint.registry import Finding, rule
+
+
+@rule(code="W219", since="0.2", is_structural=True)
+def unused_result(program: Program) -> Iterator[Finding]:
+    """Report each such statement."""
+    if program.parsed.options.kind == LINE:
+        return
+    has_classes = bool(program.nodes(ast.ClassDef))
+    for statement in program.nodes(ast.Expr):
+        value = statement.value
+        if is_tried(statement, program):
+            continue
+        if isinstance(value, ast.Call) and not has_effect(value, program):
+            name = ast.unparse(value.func)
+            text = f"`{name}` only gives a value, and this line does not use it"
+            yield Finding(value.func, text, f"write x = {name}(...), or remove the line")
+        elif isinstance(value, (ast.BinOp, ast.UnaryOp)) and not has_classes and not has_effect(value, program):
+            # Classes may give operators a meaning of their own.
+            text = "the result of this calculation is not used"
+            hint = "give it to a variable; a line that goes on with the one above needs brackets around both"
+            yield Finding(value, text, hint)
