@@ -189,28 +189,30 @@ def test_what_keeps_the_arm_from_moving(mode: str, why: str) -> None:
     assert caught.value.hint == "power on and release the brakes"
 
 
-@pytest.mark.parametrize(
-    ("factor", "ticks"),
-    # At 250 ticks a second: 0.4 s until the joints boot, 0.8 s until they are idle, 1 s for the brakes.
-    [
-        (1.0, [("POWER_ON", 0), ("BOOTING", 100), ("IDLE", 300), ("RUNNING", 550)]),
-        (0.5, [("POWER_ON", 0), ("BOOTING", 50), ("IDLE", 150), ("RUNNING", 275)]),
-        (0.0, [("POWER_ON", 0), ("BOOTING", 0), ("IDLE", 0), ("RUNNING", 0)]),
-    ],
-)
-def test_the_steps_up_take_the_assumed_times(factor: float, ticks: list[tuple[str, int]]) -> None:
-    seen: list[tuple[str, int]] = []
+# At 250 ticks a second: 0.4 s until the joints boot, 0.8 s until they are idle, 1 s for the brakes.
+WAY_UP = """
+1.0   POWER_ON 0   BOOTING 100   IDLE 300   RUNNING 550
+0.5   POWER_ON 0   BOOTING 50    IDLE 150   RUNNING 275
+0.0   POWER_ON 0   BOOTING 0     IDLE 0     RUNNING 0
+"""
+
+
+@pytest.mark.parametrize(("factor", "steps"), [(float(factor), steps) for factor, *steps in rows(WAY_UP)])
+def test_the_steps_up_take_the_assumed_times(factor: float, steps: list[str]) -> None:
+    seen: list[str] = []
     now = 0
-    power = modes.Power(
-        lambda mode: seen.append((mode.name, now)), RobotMode.POWER_OFF, modes.PowerTimes().scaled(factor)
-    )
+    times = modes.PowerTimes().scaled(factor)
+    power = modes.Power(lambda mode: seen.append(f"{mode.name} {now}"), RobotMode.POWER_OFF, times)
     power.go_up(RobotMode.RUNNING, now)
     while (due := power.next_tick) is not None:
         now = due
         power.go_on(now)
-    assert seen == ticks
-    assert modes.PowerTimes(0.4, 0.8, 1.0) == modes.REALISTIC
-    assert modes.PowerTimes(0.0, 0.0, 0.0) == modes.AT_ONCE
+    assert seen == steps
+
+
+def test_the_assumed_times() -> None:
+    assert modes.REALISTIC == modes.PowerTimes(0.4, 0.8, 1.0)
+    assert modes.AT_ONCE == modes.PowerTimes(0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(("letter", "action", "after"), safety_cells())

@@ -300,7 +300,7 @@ def test_layout_of_messages(kind) -> None:
 def test_plain_commands(line: str) -> None:
     wanted = COMMANDS[line]
     if line == "set speed":
-        with pytest.raises(ValueError, match="takes a fraction from 0 to 1, such as 0.50, not nothing"):
+        with pytest.raises(ValueError, match=r"takes a fraction from 0 to 1, such as 0\.50, not nothing"):
             request_of(line)
         return
     assert request_of(line) == wanted
