@@ -211,8 +211,8 @@ def test_the_steps_up_take_the_assumed_times(factor: float, steps: list[str]) ->
 
 
 def test_the_assumed_times() -> None:
-    assert modes.REALISTIC == modes.PowerTimes(0.4, 0.8, 1.0)
-    assert modes.AT_ONCE == modes.PowerTimes(0.0, 0.0, 0.0)
+    assert modes.PowerTimes(0.4, 0.8, 1.0) == modes.REALISTIC
+    assert modes.PowerTimes(0.0, 0.0, 0.0) == modes.AT_ONCE
 
 
 @pytest.mark.parametrize(("letter", "action", "after"), safety_cells())
