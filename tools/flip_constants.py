@@ -1,19 +1,26 @@
-"""Change random entries of tables, one at a time, and print those that no test misses: `python -m tools.flip_constants`.
+"""Change random constants of tables, one at a time, and print the changes that no test notices: `make flips`.
 
-A table that is tested against itself is not tested. So one constant of a module-level table is replaced by another
-value in a copy of the repository, the tests of that package are run there, and a change that they let pass is a
-*survivor*. Tests that compare generated pages with the code do not count: the page would be generated again.
+A table that is tested against itself is not tested. So one constant of a module-level table, or one number of a model
+file, is replaced by another value in a copy of the repository, the tests of that package are run there, and a change
+that they let pass is a *survivor*. Before the first change of a file the same tests run on the unchanged copy and must
+pass, for a test that always fails notices everything.
+
+Not changed: texts of more than one word, which are prose; texts that are put together from others (f-strings), whose
+parts are changed where they stand. Tests that compare generated pages with the code do not count: the page would be
+generated again.
 
 The choice follows the seed alone. `--list` prints what would be changed; `--only` restricts it to some files.
-Exit code: 0 if every change was noticed, 1 if one survived.
+Exit code: 0 if every change was noticed, 1 if one survived, 2 if the unchanged copy fails its tests.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import difflib
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -38,15 +45,26 @@ TABLES: Final[dict[str, tuple[str, ...]]] = {
     "protocol/primary_messages.py": ("protocol",),
     "protocol/primary_commands.py": ("protocol",),
     "protocol/dashboard_verbs.py": ("protocol",),
+    "protocol/dashboard_guards.py": ("protocol",),
     "protocol/interpreter.py": ("protocol", "kernel"),
     "modbus/port_map.py": ("modbus", "protocol"),
     "modbus/pdu.py": ("modbus",),
     "messages/signals.py": ("messages", "controller", "protocol"),
     "messages/enums.py": ("messages", "protocol", "controller"),
+    "messages/timing.py": ("messages", "controller", "runtime"),
     "services/table.py": ("services",),
     "worlds/virtual/faults.py": ("worlds", "faults"),
+    "worlds/line_bindings.py": ("worlds",),
+    "errors.py": ("test_error_codes_by_hand.py", "language"),
+    "kinematics/limits.py": ("kinematics",),
+    "kinematics/jacobian.py": ("kinematics",),
+    "runtime/scheduler.py": ("runtime",),
+    "runtime/sockets.py": ("runtime",),
+    "models/common.toml": ("models", "kinematics"),
+    "models/cs66.toml": ("models", "kinematics"),
+    "models/cs620.toml": ("models", "kinematics"),
 }
-"""Files with tables, and the folders of tests that must notice a change in them, nearest first."""
+"""Files with tables, and the tests that must notice a change in them, nearest first."""
 
 LEFT_OUT: Final = ("test_reference", "test_devices_page", "test_motion_page")
 """Tests that compare generated pages with the code."""
@@ -73,15 +91,18 @@ class Flip:
 
 def flips(file: str, text: str) -> Iterator[Flip]:
     """Yield every change of a constant in the module-level tables of a file, and of the members of its enumerations."""
+    if file.endswith(".toml"):
+        yield from _numbers(file, text)
+        return
     tree = ast.parse(text)
-    members = _members(tree)
+    members, words = _members(tree), _words(tree)
     for statement in tree.body:
         if isinstance(statement, ast.Assign | ast.AnnAssign) and statement.value is not None:
-            yield from _flips_in(file, text, statement.value, members)
+            yield from _flips_in(file, text, statement.value, members, words)
         elif isinstance(statement, ast.ClassDef) and any(_is_enum(base) for base in statement.bases):
             for entry in statement.body:
                 if isinstance(entry, ast.Assign):
-                    yield from _flips_in(file, text, entry.value, members)
+                    yield from _flips_in(file, text, entry.value, members, words)
 
 
 def _members(tree: ast.Module) -> dict[str, list[str]]:
@@ -93,22 +114,46 @@ def _members(tree: ast.Module) -> dict[str, list[str]]:
     return {name: sorted(attributes) for name, attributes in found.items() if name[0].isupper()}
 
 
+def _words(tree: ast.Module) -> list[str]:
+    """Return the texts of a file that are one word."""
+    found = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and _is_word(node.value)}
+    return sorted(found)
+
+
+def _is_word(value: object) -> bool:
+    return isinstance(value, str) and value != "" and " " not in value and "*" not in value
+
+
+_NUMBER: Final = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w.])")
+_NO_NUMBERS: Final = re.compile(r'"[^"]*"|#.*|^\[.*\]$')
+
+
+def _numbers(file: str, text: str) -> Iterator[Flip]:
+    """Yield a change of each number of a TOML file by one part in a hundred, so that the file still makes sense."""
+    for number, line in enumerate(text.split("\n"), 1):
+        bare = _NO_NUMBERS.sub(lambda found: " " * len(found[0]), line)
+        for found in _NUMBER.finditer(bare):
+            start, end = (len(line[:at].encode()) for at in found.span())
+            value = float(found[0])
+            yield Flip(file, number, start, end, found[0], f"{value * 1.01 if value else 0.01:.12g}")
+
+
 def _is_enum(base: ast.expr) -> bool:
     return isinstance(base, ast.Name) and base.id.endswith("Enum")
 
 
-def _flips_in(file: str, text: str, value: ast.expr, members: dict[str, list[str]]) -> Iterator[Flip]:
+def _flips_in(file: str, text: str, value: ast.expr, members: dict[str, list[str]], words: list[str]) -> Iterator[Flip]:
     in_formats = {id(part) for node in ast.walk(value) if isinstance(node, ast.JoinedStr) for part in ast.walk(node)}
     for node in ast.walk(value):
-        new = None if id(node) in in_formats else _changed(node, members)
+        new = None if id(node) in in_formats else _changed(node, members, words)
         if new is None or node.lineno != node.end_lineno:  # type: ignore[attr-defined]
             continue
         old = ast.get_source_segment(text, node) or ""
         yield Flip(file, node.lineno, node.col_offset, node.end_col_offset, old, new)  # type: ignore[attr-defined]
 
 
-def _changed(node: ast.AST, members: dict[str, list[str]]) -> str | None:
-    """Return another value as source text; None for what is no constant, or is prose."""
+def _changed(node: ast.AST, members: dict[str, list[str]], words: list[str]) -> str | None:
+    """Return another value as source text, a word that looks alike for a word; None for no constant, and for prose."""
     if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
         others = [name for name in members.get(node.value.id, ()) if name != node.attr]
         return f"{node.value.id}.{others[node.col_offset % len(others)]}" if others else None
@@ -121,9 +166,10 @@ def _changed(node: ast.AST, members: dict[str, list[str]]) -> str | None:
         return str(value + 1)
     if isinstance(value, float):
         return str(value * 1.5 + 1.0)
-    if isinstance(value, str) and value and " " not in value and "*" not in value:
-        return repr(f"{value}x")
-    return None
+    if not _is_word(value):
+        return None
+    near = difflib.get_close_matches(value, [word for word in words if word != value], n=1)
+    return repr(near[0] if near else f"{value}x")
 
 
 def applied(text: str, flip: Flip) -> str:
@@ -146,11 +192,13 @@ def survives(copy: Path, flip: Flip) -> bool:
 
 
 def _tests(copy: Path, file: str) -> Iterator[list[str]]:
-    own = copy / "tests" / Path(file).parent / f"test_{Path(file).stem}.py"
-    if own.is_file():
-        yield [str(own)]
-    for folder in TABLES[file]:
-        yield [str(copy / "tests" / folder)]
+    tests = copy / "tests"
+    own = tests / Path(file).parent / f"test_{Path(file).stem}.py"
+    near = [*sorted(own.parent.glob("test_*_by_hand.py")), *([own] if own.is_file() else [])]
+    if near:
+        yield list(map(str, near))
+    for name in TABLES[file]:
+        yield [str(tests / name)]
 
 
 def _passes(copy: Path, tests: list[str]) -> bool:
@@ -184,17 +232,27 @@ def main() -> int:
     parser.add_argument("--list", action="store_true", help="print the changes, run nothing")
     options = parser.parse_args()
     changes = chosen(options.seed, options.count, options.only)
+    if options.list:
+        print(*changes, sep="\n")
+        return 0
     survivors: list[Flip] = []
+    sound: set[str] = set()
     with tempfile.TemporaryDirectory(prefix="flips") as folder:
         copy = Path(folder)
-        for name in () if options.list else KEPT:
+        for name in KEPT:
             source = ROOT / name
             if source.is_dir():
                 shutil.copytree(source, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
             else:
                 shutil.copy(source, copy / name)
         for number, flip in enumerate(changes, 1):
-            lives = not options.list and survives(copy, flip)
+            for tests in _tests(copy, flip.file):
+                if not sound.issuperset(tests):
+                    if not _passes(copy, tests):
+                        print(f"without a change, these tests fail already: {' '.join(tests)}")
+                        return 2
+                    sound.update(tests)
+            lives = survives(copy, flip)
             print(f"{number:4}/{len(changes)} {'SURVIVES ' if lives else ''}{flip}", flush=True)
             survivors += [flip] * lives
     print(f"seed {options.seed}: {len(survivors)} of {len(changes)} changes survived")

@@ -35,6 +35,29 @@ def test_constants_of_tables_and_enumerations_are_changed_and_prose_and_code_are
     }
 
 
+def test_a_word_becomes_one_that_looks_alike_where_there_is_one() -> None:
+    text = 'CODES = ("R141", "R142", "stop")'
+    assert {flip.old: flip.new for flip in flips("table.py", text)} == {
+        '"R141"': "'R142'",
+        '"R142"': "'R141'",
+        '"stop"': "'stopx'",
+    }
+
+
+def test_numbers_of_a_model_file_change_by_a_hundredth_and_its_prose_does_not() -> None:
+    text = """# 3 lines
+[links.wrist_1]
+mass = { value = 1.5, why = "of 2 kg, say" }  # 7
+com = { deg = [-200, 0, 1e-05] }
+"""
+    assert {f"{flip.line}: {flip.old}": flip.new for flip in flips("arm.toml", text)} == {
+        "3: 1.5": "1.515",
+        "4: -200": "-202",
+        "4: 0": "0.01",
+        "4: 1e-05": "1.01e-05",
+    }
+
+
 def test_a_change_stands_in_the_place_of_the_old_value() -> None:
     for flip in flips("table.py", TEXT):
         changed = applied(TEXT, flip)
