@@ -1,8 +1,8 @@
 """Numbers of the six arms against tables written by hand.
 
-Lengths, masses, centres of mass, inertia and efforts are those of the vendor's description package (inertia converted to
-the centre of mass, to five digits); that the lengths are right is confirmed by the manual's worked example. Payload and
-reach follow the catalogue. What is *chosen* is so because the arm's own value is not known.
+Lengths, masses, centres of mass, inertia and efforts are those of the vendor's description package (inertia converted
+to the centre of mass, to five digits); that the lengths are right is confirmed by the manual's worked example. Payload
+and reach follow the catalogue. What is *chosen* is so because the arm's own value is not known.
 """
 
 from __future__ import annotations
