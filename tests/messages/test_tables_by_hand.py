@@ -11,7 +11,7 @@ from enum import IntEnum
 
 import pytest
 
-from elitescript.messages import enums
+from elitescript.messages import enums, timing
 from elitescript.messages.enums import POWERED
 from elitescript.messages.signals import ANALOG_CURRENT_A, ANALOG_VOLTAGE_V, KEPT, SIGNALS
 from tests.tables import rows
@@ -146,3 +146,12 @@ def test_every_enumeration_is_here() -> None:
 
 def test_modes_with_power() -> None:
     assert {mode.name for mode in POWERED} == {"POWER_ON", "BOOTING", "IDLE", "BACK_DRIVE", "RUNNING"}
+
+
+def test_time() -> None:
+    # 250 ticks a second are observed in streams of the vendor's client; the rest is assumed.
+    assert (timing.PERIOD_S, timing.TICKS_PER_S, timing.RPC_TIMEOUT_S) == (0.004, 250, 60.0)
+    assert timing.TICK_MAX == 1_125_899_906_842_624
+    assert timing.TICK_MAX * 4000 < 2**64, "microseconds of a tick have a place in a packet"
+    assert timing.ticks_for(1e12) == timing.ticks_for(1e15) == timing.ticks_for(float("inf")) == 250 * 10**12
+    assert [timing.ticks_for(duration) for duration in (0.0, 0.004, 0.0040001, 0.1 + 0.2, -1.0)] == [0, 1, 2, 75, 0]
