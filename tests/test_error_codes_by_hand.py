@@ -93,7 +93,8 @@ R142   error     violation or fault of the safety system
 
 @pytest.mark.parametrize(("code", "severity", "title"), rows(KNOWN))
 def test_code(code: str, severity: str, title: str) -> None:
-    assert CODES[code] == (code, severity, title)
+    row = CODES[code]
+    assert (row.code, row.severity, row.title) == (code, severity, title)
 
 
 @pytest.mark.parametrize("code", CODES)
