@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.messages.enums import SafetyMode
+from elitescript.messages.events import SafetyModeChanged
 from elitescript.messages.machine import (
     AskSafety,
     PauseTask,
@@ -18,8 +20,9 @@ from elitescript.messages.machine import (
     StopTask,
 )
 from elitescript.protocol.primary_commands import request_of
-from elitescript.protocol.primary_messages import KINDS
+from elitescript.protocol.primary_messages import KINDS, note_of
 from elitescript.protocol.primary_packets import ROBOT_STATE, STATE_SIZE, SUB_MESSAGES
+from tests.protocol.snapshots import description, snapshot
 from tests.tables import rows
 
 SIZES = {
@@ -304,3 +307,38 @@ def test_plain_commands(line: str) -> None:
             request_of(line)
         return
     assert request_of(line) == wanted
+
+
+SAFETY_LEVELS = {
+    "PROTECTIVE_STOP": 2,
+    "SAFEGUARD_STOP": 1,
+    "SYSTEM_EMERGENCY_STOP": 2,
+    "ROBOT_EMERGENCY_STOP": 2,
+    "VIOLATION": 3,
+    "FAULT": 3,
+    "AUTOMATIC_MODE_SAFEGUARD_STOP": 1,
+    "SYSTEM_THREE_POSITION_ENABLING_STOP": 1,
+    "TP_THREE_POSITION_ENABLING_STOP": 1,
+}
+"""Level of the robot error that tells of a mode: 1 warning, 2 error, 3 fatal (assumed); other modes send none."""
+
+
+@pytest.mark.parametrize("mode", SafetyMode)
+def test_level_of_the_error_that_tells_of_a_safety_mode(mode: SafetyMode) -> None:
+    note = note_of(SafetyModeChanged(tick=0, mode=mode))
+    level = None if note is None else int.from_bytes(note.data[23:27], "big")
+    assert level == SAFETY_LEVELS.get(mode.name)
+    assert note is None or (note.data[13], note.data[14]) == (99, 6)
+
+
+def test_what_is_not_simulated_is_sent_as_a_constant() -> None:
+    shown = snapshot(), description()
+    constants = {
+        f"{part.name}, {row.field.name}": row.read(*shown)
+        for part in SUB_MESSAGES
+        for row in part.rows
+        if "always" in row.field.summary or "reserved" in row.field.name
+    }
+    assert constants.pop("robot mode, target speed fraction limit") == 1.0
+    assert constants.pop("configuration, reserved") == (0.0,) * 6
+    assert set(constants.values()) == {0}
