@@ -7,13 +7,15 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types invariants peers bench figures reference golden lock clean
+.PHONY: help demo test lint types coverage flips invariants peers bench figures reference golden lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
 	@echo "make test        install, then every check that a change must pass"
 	@echo "make lint        style, format and import rules"
 	@echo "make types       mypy"
+	@echo "make coverage    the tests with branch coverage: a table by package, and what no test reaches"
+	@echo "make flips       change random constants of tables; prints the changes that no test notices (an hour)"
 	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
 	@echo "make peers       install other people's packages and compare with them; writes the result there too"
 	@echo "make bench       the table of measured times"
@@ -62,6 +64,23 @@ lint: $(READY)
 
 types: $(READY)
 	$(BIN)/mypy
+
+# Children of the program are measured too, except those with an environment of their own (`serve --untrusted`).
+# Timing under measurement says nothing, so tests have longer; the table is printed even if one fails.
+coverage: $(READY)
+	rm -rf build/coverage
+	mkdir -p build/coverage
+	$(BIN)/python -m coverage run -m pytest --timeout 600; status=$$?; \
+	$(BIN)/python -m coverage combine --quiet && \
+	$(BIN)/python -m coverage json --quiet -o build/coverage/report.json && \
+	$(BIN)/python -m tools.coverage_table build/coverage/report.json && exit $$status
+
+# Which constants are changed follows SEED alone.
+SEED ?= 1
+COUNT ?= 100
+
+flips: $(READY)
+	$(BIN)/python -m tools.flip_constants --seed $(SEED) --count $(COUNT)
 
 # Cases of each sweep; the round trips of the kinematics take ten times as many for each arm.
 CASES ?= 10000

@@ -2,7 +2,7 @@
 
 The programs move, drive at a speed, stream, stop and poll, while the slider moves, the task is paused and, in some,
 stopped. Whatever they do, the target keeps the limits of the arm, never jumps, and comes to rest where it should.
-`ELITESCRIPT_INVARIANTS` sets how many are tried (150 if unset).
+`ELITESCRIPT_INVARIANTS` sets how many are tried (40 if unset).
 """
 
 from __future__ import annotations
