@@ -412,6 +412,20 @@ _TEXTS: Final[dict[str, str]] = {
             socket_read_ascii_float(2)
             socket_read_string()               # W272: begins with the line end
         """,
+    "R150": """
+        The program has asked for more memory than the run may have. Make shorter lists and texts, or keep fewer of
+        them; `run --memory-limit` sets what a run may have.
+
+            rows = [0] * 10**12                # R150
+        """,
+    "R151": """
+        The process that ran the program has crashed, which Python does when iterators or objects are nested hundreds of
+        thousands deep. The process beside it reports the line.
+
+            for i in range(20000000):
+                rows = map(abs, rows)          # R151: where the nested iterators are used
+            end
+        """,
     "R142": """
         A violation or fault of the safety system, which takes the power of the arm. Only a restart of the safety system
         leads back, and the arm has to be powered on again after it.
