@@ -98,7 +98,7 @@ def _numbers(value: Any) -> Iterator[tuple[int, float]]:
 
 
 def _is_within(value: Any, most: float) -> bool:
-    """Whether all elements are certain and far from any doubt: most values of a run, which streams ask in every tick."""
+    """Whether all elements are certain and below any doubt; true of most values that streams give in every tick."""
     try:
         return bool(-most <= min(value) and max(value) <= most)
     except (TypeError, ValueError):
