@@ -34,6 +34,15 @@ from tools.rtsi_page import rtsi_page
 FOLDER: Final = Path(__file__).resolve().parent.parent / "docs" / "reference"
 
 
+def _how_many(commands: int, simulated: int) -> tuple[str, ...]:
+    if simulated == commands:
+        return (f"{commands} commands, all of them simulated.",)
+    return (
+        f"{commands} commands, {simulated} of them simulated. The others are known to the checker, check their",
+        "arguments when they are called, and then raise `NotSimulatedError` with the reason.",
+    )
+
+
 def commands_page() -> str:
     """Support matrix and every command in full."""
     simulated = sum(command.is_simulated for command in CATALOGUE)
@@ -42,8 +51,7 @@ def commands_page() -> str:
         "# Commands",
         "",
         NOTICE,
-        f"{len(CATALOGUE)} commands, {simulated} of them simulated. The others are known to the checker, check their",
-        "arguments when they are called, and then raise `NotSimulatedError` with the reason.",
+        *_how_many(len(CATALOGUE), simulated),
         "",
         "- Lengths are in m, angles in rad, times in s, unless a unit in brackets says otherwise.",
         "- A pose is `[x, y, z, Rx, Ry, Rz]`, roll-pitch-yaw about the fixed axes x, y, z.",

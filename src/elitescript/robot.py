@@ -465,6 +465,8 @@ class VirtualRobot:
             return
         for text in drain.give_up():
             self.controller.emit(Warned(self.tick, NOT_DELIVERED + text, code=UNDELIVERED))
+        if self._outside.surroundings is not None:
+            self._outside.surroundings.run_ended()
         run.close(SignalRecord(self.controller.non_default_signals()))
 
     def _drain_last(self) -> None:

@@ -327,7 +327,17 @@ class TestOwnArm:
         ("text", "complaint"),
         [
             ("base = 3\n", r"mine\.toml: base: needs a text, has 3"),
-            ('base = "CS67"\n', "there is no robot model 'CS67'; did you mean 'CS6"),
+            ('base = "CS67"\n', r"mine\.toml: base: there is no robot model 'CS67'; did you mean 'CS6"),
+            ('base = "CS66"\n[arm]\nd6 = 95\n', r"mine\.toml: arm\.d6: 95 m is longer than .*; 95 mm are 0\.095 m"),
+            ('base = "CS66"\n[arm]\na2 = -427\n', r"arm\.a2: -427 m is longer than .*; -427 mm are -0\.427 m"),
+            (
+                'base = "CS66"\n[joints]\nq_max = [175, 360, 160, 360, 360, 360]\n',
+                r"mine\.toml: joints\.q_max: 175 rad of base is more than .*; joints\.q_max_deg takes degrees",
+            ),
+            (
+                'base = "CS66"\n[joints]\nqd_max = [180, 180, 180, 180, 180, 180]\n',
+                r"joints\.qd_max: 180 rad/s of base is more than .*; joints\.qd_max_deg takes degrees",
+            ),
             ('base = "../cs66"\n', "there is no robot model"),
             ('base = "CS66"\nname = 3\n', r"mine\.toml: name: needs a text, has 3"),
             ('base = "CS66"\nevidence = "guessed"\n', r"mine\.toml: evidence: has 'guessed', needs one of documented"),

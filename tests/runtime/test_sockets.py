@@ -56,6 +56,23 @@ def tick(bench, *events):
     bench.machine.tick += 1
 
 
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        ('socket_send_line("x")\nsocket_send_line("y")\nsocket_read_string()', ["sent"]),
+        ('socket_read_string()\nsocket_send_line("x")', ["read"]),
+        ('socket_open("h", 5000)\nsocket_close()\nsocket_send_line("x")', ["sent"]),
+        ('socket_open("h", 5000)\nsocket_send_line("x")\nsocket_close()', []),
+    ],
+)
+def test_what_is_asked_of_a_socket_that_is_not_open_is_said_once(body, expected):
+    class Server(Recorder):
+        pass
+
+    warnings = [text for text in run(body, Server).warnings if "no open socket" in text]
+    assert warnings == [f"there is no open socket 'socket_0': nothing is {done}" for done in expected]
+
+
 def test_a_pause_puts_the_time_out_of_a_read_off_whatever_trickles():
     bench, _ = remote('socket_open("h", 1)\ntextmsg(socket_read_byte_list(2, "socket_0", 1.0))')
     tick(bench)

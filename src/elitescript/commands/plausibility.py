@@ -97,6 +97,14 @@ def _numbers(value: Any) -> Iterator[tuple[int, float]]:
                 yield index, number
 
 
+def _is_within(value: Any, most: float) -> bool:
+    """Whether all elements are certain and below any doubt; true of most values that streams give in every tick."""
+    try:
+        return bool(-most <= min(value) and max(value) <= most)
+    except (TypeError, ValueError):
+        return False
+
+
 def _degrees(number: float) -> str:
     return f"{number:g} looks like degrees: d2r({number:g}) is {radians(number):.5g}"
 
@@ -106,6 +114,8 @@ def _millimetres(number: float) -> str:
 
 
 def _joints(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    if _is_within(value, FULL_TURN):
+        return
     for index, number in _numbers(value):
         if _is_degrees(abs(number)):
             yield Doubt("W230", f"[{index}] is {number:g} rad, more than a full turn", _degrees(number), index)
@@ -186,6 +196,8 @@ def _too_fast(place: str, value: float, unit: str, in_degrees: bool, index: int 
 
 
 def _joint_speeds(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    if _is_within(value, JOINT_SPEED_MOST):
+        return
     for index, number in _numbers(value):
         if abs(number) > JOINT_SPEED_MOST:
             yield _too_fast(f"[{index}]", number, "rad/s", True, index)
@@ -193,6 +205,8 @@ def _joint_speeds(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
 
 
 def _tool_velocity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    if _is_within(value, TOOL_SPEED_MOST):
+        return
     for index, number in _numbers(value):
         is_turn = index >= 3
         if abs(number) > (JOINT_SPEED_MOST if is_turn else TOOL_SPEED_MOST):

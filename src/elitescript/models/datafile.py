@@ -162,7 +162,11 @@ class DataFile:
 
     def _add_own(self, document: dict[str, Any]) -> None:
         """Add what an own arm says about itself: plain numbers on top of its base."""
-        self._add(known_path(_text(self.file, "base", document.pop("base"))))
+        base = _text(self.file, "base", document.pop("base"))
+        try:
+            self._add(known_path(base))
+        except UsageError as error:
+            raise UsageError(f"{self.file}: base: {error}") from None
         self.name = _text(self.file, "name", document.pop("name", self.name))
         tag = {field: _text(self.file, field, document.pop(field, default)) for field, default in _OWN_SOURCE.items()}
         _check_evidence(self.file, "evidence", tag["evidence"])

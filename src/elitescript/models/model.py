@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from math import pi
 from pathlib import Path
 from typing import Final
 
@@ -274,6 +275,11 @@ def parse_model(file: str, text: str) -> RobotModel:
 
 
 _LENGTHS: Final = ("d1", "a2", "a3", "d4", "d5", "d6")
+_LENGTH_MAX_M: Final = 3.0
+_ANGLE_MAX: Final = 4.0 * pi
+_SPEED_MAX: Final = 20.0
+"""Beyond these a number is in millimetres or degrees, whatever the arm, m, rad, rad/s."""
+
 _JOINT_ROWS: Final = ("q_min", "q_max", "qd_max", "qdd_max", "effort_max", "torque_constant")
 _THERMAL: Final = ("time_constant_s", "joint_rise_torque", "joint_rise_speed", "controller_rise")
 _SAFETY_LEVEL: Final = (
@@ -340,7 +346,7 @@ def _plant(data: DataFile) -> PlantConfig | None:
 
 
 def _arm(data: DataFile) -> Arm:
-    d1, a2, a3, d4, d5, d6 = (data.number(f"arm.{name}") for name in _LENGTHS)
+    d1, a2, a3, d4, d5, d6 = (_length(data, f"arm.{name}") for name in _LENGTHS)
     a, d, alpha = (
         data.joint_row(f"calibration.{name}") if f"calibration.{name}" in data else None for name in ("a", "d", "alpha")
     )
@@ -351,8 +357,30 @@ def _arm(data: DataFile) -> Arm:
         raise UsageError(f"{data.file}: arm: {error}") from None
 
 
+def _length(data: DataFile, key: str) -> float:
+    length = data.number(key)
+    if abs(length) > _LENGTH_MAX_M:
+        raise UsageError(
+            f"{data.file}: {key}: {length:g} m is longer than any arm (at most {_LENGTH_MAX_M:g} m); "
+            f"{length:g} mm are {length / 1000.0:g} m"
+        )
+    return length
+
+
+def _joint_angles(data: DataFile, key: str, largest: float, unit: str) -> JointVector:
+    row = data.joint_row(key)
+    for name, value in zip(JOINT_NAMES, row, strict=True):
+        if abs(value) > largest:
+            raise UsageError(
+                f"{data.file}: {key}: {value:g} {unit} of {name} is more than any joint does (at most {largest:.4g} "
+                f"{unit}); {key}_deg takes degrees"
+            )
+    return row
+
+
 def _joints(data: DataFile) -> tuple[JointLimit, ...]:
-    q_min, q_max = data.joint_row("joints.q_min"), data.joint_row("joints.q_max")
+    q_min, q_max = (_joint_angles(data, f"joints.{name}", _ANGLE_MAX, "rad") for name in ("q_min", "q_max"))
+    _joint_angles(data, "joints.qd_max", _SPEED_MAX, "rad/s")
     for name, low, high in zip(JOINT_NAMES, q_min, q_max, strict=True):
         if not low < high:
             raise UsageError(

@@ -27,8 +27,9 @@ CONNECTIONS_MAX: Final = 64
 """Names that one program may have in use (*assumed*)."""
 
 _READ_LINE_END: Final = 'read it away with socket_read_string(suffix="\\n"), or let the sender leave it out'
+_OPEN_FIRST: Final = "open it with socket_open first; every socket has the name that socket_open gives it"
 _SHOWN: Final = 253
-"""Characters of an address in a warning: those of a host name."""
+"""Characters of an address or a name in a warning: those of a host name."""
 
 NO_NETWORK: Final = "this run has no network"
 
@@ -138,7 +139,10 @@ class Sockets:
             Stopped: the thread was stopped.
         """
         connection = self._by_name.get(name)
-        if connection is None or not connection.is_open:
+        if connection is None:
+            self._tell_not_open(name, "sent")
+            return False
+        if not connection.is_open:
             return False
         if self._caller.is_dying and connection.queued - connection.sent > CHANNEL_WINDOW:
             return False
@@ -168,7 +172,9 @@ class Sockets:
         reason = f"data on socket {name!r}"
         if connection is not None and self._caller.is_secondary and rule(connection.received, False)[0] is None:
             self._warn_once(f"sec read {name}", NOT_ALL_THERE.format(what=f"socket {name!r}"))
-        if connection is not None:
+        if connection is None:
+            self._tell_not_open(name, "read")
+        else:
             looked = self._looking_for_line_end(name, connection, rule)
             if (value := connection.read(looked, reason, timeout_s)) is not None:
                 connection.is_behind_numbers = isinstance(rule, Floats) and bool(value)
@@ -176,6 +182,11 @@ class Sockets:
         if not self._caller.is_secondary:
             self._scheduler.wait(reason, self._scheduler.now + 1)
         return rule(bytearray(), True)[0] if connection is None else connection.rest(rule)
+
+    def _tell_not_open(self, name: str, done: str) -> None:
+        shown = name if len(name) <= _SHOWN else f"{name[:_SHOWN]}..."
+        text = f"there is no open socket {shown!r}: nothing is {done}"
+        self._warn_once(f"socket {name} not open", text, hint=_OPEN_FIRST)
 
     def _looking_for_line_end(self, name: str, connection: Connection, rule: Rule) -> Rule:
         """The rule; if it reads text behind numbers, one that tells of a line end that is left of these."""

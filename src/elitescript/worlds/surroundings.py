@@ -94,3 +94,6 @@ class Surroundings:
 
     def settle(self) -> None:
         """The tick has run: act on the signals that have changed in it."""
+
+    def run_ended(self) -> None:
+        """A run is over, and all that it gave away has arrived: report what cannot be meant to be incomplete."""

@@ -40,5 +40,14 @@ def test_a_joint_at_the_end_of_its_range_is_reached():
     assert found("movej([0, -1.57, 6.28, 0, 0, 0])") == []
 
 
+@pytest.mark.parametrize(
+    ("rest", "expected"), [("", ["W236 2:36"]), (", mode=0", ["W236 2:36"]), (", mode=1", []), (", mode=MODE", [])]
+)
+def test_the_end_of_an_arc_counts_if_its_orientation_does(rest, expected):
+    arc = "movec([0.4, 0, 0.3, 3.14, 0, 0], [1.2, 0, 0.3, 3.14, 0, 0]" + rest + ")"
+    assert [problem for problem in found(arc) if problem.startswith("W236")] == expected
+    assert [problem for problem in found(arc.replace("1.2", "0.5")) if problem.startswith("W236")] == []
+
+
 def test_the_first_reason_is_the_only_one():
     assert found("movel([1200, 0, 0.3, 3.14, 0, 0])") == ["W231 2:10"]

@@ -105,6 +105,12 @@ def test_a_device_says_once_that_it_waits_for_its_line_end():
     assert warning.startswith("scale: waits for the end of the line b'W\\n': its line_end is '\\r\\n'")
 
 
+def test_a_line_without_its_end_is_explained_when_the_program_ends():
+    (warning,) = run(TOOL + 'tool_serial_write("done")', Scale(name="scale")).warnings
+    assert warning.startswith("scale: waits for the end of the line b'done'")
+    assert run(TOOL + 'tool_serial_write("done\\n")', Scale()).warnings == []
+
+
 def test_a_line_that_comes_in_pieces_is_nothing_to_warn_of():
     body = TOOL + 'tool_serial_write("W")\nsleep(0.5)\ntool_serial_write("W\\n")\nsleep(2)'
     assert run(body, Scale()).warnings == []

@@ -87,6 +87,13 @@ def test_a_line_without_its_end_is_explained_once():
     assert "socket_send_line" in warning
 
 
+@pytest.mark.parametrize("end", ["", "\nsocket_close()", "\nhalt()"])
+def test_a_line_without_its_end_is_explained_when_the_program_ends(end):
+    (warning,) = run(OPEN + 'socket_send_string("done")' + end, Camera()).warnings
+    assert "Camera: waits for the end of the line b'done'" in warning
+    assert run(OPEN + 'socket_send_string("done\\n")' + end, Camera()).warnings == []
+
+
 def test_latency_is_the_time_of_what_the_device_sends():
     body = 'socket_send_line("q")\nsocket_read_string()\nglobal t\nt = get_steptime()'
     slow = run(OPEN + body, Camera(latency_s=0.4))

@@ -2,7 +2,7 @@
 
 With `--robot` the limits of that arm count for joint positions and its reach for poses, with the TCP that the program
 sets; without it joint positions beyond a full turn, which no arm reaches. A target in a `try` is left out: there the
-program expects the refusal.
+program expects the refusal. Of an arc the end counts, if it takes on its orientation.
 
     def job():
       movej([0, -1.57, 6.6, 0, 0, 0])              # W236
@@ -22,7 +22,8 @@ from elitescript.lint.program import Program
 from elitescript.lint.registry import Finding, rule
 
 _JOINT_MOVES: Final = ("movej", "servoj")
-_POSE_MOVES: Final = ("movel", "movep")
+_POSE_MOVES: Final = ("movel", "movep", "movec")
+_ARC_END: Final = "pose_to"
 _JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 _ANY_ARM: Final = ((-FULL_TURN, FULL_TURN),) * 6
 _TARGETS: Final = ("W230", "W231", "W237")
@@ -39,6 +40,12 @@ def unreachable_target(program: Program) -> Iterator[Finding]:
         if name not in (*_JOINT_MOVES, *_POSE_MOVES) or not arguments.given or program.is_tried(called.call):
             continue
         param, node = arguments.given[0]
+        if name == "movec":
+            given = {param.name: (param, node) for param, node in arguments.given}
+            mode = program.constants.value(given["mode"][1], called.scope) if "mode" in given else 0
+            if _ARC_END not in given or mode != 0:
+                continue
+            param, node = given[_ARC_END]
         if node in refused:
             continue
         value = program.constants.value(node, called.scope)

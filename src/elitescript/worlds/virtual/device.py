@@ -181,6 +181,9 @@ class Device:
     def begin(self) -> None:
         """The robot's time begins; for what a kind of devices does by itself, before `started`."""
 
+    def run_ended(self) -> None:
+        """A run is over: report what has come and is not complete."""
+
     @property
     def is_gone(self) -> bool:
         """Whether its code has failed: it does nothing any more."""

@@ -150,7 +150,7 @@ class SerialDevice(LineDevice):
         return None
 
     def _complain(self, lines: LineBuffer, rest: bytes) -> None:
-        if lines is self._lines and lines.rest == rest and not self._has_complained:
+        if rest and lines is self._lines and lines.rest == rest and not self._has_complained:
             self._has_complained = True
             self.warn(
                 f"waits for the end of the line {rest[:60]!r}: its line_end is {self.line_end!r}; "
@@ -183,7 +183,12 @@ class SerialDevice(LineDevice):
         self.send(self.received(data))
 
     def line_closed(self) -> None:
+        self.run_ended()
         self.closed()
+
+    def run_ended(self) -> None:
+        if self._lines is not None:
+            self._complain(self._lines, self._lines.rest)
 
 
 class _LinePeer(Peer):

@@ -74,6 +74,7 @@ class TcpConnection(Peer):
         self.answer(self.server.received(self, data))
 
     def closed(self) -> None:
+        self._complain(self._lines.rest)
         self.server.forget(self)
         self.server.closed(self)
 
@@ -89,7 +90,7 @@ class TcpConnection(Peer):
         return found
 
     def _complain(self, rest: bytes) -> None:
-        if self._lines.rest == rest and not self.server.has_complained:
+        if rest and self._lines.rest == rest and not self.server.has_complained:
             self.server.has_complained = True
             self.server.warn(
                 f"waits for the end of the line {rest[:60]!r}: socket_send_line sends {self.server.line_end!r} at its "

@@ -255,6 +255,10 @@ class World(Surroundings):
         if self._links:
             self._publish(self._links)
 
+    def run_ended(self) -> None:
+        for device in self.devices:
+            device.run_ended()
+
     def _publish(self, links: list[PortLink]) -> None:
         """Show the tick to the devices that are connected to ports of the robot."""
         assert self._robot is not None
