@@ -27,8 +27,8 @@ WORK_PER_ACTIVATION: Final = 20
 """Checkpoints that it costs to be woken, so that threads which only wake each other use up the tick too."""
 
 WORK_PER_EVENT: Final = 20
-"""Checkpoints that an event costs (*assumed*), so that a loop which only writes messages or signals keeps up with time and
-cannot drown who reads them."""
+"""Checkpoints that an event costs (*assumed*), so that a loop which only writes messages or signals keeps up with time
+and leaves its readers theirs."""
 
 FLOOR: Final = 1000
 """False values below the fuel. One is enough as long as `checkpoint` can be called; in the last calls before the
