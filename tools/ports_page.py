@@ -6,6 +6,7 @@ from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.services import binding, listener, liveness, shares, ssh_commands, tcp
 from elitescript.services.broker import CHANNELS_MAX
+from elitescript.services.connect_policy import DEFAULT_TEXT
 from elitescript.services.control_verbs import VERBS
 from elitescript.services.cycle import CATCH_UP_TICKS
 from elitescript.services.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
@@ -65,6 +66,8 @@ def ports_page() -> str:
         "- More requests than the robot can do in a tick wait: in the order of each client, in turns",
         "  between clients.",
         "- What cannot be understood as the protocol of the port closes that one connection.",
+        "- A connection that begins as a web browser's does (HTTP with any method, TLS, STUN) is closed before",
+        "  anything of it counts.",
         "- A client that ends its own half of the connection is answered what it has asked; a program that",
         "  it has begun counts as sent. The state of the primary port goes on for it.",
         "",
@@ -100,6 +103,11 @@ def ports_page() -> str:
         "",
         f"TCP, at most {CHANNELS_MAX} at a time. A peer that does not read stops the program that writes to it, and",
         "the other way round.",
+        "",
+        f"Programs reach {DEFAULT_TEXT}; `--allow-connect` changes that. What counts",
+        "is the address that a name or another way to write an address stands for, of sockets, remote procedure",
+        "calls and MODBUS alike. A refusal is a warning of the program with the option that would allow it; the",
+        "`ready` line and `elitescript doctor` say what is reached.",
         "",
         "## SSH",
         "",

@@ -71,10 +71,17 @@ def assemble(
         raise UsageError(f"speed must be in [0, 1], got {fittings.speed!r}")
     if not isfinite(fittings.rpc_timeout_s):
         raise UsageError(f"rpc_timeout_s must be finite, in s, got {fittings.rpc_timeout_s!r}; 0 waits for ever")
+    host: ScriptHost | None = None
+
+    def recorded(event: Event) -> None:
+        if host is not None:
+            host.spend_event()
+        on_event(event)
+
     controller = Controller(
         model,
         epoch_s=fittings.epoch_s,
-        on_event=on_event,
+        on_event=recorded,
         home=None if fittings.joints is None else _checked_joints(model, fittings.joints),
         speed_scale=fittings.speed,
         contact=fittings.contact,

@@ -17,7 +17,7 @@ EXPECTED = {
     "TextMessage": ("log", "t level text thread line"),
     "Printed": ("print", "t text thread line"),
     "Popup": ("popup", "t level title text blocking confirmed thread line"),
-    "Warned": ("warning", "t text thread line"),
+    "Warned": ("warning", "t text thread line code hint severity"),
     "DeviceNoted": ("device", "t level device text"),
     "Alarm": ("alarm", "t code class text line column thread"),
     "SafetyModeChanged": ("safety", "t mode text"),

@@ -19,6 +19,8 @@ WEB = {
     "small letters": (b"post / http/1.1\r\n", "a web request (post)"),
     "wide blanks": (b"POST  /\t HTTP/1.1\r\n", "a web request (POST)"),
     "blank lines before": (b"\r\n\r\nPOST / HTTP/1.1\r\n", "a web request (POST)"),
+    "blanks before": (b" \t POST / HTTP/1.1\r\n", "a web request (POST)"),
+    "a byte order mark before": (b"\xef\xbb\xbf\r\nPOST / HTTP/1.1\r\n", "a web request (POST)"),
     "HTTP/2 without TLS": (b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", "a web request (PRI)"),
     "HTTP/3 some day": (b"GET / HTTP/3\r\n", "a web request (GET)"),
     "bare line feeds": (b"POST / HTTP/1.1\n\nhalt()\n", "a web request (POST)"),
@@ -26,6 +28,7 @@ WEB = {
     "a long method": (b"X" * 100_000 + b" / HTTP/1.1\r\n", f"a web request ({'X' * 32})"),
     "TLS": (b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", "a TLS greeting"),
     "WebRTC": (b"\x00\x03\x00\x24\x21\x12\xa4\x42" + bytes(12), "a STUN message"),
+    "WebRTC between peers": (b"\x00\x54\x00\x01\x00\x40\x21\x12\xa4\x42" + bytes(12), "a STUN message"),
 }
 
 ROBOT = {
@@ -48,6 +51,9 @@ ROBOT = {
     "Modbus, the first request": b"\x00\x01\x00\x00\x00\x06\x01\x03\x00\x80\x00\x01",
     "not a version": b"GET / HTTP/x\n",
     "nothing but a version": b"HTTP/1.1 200 OK\r\n",
+    "an indented comment": b"  # GET / HTTP/1.1\n",
+    "a byte order mark before a program": b"\xef\xbb\xbfdef pick():\n  halt()\nend\n",
+    "blanks before a command": b"  robotControl -on\r\n",
     "nothing": b"",
 }
 

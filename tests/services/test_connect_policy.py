@@ -131,7 +131,19 @@ def test_rules_take_the_place_of_the_default(texts, name, address, port, is_allo
 
 @pytest.mark.parametrize(
     "texts",
-    [["10.0.0.1:0"], ["10.0.0.1:65536"], ["10.0.0.1:x"], ["10.0.0.0/33"], ["a b"], [""], ["x" * 254], ["none", "any"]],
+    [
+        ["10.0.0.1:0"],
+        ["10.0.0.1:65536"],
+        ["10.0.0.1:x"],
+        ["10.0.0.0/33"],
+        ["a b"],
+        [""],
+        ["x" * 254],
+        ["none", "any"],
+        ["999.1.1.1"],
+        ["127.1"],
+        ["0x7f000001"],
+    ],
 )
 def test_rules_without_sense_are_refused(texts):
     with pytest.raises(UsageError, match="--allow-connect"):

@@ -28,7 +28,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
-from elitescript.services.connect_policy import ConnectPolicy
+from elitescript.services.connect_policy import NONE, ConnectPolicy
 from elitescript.services.jail import is_complete
 from elitescript.services.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 from elitescript.services.robot_link import RobotLink
@@ -426,7 +426,7 @@ class Log:
         robots_text = "; ".join(_ports_text(station) for station in server.stations)
         self._out.write(f"ready on {host}: {robots_text}\n")
         self._out.write(f"ctl at {', '.join(server.control_addresses)}\n")
-        self._out.write(f"programs reach {reach}\n")
+        self._out.write(f"programs reach {'no address' if reach == NONE else reach}\n")
         if login is not None:
             password = f"password {login.password}" if login.is_random else "password as given"
             keys = ", ".join(station.host_key for station in server.stations)

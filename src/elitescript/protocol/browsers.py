@@ -6,7 +6,7 @@ what comes before the body is not the page's choice. It is always one of these:
 - the line of an HTTP request (RFC 9112, section 3): a method, which may be any token, a target in one of its four
   forms, and a version. A WebSocket begins with one too, and so does HTTP/2 without TLS;
 - the first record of TLS (RFC 8446, section 5.1);
-- a STUN message (RFC 8489, section 5), from WebRTC over TCP.
+- a STUN message (RFC 8489, section 5), from WebRTC over TCP; between peers its length stands before it (RFC 4571).
 
 No script, command or message of a robot's port begins like that: the target's forms tell a request from a comment
 (`# speaks HTTP/1.1`) or a popup (`popup -s HTTP/1.1`).
@@ -19,6 +19,7 @@ from typing import Final
 
 _METHOD: Final = re.compile(rb"[!#$%&'*+\-.^_`|~0-9A-Za-z]*")
 _BLANKS: Final = b" \t"
+_BYTE_ORDER_MARK: Final = b"\xef\xbb\xbf"
 _WORD: Final = re.compile(rb"[^\x00-\x20\x7f]*")
 _TARGET: Final = re.compile(rb"/.*|\*|[A-Za-z][A-Za-z0-9+.\-]*://.*|[^/?#@]*:[0-9]+", re.DOTALL)
 _VERSION: Final = b"HTTP/"
@@ -28,8 +29,8 @@ _TARGET_KEPT: Final = 512
 _HEAD_MAX: Final = 1024
 """Bytes that are looked at again when more arrive; of a longer line, its method and target are cut."""
 _TLS: Final = re.compile(rb"\x16\x03[\x01-\x04]")
-_STUN: Final = re.compile(rb"\x00[\x01\x03]..\x21\x12\xa4\x42", re.DOTALL)
-_BINARY_MAX: Final = 8
+_STUN: Final = re.compile(rb"(?:..)?\x00[\x01\x03]..\x21\x12\xa4\x42", re.DOTALL)
+_BINARY_MAX: Final = 10
 
 
 class FirstBytes:
@@ -60,9 +61,13 @@ class FirstBytes:
 
     def _request(self) -> str:
         """What the line says if it is that of a request; notes whether it can still become one."""
-        # Blank lines before a request do not count.
-        line = self._head = self._head.lstrip(b"\r\n")
-        if not line or (line[0] in (0x00, 0x16) and len(line) < _BINARY_MAX):
+        if (self._head[:1] < b" " or self._head[2:3] == b"\x00") and len(self._head) < _BINARY_MAX:
+            return ""
+        # What servers overlook before a request does not count: blank lines, blanks, a byte order mark.
+        line = self._head = self._head.lstrip(b"\r\n \t")
+        if line.startswith(_BYTE_ORDER_MARK):
+            line = self._head = line[len(_BYTE_ORDER_MARK) :].lstrip(b"\r\n \t")
+        if not line or _BYTE_ORDER_MARK.startswith(line):
             return ""
         method = _longest(_METHOD, line)
         behind = line[len(method) :]

@@ -233,6 +233,10 @@ class ScriptHost:
 
     # ---------------------------------------------------------------- reading
 
+    def spend_event(self) -> None:
+        """Have the running thread pay for an event with a part of its tick."""
+        self._scheduler.spend_event()
+
     @property
     def is_running(self) -> bool:
         """Whether a program runs; a paused one does."""

@@ -26,6 +26,10 @@ WORK_PER_TICK: Final = 2_000
 WORK_PER_ACTIVATION: Final = 20
 """Checkpoints that it costs to be woken, so that threads which only wake each other use up the tick too."""
 
+WORK_PER_EVENT: Final = 20
+"""Checkpoints that an event costs (*assumed*), so that a loop which only writes messages or signals keeps up with time
+and leaves its readers theirs."""
+
 FLOOR: Final = 1000
 """False values below the fuel. One is enough as long as `checkpoint` can be called; in the last calls before the
 recursion limit it cannot, and each try takes one away."""
@@ -304,6 +308,12 @@ class Scheduler:
         if self._loaded == 0:
             self._load(strand)
         return True
+
+    def spend_event(self) -> None:
+        """Have the running strand pay for an event, as far as it has fuel."""
+        if self.current is not None:
+            fuel = self.fuel
+            del fuel[max(FLOOR, len(fuel) - WORK_PER_EVENT) :]
 
     def wait(self, reason: str, until: int | None = None) -> bool:
         """Suspend the running strand until it is woken, or until a tick; say which: True when woken.

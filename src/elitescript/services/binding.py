@@ -65,7 +65,8 @@ def _why_not(name: str, host: str, number: int, error: OSError) -> str:
     if error.errno == errno.EADDRINUSE:
         return (
             f"port {number} ({name}) is in use: another controller or `elitescript serve` has it. Stop that one, move "
-            f"all ports by {PORTS_PER_INSTANCE} with --instance 1, or this one with --port {name}=NUMBER (0: any free)"
+            f"all ports by {PORTS_PER_INSTANCE} with the next --instance, or this one with --port {name}=NUMBER "
+            "(0: any free)"
         )
     if error.errno == errno.EACCES:
         return f"port {number} ({name}) may not be had by this user: choose one above 1023 with --port {name}=NUMBER"

@@ -31,6 +31,8 @@ HOST_MAX: Final = 253
 """Characters of a host name (RFC 1035, section 2.3.4)."""
 
 _HOST: Final = re.compile(r"[A-Za-z0-9_.\-]+")
+_NUMBERS: Final = re.compile(r"(0[xX][0-9A-Fa-f]+|[0-9]+)(\.(0[xX][0-9A-Fa-f]+|[0-9]+))*\.?")
+"""What name services take for an address, not for a name: 127.1, 0x7f000001."""
 _NAT64: Final = ip_network("64:ff9b::/96")
 _THIS_NETWORK: Final = ip_network("0.0.0.0/8")
 _BROADCAST: Final = ip_address("255.255.255.255")
@@ -125,7 +127,7 @@ def _rule(text: str) -> _Rule:
         return _Rule((ip_network(host, strict=False),), "", port)
     except ValueError:
         pass
-    if not _HOST.fullmatch(host) or len(host) > HOST_MAX or "/" in text:
+    if not _HOST.fullmatch(host) or _NUMBERS.fullmatch(host) or len(host) > HOST_MAX or "/" in text:
         raise UsageError(
             f"{OPTION} {text}: write HOST[:PORT], a network such as 192.168.1.0/24, {OWN_PORTS}, {ANY} or {NONE}"
         )

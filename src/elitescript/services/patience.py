@@ -18,9 +18,9 @@ FIRST_PATIENCE_S: Final = 3.0
 """The same before the first output of a fresh child, which has its robot to make."""
 ABSENCE_MAX_S: Final = 5.0
 """Wall time without a word after which a child is given up, whatever it does."""
-COMPILE_S_PER_BYTE: Final = 10e-6
-"""Added for every byte of program text; compiling takes a fifth of it (*measured*)."""
-COMPILE_MAX_S: Final = 20.0
+COMPILE_S_PER_BYTE: Final = 40e-6
+"""Added for every byte of program text; checking and compiling lines of `movel` takes a fifth of it (*measured*)."""
+COMPILE_MAX_S: Final = 160.0
 """Added at most."""
 FILES_MAX_S: Final = 10.0
 """How long questions about files in one tick count as being heard."""
