@@ -15,6 +15,7 @@ from elitescript.messages.outputs import Output
 from elitescript.services import station
 from elitescript.services.binding import bind
 from elitescript.services.table import NAMES
+from elitescript.services.tcp import Client
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Scene, run, serving
 
@@ -95,6 +96,28 @@ def test_reconnecting_clients_get_their_inputs_back() -> None:
                     peer.reset()
                 else:
                     await peer.close()
+
+    run(test())
+
+
+def test_inputs_of_a_client_that_was_cut_off_are_free_whatever_its_share(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is left to be read of it, so it does not wait for its turn."""
+
+    async def test() -> None:
+        async with serving() as scene:
+            for number in range(2):
+                peer = await scene.connect("rtsi")
+                peer.send(rtsi_client.message("V", b"\0\1"))
+                await peer.rtsi("V")
+                peer.send(rtsi_client.input_recipe(rtsi_client.STANDARD_INPUTS))
+                _, reply = await peer.rtsi("I")
+                assert rtsi_client.set_up(reply)[0] == 1
+                with monkeypatch.context() as patch:
+                    patch.setattr(Client, "_may_be_read", lambda self: False)
+                    clients = scene.station.listeners["rtsi"].clients
+                    peer.reset()
+                    while clients and number == 0:
+                        await asyncio.sleep(0)
 
     run(test())
 

@@ -400,16 +400,16 @@ class Client(asyncio.BufferedProtocol):
 
     def _read_left(self, left: socket.socket) -> None:
         """Read on of a connection that broke, as much as its share allows; then it is over."""
-        while self._left is not None and self._may_be_read():
-            try:
-                count = left.recv_into(self.get_buffer(0))
-            except OSError:
-                count = 0
-            if not count:
+        while self._left is not None:
+            if _is_empty(left):
+                # What it held is free for others now, whatever its share of the time is.
                 self._part()
                 return
+            if not self._may_be_read():
+                return
+            count = left.recv_into(self.get_buffer(0))
             self._read(count)
-            if self._has_taken_enough(count):
+            if self._has_taken_enough(count) and not _is_empty(left):
                 return
 
     def _part(self) -> None:
@@ -457,3 +457,11 @@ class Client(asyncio.BufferedProtocol):
         if self._deadline is None:
             self._deadline = self._hub.output.tick + LINGER_TICKS
         self.close()
+
+
+def _is_empty(broken: socket.socket) -> bool:
+    """Return whether nothing is left to be read of a connection that broke."""
+    try:
+        return not broken.recv(1, socket.MSG_PEEK)
+    except OSError:
+        return True
