@@ -7,8 +7,8 @@ use few commands and all of them start often.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar, get_args
 
 from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, shown
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
@@ -27,6 +27,8 @@ EVIDENCE: Final = ("documented", "observed", "assumed")
 _TARGET_REFUSALS: Final = ("R102", "R110", "R111")
 _TARGET_DOUBTS: Final = ("W230", "W231", "W233", "W237")
 """Refusals of a target or load, and the doubts that can explain them."""
+
+NO_ARGUMENTS: Final[Mapping[str, str]] = {}
 
 _OMITTED: Final = object()
 _VARIADIC: Final = 0x04
@@ -54,6 +56,10 @@ class Param:
         """Whether a call must pass it."""
         return self.default is REQUIRED
 
+    def is_called(self, keyword: str) -> bool:
+        """Return whether a keyword means this parameter."""
+        return keyword == self.name or keyword in self.spellings
+
     @property
     def default_text(self) -> str:
         """The default as the manual prints it; empty when there is none."""
@@ -64,6 +70,22 @@ class Param:
         if isinstance(self.default, tuple) and self.default:
             return repr(list(self.default))
         return repr(self.default)
+
+
+class Misfit(NamedTuple):
+    """A reason for which a call cannot be made."""
+
+    at: int | str | None
+    """Index or keyword of the argument that is wrong; None if one is missing."""
+    text: str
+
+
+class Placement(NamedTuple):
+    """The arguments of a call, by parameter."""
+
+    slots: tuple[int | str | None, ...]
+    """For each parameter the index or the keyword of its argument; None if the call leaves it out."""
+    misfits: tuple[Misfit, ...]
 
 
 SPELLINGS: Final = {
@@ -93,6 +115,7 @@ class Command:
         "_details",
         "alias_of",
         "aliases",
+        "arguments",
         "evidence",
         "family",
         "function",
@@ -121,6 +144,7 @@ class Command:
         manual: str = "",
         name: str = "",
         alias_of: str = "",
+        arguments: Mapping[str, str] = NO_ARGUMENTS,
     ) -> None:
         self.name = name or function.__name__
         if evidence not in EVIDENCE:
@@ -132,6 +156,8 @@ class Command:
         self.family = family
         self.since = since
         self.aliases = aliases
+        self.arguments = arguments
+        """Texts of parameters that the docstring does not describe, by name."""
         self.spellings = spellings
         self.evidence = evidence
         self.waits = waits
@@ -159,6 +185,7 @@ class Command:
             self.manual,
             name,
             self.name,
+            self.arguments,
         )
 
     @property
@@ -222,9 +249,7 @@ class Command:
             ScriptError: complete with command, argument, value, limit and unit.
         """
         params = (self._details or self.details).params
-        values: list[Any] = list(args)
-        if kwargs or len(args) != len(params):
-            self._arrange(values, kwargs)
+        values = self._arrange(args, kwargs) if kwargs or len(args) != len(params) else list(args)
         for index, param in enumerate(params):
             value = values[index]
             if value is _OMITTED:
@@ -286,31 +311,47 @@ class Command:
                     found.append(other._replace(text=f"{self.name}: {param.name}{other.text}"))
         return found
 
-    def _arrange(self, values: list[Any], kwargs: dict[str, Any]) -> None:
-        """Bring keyword arguments into place behind the positional ones; mark what is missing."""
-        params = self.params
-        positional = len(values)
-        if positional > len(params) and not self.takes_more:
-            raise self._count_error(self.surplus_text(positional))
-        for keyword in kwargs:
-            if not any(keyword == param.name or keyword in param.spellings for param in params):
-                raise self._count_error(self.unknown_argument_text(keyword))
-        missing = []
-        for index, param in enumerate(params):
-            given = [spelling for spelling in (param.name, *param.spellings) if spelling in kwargs]
-            if len(given) + (index < positional) > 1:
-                raise self._count_error(self.twice_text(param.name))
-            if given:
-                values.append(kwargs[given[0]])
-            elif index >= positional:
-                if param.is_required:
-                    missing.append(param.name)
-                values.append(_OMITTED)
-        if missing:
-            raise self._count_error(self.missing_text(missing))
+    def place(self, positional: int, keywords: Sequence[str], *, is_complete: bool = True) -> Placement:
+        """Find out which argument of a call goes to which parameter: for values at run time, for expressions before.
 
-    def _count_error(self, text: str) -> ScriptError:
-        return ArgumentCountError(text, command=self.name, hint=self.call_hint)
+        Args:
+            positional: number of arguments without a keyword.
+            keywords: keywords of the others, in the order of the call.
+            is_complete: False if the call may have more arguments than these, such as `*list`; none is missed then.
+        """
+        params = self.params
+        slots: list[int | str | None] = [index if index < positional else None for index in range(len(params))]
+        misfits: list[Misfit] = []
+        if positional > len(params) and not self.takes_more:
+            misfits.append(Misfit(len(params), self.surplus_text(positional)))
+        for keyword in keywords:
+            index = next((at for at, param in enumerate(params) if param.is_called(keyword)), None)
+            if index is None:
+                misfits.append(Misfit(keyword, self.unknown_argument_text(keyword)))
+            elif slots[index] is not None:
+                misfits.append(Misfit(keyword, self.twice_text(params[index].name)))
+            else:
+                slots[index] = keyword
+        if is_complete and not misfits:
+            # A misspelt keyword is reported; that its parameter is missing then follows.
+            missing = [
+                param.name for param, slot in zip(params, slots, strict=True) if slot is None and param.is_required
+            ]
+            if missing:
+                misfits.append(Misfit(None, self.missing_text(missing)))
+        return Placement(tuple(slots), tuple(misfits))
+
+    def _arrange(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
+        """Return the arguments in the order of the parameters, `_OMITTED` where one is left out."""
+        placement = self.place(len(args), tuple(kwargs))
+        if placement.misfits:
+            raise ArgumentCountError(placement.misfits[0].text, command=self.name, hint=self.call_hint)
+        values = [
+            _OMITTED if slot is None else kwargs[slot] if isinstance(slot, str) else args[slot]
+            for slot in placement.slots
+        ]
+        values += args[len(values) :]
+        return values
 
 
 def _as_script_value(result: Any) -> Any:
@@ -334,6 +375,7 @@ class _Details:
         self.behaviour = doc.behaviour
         self.returns_text = doc.returns
         self.raises = doc.raises
+        texts = {**command.arguments, **doc.args}
         names = function.__code__.co_varnames[: function.__code__.co_argcount]
         defaults = function.__defaults__ or ()
         first_default = len(names) - len(defaults)
@@ -342,12 +384,12 @@ class _Details:
             if index == 0 and command.takes_robot:
                 continue
             quantity = _quantity(function, name)
-            if quantity is None or name not in doc.args:
+            if quantity is None or name not in texts:
                 raise InternalError(f"{command.name}: parameter {name!r} lacks a quantity or its line under Args")
             default = defaults[index - first_default] if index >= first_default else REQUIRED
             spellings = tuple(other for other, own in command.spellings.items() if own == name)
             spellings += tuple(other for other in SPELLINGS.get(name, ()) if other not in names)
-            params.append(Param(name, quantity, default, spellings, doc.args[name]))
+            params.append(Param(name, quantity, default, spellings, texts[name]))
         self.params = tuple(params)
         self.returns = _quantity(function, "return") or Anything("None")
         self.judged = _judged(self.params)
@@ -436,6 +478,7 @@ def command(
     works_in_sec: bool = True,
     is_simulated: bool = True,
     manual: str = "",
+    arguments: Mapping[str, str] = NO_ARGUMENTS,
 ) -> Callable[[Function], Function]:
     """Make the function below a robot command.
 
@@ -452,12 +495,23 @@ def command(
         works_in_sec: whether a secondary program may call it.
         is_simulated: False for a command whose body checks what it can and then raises `NotSimulatedError`.
         manual: section of manual 2.10, such as `"2.1.1"`; of another one with its release, such as `"2.14: 3.1.25"`.
+        arguments: texts of parameters that several commands share, for those that the docstring does not describe.
     """
 
     def register(function: Function) -> Function:
         REGISTRY.add(
             Command(
-                function, family, since, aliases, spellings or {}, evidence, waits, works_in_sec, is_simulated, manual
+                function,
+                family,
+                since,
+                aliases,
+                spellings or {},
+                evidence,
+                waits,
+                works_in_sec,
+                is_simulated,
+                manual,
+                arguments=arguments,
             )
         )
         return function
