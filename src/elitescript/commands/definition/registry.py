@@ -56,10 +56,6 @@ class Param:
         """Whether a call must pass it."""
         return self.default is REQUIRED
 
-    def is_called(self, keyword: str) -> bool:
-        """Return whether a keyword means this parameter."""
-        return keyword == self.name or keyword in self.spellings
-
     @property
     def default_text(self) -> str:
         """The default as the manual prints it; empty when there is none."""
@@ -248,8 +244,12 @@ class Command:
         Raises:
             ScriptError: complete with command, argument, value, limit and unit.
         """
-        params = (self._details or self.details).params
-        values = self._arrange(args, kwargs) if kwargs or len(args) != len(params) else list(args)
+        details = self._details or self.details
+        params = details.params
+        if not kwargs and details.required <= len(args) <= len(params):
+            values = [*args, *[_OMITTED] * (len(params) - len(args))]
+        else:
+            values = self._arrange(args, kwargs)
         for index, param in enumerate(params):
             value = values[index]
             if value is _OMITTED:
@@ -319,39 +319,32 @@ class Command:
             keywords: keywords of the others, in the order of the call.
             is_complete: False if the call may have more arguments than these, such as `*list`; none is missed then.
         """
-        params = self.params
-        slots: list[int | str | None] = [index if index < positional else None for index in range(len(params))]
+        params, indices, required = self.details.params, self.details.indices, self.details.required
+        slots: list[int | str | None] = [*range(min(positional, len(params))), *[None] * (len(params) - positional)]
         misfits: list[Misfit] = []
         if positional > len(params) and not self.takes_more:
             misfits.append(Misfit(len(params), self.surplus_text(positional)))
         for keyword in keywords:
-            index = next((at for at, param in enumerate(params) if param.is_called(keyword)), None)
+            index = indices.get(keyword)
             if index is None:
                 misfits.append(Misfit(keyword, self.unknown_argument_text(keyword)))
             elif slots[index] is not None:
                 misfits.append(Misfit(keyword, self.twice_text(params[index].name)))
             else:
                 slots[index] = keyword
-        if is_complete and not misfits:
-            # A misspelt keyword is reported; that its parameter is missing then follows.
-            missing = [
-                param.name for param, slot in zip(params, slots, strict=True) if slot is None and param.is_required
-            ]
-            if missing:
-                misfits.append(Misfit(None, self.missing_text(missing)))
+        # A misspelt keyword is reported; that its parameter is missing then follows.
+        if is_complete and not misfits and None in slots[:required]:
+            missing = [params[index].name for index in range(required) if slots[index] is None]
+            misfits.append(Misfit(None, self.missing_text(missing)))
         return Placement(tuple(slots), tuple(misfits))
 
     def _arrange(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Return the arguments in the order of the parameters, `_OMITTED` where one is left out."""
-        placement = self.place(len(args), tuple(kwargs))
-        if placement.misfits:
-            raise ArgumentCountError(placement.misfits[0].text, command=self.name, hint=self.call_hint)
-        values = [
-            _OMITTED if slot is None else kwargs[slot] if isinstance(slot, str) else args[slot]
-            for slot in placement.slots
-        ]
-        values += args[len(values) :]
-        return values
+        slots, misfits = self.place(len(args), tuple(kwargs))
+        if misfits:
+            raise ArgumentCountError(misfits[0].text, command=self.name, hint=self.call_hint)
+        values = [_OMITTED if slot is None else kwargs[slot] if isinstance(slot, str) else args[slot] for slot in slots]
+        return [*values, *args[len(values) :]]
 
 
 def _as_script_value(result: Any) -> Any:
@@ -364,7 +357,18 @@ def _as_script_value(result: Any) -> Any:
 class _Details:
     """What the function's own text says about a command."""
 
-    __slots__ = ("behaviour", "judged", "kind", "params", "raises", "returns", "returns_text", "summary")
+    __slots__ = (
+        "behaviour",
+        "indices",
+        "judged",
+        "kind",
+        "params",
+        "raises",
+        "required",
+        "returns",
+        "returns_text",
+        "summary",
+    )
 
     def __init__(self, command: Command) -> None:
         from elitescript.commands.definition.docstring import read_docstring
@@ -391,6 +395,10 @@ class _Details:
             spellings += tuple(other for other in SPELLINGS.get(name, ()) if other not in names)
             params.append(Param(name, quantity, default, spellings, texts[name]))
         self.params = tuple(params)
+        self.required = sum(param.is_required for param in params)
+        """How many parameters every call must pass; they are the first ones."""
+        self.indices = {name: index for index, param in enumerate(params) for name in (param.name, *param.spellings)}
+        """Index of the parameter that a keyword means."""
         self.returns = _quantity(function, "return") or Anything("None")
         self.judged = _judged(self.params)
         """Index, parameter, judge, and whether joints and poses are taken for each other there; see `plausibility`."""
