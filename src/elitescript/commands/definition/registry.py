@@ -167,7 +167,7 @@ class Command:
         self._details: _Details | None = None
 
     def renamed(self, name: str, since: str = "", evidence: str = "", *, is_simulated: bool | None = None) -> Command:
-        """The same command under another name."""
+        """Return the same command under another name."""
         return Command(
             self.function,
             self.family,
@@ -225,16 +225,16 @@ class Command:
         return f"{self.name} takes {at_most}{most} argument{'' if most == 1 else 's'}, got {given}"
 
     def unknown_argument_text(self, keyword: str) -> str:
-        """An argument of a name that the command does not have."""
+        """Return an argument of a name that the command does not have."""
         names = ", ".join(param.name for param in self.params) or "none"
         return f"{self.name} has no argument `{keyword}`; its arguments: {names}"
 
     def twice_text(self, name: str) -> str:
-        """One argument by place and by name, or under two names."""
+        """Return one argument by place and by name, or under two names."""
         return f"{self.name} gets the argument `{name}` twice"
 
     def missing_text(self, names: list[str]) -> str:
-        """Arguments that the call must pass."""
+        """Return arguments that the call must pass."""
         listed = ", ".join(f"`{name}`" for name in names)
         return f"{self.name} misses the argument{'' if len(names) == 1 else 's'} {listed}"
 
@@ -297,7 +297,7 @@ class Command:
         return _as_script_value(result)
 
     def _doubts(self, robot: Any, values: list[Any]) -> list[Doubt]:
-        """What is legal in these values, but hardly meant; with command and parameter in the text."""
+        """Return what is legal in these values, but hardly meant; with command and parameter in the text."""
         found = []
         for index, param, judge, is_kind in self.details.judged:
             value = values[index]
@@ -348,7 +348,7 @@ class Command:
 
 
 def _as_script_value(result: Any) -> Any:
-    """Tuples, also inside tuples, as lists."""
+    """Return tuples, also inside tuples, as lists."""
     if type(result) is not tuple:
         return result
     return [_as_script_value(item) if type(item) is tuple else item for item in result]
@@ -456,15 +456,15 @@ class Catalogue:
         self._by_name[command.name] = command
 
     def get(self, name: str) -> Command | None:
-        """The command of that name or alias."""
+        """Return the command of that name or alias."""
         return self._by_name.get(name)
 
     def names(self) -> Iterator[str]:
-        """Every name and alias that scripts can call."""
+        """Return every name and alias that scripts can call."""
         return iter(self._by_name)
 
     def __iter__(self) -> Iterator[Command]:
-        """The commands, each once, without the aliases."""
+        """Return the commands, each once, without the aliases."""
         return iter(self._commands.values())
 
     def __len__(self) -> int:
@@ -533,6 +533,6 @@ def alias(name: str, *, of: str, since: str = "", evidence: str = "") -> None:
 
 
 def describe_call(command_name: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:
-    """A call as a message repeats it."""
+    """Return a call as a message repeats it."""
     parts = [shown(arg) for arg in args] + [f"{name}={shown(value)}" for name, value in kwargs.items()]
     return f"{command_name}({', '.join(parts)})"
