@@ -10,7 +10,7 @@ from typing import Final
 from elitescript import PlantConfig, VirtualRobot
 from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.views.trace import TraceRow
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.models.model import load_model
 from elitescript.plotting.curves import tcp_speeds
 from tools.motion_runs import HOME, MODEL, program, times_of, traced

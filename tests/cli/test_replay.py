@@ -4,7 +4,7 @@ import random
 import pytest
 
 from elitescript.cli.main import main
-from elitescript.devices.memory import MemoryFiles
+from elitescript.environment.memory import MemoryFiles
 from elitescript.kernel import KernelConfig
 from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.machine import WriteSignal

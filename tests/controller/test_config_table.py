@@ -1,13 +1,13 @@
-"""Tables are read key by key, and what is left over is a mistake."""
+"""Tests that tables are read key by key, and that keys which are left over are refused."""
 
 import pytest
 
-from elitescript.controller.config_table import ConfigTable, shown
+from elitescript.controller.safety.config_table import ConfigTable
 from elitescript.errors import UsageError
 
 
 def test_values_come_out_in_their_kinds():
-    table = ConfigTable("[x]", {"a": 1, "b": [1, 2.5], "c": "word", "d": [0, 3, 4], "e": 7})
+    table = ConfigTable("x", {"a": 1, "b": [1, 2.5], "c": "word", "d": [0, 3, 4], "e": 7})
     assert table.number("a", "m") == 1.0
     assert table.numbers("b", 2, "m") == (1.0, 2.5)
     assert table.numbers("e", 3, "m") == (7.0, 7.0, 7.0)
@@ -17,10 +17,11 @@ def test_values_come_out_in_their_kinds():
 
 
 def test_what_is_not_given_is_none_or_the_default():
-    table = ConfigTable("[x]", {})
+    table = ConfigTable("x", {})
     assert (table.number("a", "m"), table.numbers("a", 3, "m"), table.direction("a"), table.value("a")) == (None,) * 4
     assert table.text("a", "default") == "default"
-    assert not table.has("a")
+    assert table.table("a") is None
+    assert table.tables("a") == []
 
 
 @pytest.mark.parametrize(
@@ -37,10 +38,24 @@ def test_what_is_not_given_is_none_or_the_default():
 )
 def test_a_wrong_value_says_what_it_must_be(read, text):
     with pytest.raises(UsageError, match=text):
-        read(ConfigTable("[x]", {"s": "w", "n": -1, "l": [1, "w"]}))
+        read(ConfigTable("x", {"s": "w", "n": -1, "l": [1, "w"]}))
 
 
 def test_what_is_no_table_is_refused_and_long_values_are_cut():
     with pytest.raises(UsageError, match=r"\[x\] must be a table of keys, got 3"):
-        ConfigTable("[x]", 3)
-    assert len(shown("a" * 100)) == 60
+        ConfigTable("x", 3)
+    with pytest.raises(UsageError, match=r"\[x\] a must be a text, got \[0, 0[0, ]+\.\.\.$") as found:
+        ConfigTable("x", {"a": [0] * 100}).text("a", "")
+    assert len(str(found.value).partition("got ")[2]) == 60
+
+
+def test_inner_tables_are_named_by_their_place():
+    table = ConfigTable("x", {"y": {"a": "w"}, "z": [{}, {"b": "w"}], "n": 3})
+    with pytest.raises(UsageError, match=r"^\[x.y\] a must be a number"):
+        table.table("y").number("a", "")
+    with pytest.raises(UsageError, match=r"^\[\[x.z\]\] 2: b must be a number"):
+        table.tables("z")[1].number("b", "")
+    with pytest.raises(UsageError, match=r"^\[x.n\] must be a table"):
+        table.table("n")
+    with pytest.raises(UsageError, match=r"^\[x\] n must be a list of tables: write each under \[\[x.n\]\]"):
+        table.tables("n")

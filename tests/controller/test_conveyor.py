@@ -117,7 +117,7 @@ class Cell:
 
     @property
     def alarms(self):
-        return self.controller.program.alarms
+        return self.controller.task.program.alarms
 
     def unlock(self):
         self.run(1300)

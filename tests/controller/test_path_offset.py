@@ -107,7 +107,7 @@ class Cell:
 
     @property
     def alarms(self):
-        return self.controller.program.alarms
+        return self.controller.task.program.alarms
 
     @property
     def warnings(self):

@@ -2,11 +2,12 @@
 
 import pytest
 
-from elitescript.controller.arm.model_limits import motion_limits
-from elitescript.controller.motion.control import MotionControl
+from elitescript.controller.force.compliance_control import ComplianceControl
+from elitescript.controller.motion.control import MotionControl, motion_limits
 from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits
 from elitescript.controller.safety.monitor import SafetyMonitor
 from elitescript.controller.safety.reduced_speed import MARGIN, ReducedSpeed
+from elitescript.controller.signals.image import SignalImage
 from elitescript.controller.tool_setup import Setup
 from elitescript.kinematics.transforms import IDENTITY
 from elitescript.messages.motion import MoveJ, SpeedJ, SpeedL
@@ -27,7 +28,12 @@ def motion():
 @pytest.fixture
 def speed(motion):
     limits = SafetyLimits(reduced=SafetyBounds(tcp_speed_max=0.2))
-    return ReducedSpeed(SafetyMonitor(MODEL.arm, limits), motion, Setup(MODEL), 1.0)
+    setup = Setup(MODEL)
+    signals = SignalImage(lambda name, index, value: None)
+    yielding = ComplianceControl(
+        MODEL, motion.limits, setup, signals, None, lambda event: None, lambda number, is_complete: None
+    )
+    return ReducedSpeed(SafetyMonitor(MODEL.arm, limits), motion, yielding, setup, 1.0)
 
 
 def run(speed, motion, ticks):

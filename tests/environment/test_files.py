@@ -7,9 +7,9 @@ import tracemalloc
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment, MemoryFiles
 from elitescript.environment.allowance import ENTRIES_MAX, Allowance, shown_size
 from elitescript.environment.local import LocalEnvironment, LocalFiles
+from elitescript.environment.memory import MemoryEnvironment, MemoryFiles
 from elitescript.errors import ScriptPermissionError, UsageError
 
 CONTENTS = {"points.csv": b"1,2\r\n3,4\n", "sub/deep.txt": "坐标\n".encode()}

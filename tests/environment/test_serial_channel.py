@@ -10,10 +10,10 @@ from threading import Thread
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment
 from elitescript.environment import serial_channel
 from elitescript.environment.line_bindings import MISSING
 from elitescript.environment.local_channels import LocalChannels
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.environment.serial_channel import SerialChannel
 from elitescript.errors import UsageError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened

@@ -6,7 +6,7 @@ from math import dist
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.messages.events import Alarm, Popup, TextMessage
 from elitescript.robot import VirtualRobot
 from tests.external_control.control import PROGRAM

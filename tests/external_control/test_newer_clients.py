@@ -10,7 +10,7 @@ from math import cos, pi, sin
 import pytest
 
 from elitescript.devices.channels.network import Peer, VirtualNetwork
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import Do

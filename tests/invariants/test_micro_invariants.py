@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.kinematics.transforms import pose_from_transform, transform_from_pose
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale
 from elitescript.messages.timing import PERIOD_S

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.kernel.external_control import CONNECT_S, FETCH_TICKS, REQUEST, SILENCE_TICKS
 from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Do, LoadTask, PlayTask, Reboot

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.kernel import Kernel
 from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import ClosePopup, Do, Input, Query, RunUnit

@@ -6,7 +6,7 @@ from io import BytesIO
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment, MemoryFiles
+from elitescript.environment.memory import MemoryEnvironment, MemoryFiles
 from elitescript.kernel.interpreter_logs import (
     DELAY_TICKS,
     EXECUTION_NAME,

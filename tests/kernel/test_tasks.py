@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import GetVariable, LoadConfiguration, LoadTask, PlayTask, Reboot, SetVariable

@@ -11,9 +11,10 @@ from typing import Any
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.kinematics.arm import Arm, SixFloats
+from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.chain import solve_linear
 from elitescript.kinematics.dynamics import RigidBody, joint_torques, mass_matrix
+from elitescript.kinematics.limits import SixFloats
 from elitescript.kinematics.transforms import IDENTITY, Transform, apply, compose
 from elitescript.models.model import load_model, model_names
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from elitescript.kinematics.arm import Arm, JointVector
+from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.inverse import (
     BRANCHES,
     Solution,
@@ -20,7 +20,7 @@ from elitescript.kinematics.inverse import (
     solutions,
     solve_branch,
 )
-from elitescript.kinematics.limits import REACH_TOLERANCE_M, TURN, wrap_to_pi
+from elitescript.kinematics.limits import REACH_TOLERANCE_M, TURN, JointVector, wrap_to_pi
 from elitescript.kinematics.transforms import Transform, compose, inverse, transform_from_pose
 
 FILE = json.loads((Path(__file__).parents[1] / "data" / "kinematics_vectors.json").read_text(encoding="utf-8"))

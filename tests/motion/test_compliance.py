@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from elitescript.controller.arm.model_limits import motion_limits
+from elitescript.controller.motion.control import motion_limits
 from elitescript.kinematics.jacobian import joint_speeds, tcp_twist
 from elitescript.kinematics.transforms import transform_from_pose
 from elitescript.messages.timing import PERIOD_S

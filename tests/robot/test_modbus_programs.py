@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.kernel.config import KernelConfig
 from elitescript.kernel.kernel import Kernel
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Reboot, RunUnit

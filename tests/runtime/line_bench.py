@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from elitescript.devices.channels.network import DeviceLink, Peer, VirtualNetwork
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.modbus.frames import pdu
 from elitescript.modbus.frames.rtu import RtuSplitter, rtu_frame
 from tests.runtime.machine import Bench

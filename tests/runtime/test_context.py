@@ -1,6 +1,6 @@
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.messages.events import Popup
 from tests.runtime.machine import Bench, run
 
@@ -249,7 +249,7 @@ class TestTaskFiles:
         def broken(self, name, mode, encoding, newline):
             raise OSError(5, "Input/output error", name)
 
-        monkeypatch.setattr("elitescript.devices.memory.MemoryFiles.open", broken)
+        monkeypatch.setattr("elitescript.environment.memory.MemoryFiles.open", broken)
         (alarm,) = run(self.LOAD.format("'path.txt'"), world=MemoryEnvironment(POINT_FILES)).alarms
         assert "the file 'path.txt' cannot be read: Input/output error" in alarm.text
 

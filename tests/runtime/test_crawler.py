@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.language.hooks import HOOKS
 from elitescript.language.modules import AVAILABLE
 from tests.runtime.crawler import Crawl

@@ -3,7 +3,7 @@ from random import Random
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.errors import ScriptError
 from elitescript.runtime.names.files import OPEN_FILES_MAX, OpenFiles, ScriptFile, ScriptStream
 from tests.runtime.machine import Bench, run
@@ -55,7 +55,7 @@ class TestOpen:
 
         unraised = []
         monkeypatch.setattr("sys.unraisablehook", unraised.append)
-        monkeypatch.setattr("elitescript.devices.memory._MemoryFile.write", full)
+        monkeypatch.setattr("elitescript.environment.memory._MemoryFile.write", full)
         file = files.open("new.txt", "w")
         file.write("x")
         del file
@@ -71,7 +71,7 @@ class TestOpen:
         def full(self, data):
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr("elitescript.devices.memory._MemoryFile.write", full)
+        monkeypatch.setattr("elitescript.environment.memory._MemoryFile.write", full)
         kept = [files.open(name, "w") for name in ("a", "b")]
         for file in kept:
             file.write("x")

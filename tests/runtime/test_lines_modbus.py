@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened
 from elitescript.messages.outputs import SendChannel

@@ -12,8 +12,8 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.devices.channels.network import DeviceLink, Peer
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.devices.channels.network import DeviceLink, Peer, VirtualNetwork
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.errors import InvalidValueError, UsageError
 from elitescript.runtime.connections.rpc import IDLE_MAX, server_of
 
@@ -53,7 +53,7 @@ class Scene:
     """A robot with servers in memory on port 5050."""
 
     def __init__(self, answer: Callable[[str, tuple[Any, ...]], bytes | None], **options: Any) -> None:
-        self.world = MemoryEnvironment()
+        self.world = MemoryEnvironment(channels=VirtualNetwork())
         self.peers: list[Answering] = []
         self.world.channels.servers[5050] = self.accept
         self.answer = answer

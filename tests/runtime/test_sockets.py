@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.devices.channels.network import Peer, VirtualNetwork
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from elitescript.cli.main import main
-from elitescript.devices.memory import MemoryFiles
+from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.codec import from_text, to_text
@@ -655,7 +655,7 @@ class TestChild:
     def test_does_the_same_as_a_robot_in_this_process(self):
         files = {"points.txt": b"1, 2, 3"}
         inputs = {3: [RunUnit("primary#1", "program", PROGRAM)], 50: [Do("rtsi#1", WriteSignal("flag", 1, True))]}
-        from elitescript.devices.memory import MemoryEnvironment
+        from elitescript.environment.memory import MemoryEnvironment
 
         world = MemoryEnvironment(dict(files))
         kernel = Kernel(KernelConfig(power_on=True), world)

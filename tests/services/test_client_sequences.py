@@ -7,7 +7,7 @@ import struct
 from typing import Any
 
 from elitescript.controller.modes import AT_ONCE
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.kernel import Kernel, KernelConfig
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Peer, Scene, run, serving

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from elitescript.devices.memory import MemoryFiles
+from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.kernel.restart import restored_config, restored_inputs

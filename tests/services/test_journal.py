@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from elitescript.cli.main import main
-from elitescript.devices.memory import MemoryFiles
+from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.messages.inputs import Do, LoadTask, PlayTask, RunUnit

@@ -6,9 +6,9 @@ from random import Random
 
 import pytest
 
-from elitescript.devices.memory import MemoryFiles
 from elitescript.environment.allowance import Allowance
 from elitescript.environment.local import LocalFiles
+from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ScriptPermissionError
 from elitescript.messages.shapes import CodecError
 from elitescript.services.child.remote_files import OPEN_MAX, PIECE_MAX, FileDesk, RemoteFiles

@@ -1,40 +1,59 @@
-"""The virtual controller: one tick at a time, or straight to the next tick at which something happens.
+"""Runs the virtual controller: one tick at a time, or straight to the next tick at which something happens.
 
 `run_tick` reads like the list of phases of a control period. Between two ticks at which something is due, the machine
-is a function of time: whoever looks samples it, and nobody can tell a leap from the ticks it leaves out.
+is a function of time: getters and traces sample it, and a leap gives the same as the ticks that it leaves out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.arm.joint_encoders import JointEncoders
 from elitescript.controller.arm.joint_loads import JointLoads
-from elitescript.controller.arm.model_limits import motion_limits
 from elitescript.controller.arm.plant import LaggingJoints
 from elitescript.controller.arm.state import ArmState, Correction
-from elitescript.controller.force.compliance_control import ComplianceControl
+from elitescript.controller.force.compliance_control import YIELD_SETTINGS, ComplianceControl
 from elitescript.controller.force.contact import ContactConfig
 from elitescript.controller.force.yielding_correction import Caller
-from elitescript.controller.handlers import HANDLERS, guide_by_input
-from elitescript.controller.modes import AT_ONCE, Power, PowerTimes
-from elitescript.controller.motion.control import MotionControl
+from elitescript.controller.modes import AT_ONCE, WHY_NOT_READY, Power, PowerTimes
+from elitescript.controller.motion.control import MotionControl, motion_limits
+from elitescript.controller.motion.conveyor_encoders import ENCODER_HANDLERS
 from elitescript.controller.motion.conveyor_tracking import Tracking
 from elitescript.controller.motion.path_offset import PathOffset
 from elitescript.controller.request_queue import RequestQueue
+from elitescript.controller.safety.arm_watch import ArmWatch
 from elitescript.controller.safety.control import SafetyControl
+from elitescript.controller.safety.force_watch import ForceWatch
 from elitescript.controller.safety.limits import SafetyLimits
-from elitescript.controller.signals.image import SignalImage
-from elitescript.controller.tasks import NoProgram, ProgramPort, Task
-from elitescript.controller.tool_setup import Setup
+from elitescript.controller.safety.monitor import SafetyMonitor
+from elitescript.controller.safety.reduced_speed import ReducedSpeed
+from elitescript.controller.signals.image import SIGNAL_SETTINGS, SignalImage
+from elitescript.controller.tasks import ProgramPort, Task
+from elitescript.controller.tool_setup import SETUP_HANDLERS, Setup
 from elitescript.controller.views.robot_state import CartesianStateFinder, build_state
-from elitescript.errors import MotionError
+from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
-from elitescript.messages.machine import DisturbInput, MachineRequest
+from elitescript.messages.machine import (
+    AskSafety,
+    DisturbInput,
+    EndInputFaults,
+    MachineRequest,
+    PauseTask,
+    PowerDown,
+    PowerOff,
+    PowerOn,
+    ReleaseBrakes,
+    ResumeTask,
+    SetLineMark,
+    SetSpeedScale,
+    StopTask,
+    WritePortCoils,
+    WritePortRegisters,
+)
 from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
 from elitescript.messages.path_offset import OffsetFrame, PathOffsetRequest
 from elitescript.messages.plant import PlantConfig
@@ -45,6 +64,9 @@ from elitescript.messages.yielding import EndForceMode, EndFreedrive, YieldReque
 from elitescript.models.model import RobotModel
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import SpeedProfile
+
+if TYPE_CHECKING:
+    from elitescript.modbus.port_image import PortImage
 
 PROGRAM: Final = "program"
 """`SignalChanged.by` of what the program does, and of what is not asked for from outside."""
@@ -90,7 +112,6 @@ class Controller:
         "motion",
         "path_offset",
         "power",
-        "program",
         "safety",
         "setup",
         "signals",
@@ -123,7 +144,6 @@ class Controller:
         self._epoch_s = epoch_s
         self._on_event = on_event
         self._tick = 0
-        self.program: ProgramPort = NoProgram()
         self._inbox = RequestQueue()
         self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
@@ -142,23 +162,29 @@ class Controller:
         self.motion.set_speed_scale(speed_scale, 0)
         self.tracking = Tracking(model, limits, self.motion.take_over, on_event)
         self.setup = Setup(model)
-        self.yielding = ComplianceControl(model, self.setup, self.signals, contact, on_event, self._motion_ended)
-        joints = LaggingJoints(plant, limits.qd_max) if plant.lag_s > 0.0 else None
+        self.yielding = ComplianceControl(
+            model, limits, self.setup, self.signals, contact, on_event, self._motion_ended
+        )
         self.path_offset = PathOffset(
             model.arm, limits, model.stop_joint_deceleration, self.setup, self._unshifted, self._halt, on_event
         )
+        joints = LaggingJoints(plant, limits.qd_max) if plant.lag_s > 0.0 else None
         corrections: tuple[Correction, ...] = (self.tracking, self.path_offset, *self.yielding.corrections)
         self.arm_state = ArmState(self.motion, corrections, joints)
         self._joint_encoders = JointEncoders(plant.noise_rad, plant.seed)
         self._node: tuple[int, str] = (0, "")
         self.loads = JointLoads(model, plant, self.arm_state, self.setup)
-        parts = (self.motion, self.arm_state, self.setup, self.signals, self.yielding, self.task)
-        self.safety = SafetyControl(self, safety or SafetyLimits(), limits, *parts, speed_scale)
-        self.tracking.on_obstacle = self.path_offset.on_obstacle = self.safety.meet_obstacle
+        monitor = SafetyMonitor(model.arm, safety or SafetyLimits())
+        force = ForceWatch(monitor, self.yielding.sensor)
+        watch = ArmWatch(monitor, limits, self.arm_state, self.setup, self.signals, force)
+        speed = ReducedSpeed(monitor, self.motion, self.yielding, self.setup, speed_scale)
+        self.safety = SafetyControl(watch, speed, self.task, on_event, self.switch_off)
+        for part in (self.motion, self.tracking, self.path_offset):
+            part.on_obstacle = self.safety.meet_obstacle
 
     def attach(self, program: ProgramPort) -> None:
-        """Say what runs scripts in the phase `program`."""
-        self.program = program
+        """Set what runs scripts in the phase `program`."""
+        self.task.program = program
 
     # ---------------------------------------------------------------- time
 
@@ -176,18 +202,18 @@ class Controller:
         self.arm_state.settle(self._tick)
         faults = self.signals.faults
         if faults is not None and faults.run_tick(self._tick):
-            guide_by_input(self)
+            self.guide_by_input()
         self._inbox.deliver(self._tick, self.request_from, self.emit)
         take()
         self.safety.check(self._tick)
         self.power.go_on(self._tick)
         if self.power.is_going_off:
             self.power.settle(self.arm_state.is_moving)
-        self.program.run_tick(self._tick)
+        self.task.program.run_tick(self._tick)
 
     def next_tick(self) -> int | None:
         """The next tick at which anything is due; None when nothing will ever happen by itself."""
-        tick, arm, program = self._tick, self.arm_state, self.program
+        tick, arm, program = self._tick, self.arm_state, self.task.program
         due = (program.next_tick(tick), arm.next_tick, self._inbox.next_tick, self.safety.next_tick(tick))
         ticks = [at for at in (*due, self.power.next_tick, self._fault_tick) if at is not None]
         return max(min(ticks), tick + 1) if ticks else None
@@ -195,7 +221,7 @@ class Controller:
     @property
     def is_idle(self) -> bool:
         """Whether nothing is due but an arm that stands; see `ArmState.is_standing`."""
-        others = self.program.next_tick(self._tick), self._inbox.next_tick, self._fault_tick
+        others = self.task.program.next_tick(self._tick), self._inbox.next_tick, self._fault_tick
         return others == (None, None, None) and self.arm_state.is_standing
 
     @property
@@ -278,7 +304,7 @@ class Controller:
     @property
     def line(self) -> int:
         """Line of the main thread; 0 without a program."""
-        return self.program.line
+        return self.task.program.line
 
     @property
     def is_moving(self) -> bool:
@@ -344,7 +370,7 @@ class Controller:
             gravity=self.setup.gravity,
             speed_scale=self.safety.speed_scale,
             is_moving=self.arm_state.is_moving,
-            line=self.program.line,
+            line=self.task.program.line,
             node=self._node,
         )
 
@@ -358,19 +384,25 @@ class Controller:
 
     def port_register(self, address: int, version: tuple[int, ...]) -> int:
         """See `commands.definition.context.Machine.port_register`."""
-        return self.port_registers(address, 1, version)[0]
-
-    def port_registers(self, first: int, count: int, version: tuple[int, ...]) -> list[int]:
-        """Registers of the controller's own Modbus server, upwards from an address."""
-        from elitescript.controller.signals.modbus_access import port_image
-
-        return port_image(self, version).registers(first, count)
+        return self.port_image(version).registers(address, 1)[0]
 
     def port_coil(self, address: int) -> bool:
         """See `commands.definition.context.Machine.port_coil`."""
-        from elitescript.controller.signals.modbus_access import port_image
+        return self.port_image(()).coils(address, 1)[0]
 
-        return port_image(self, ()).coils(address, 1)[0]
+    def port_image(self, version: tuple[int, ...]) -> PortImage:
+        """Return the registers and coils of the controller's own Modbus server, as they are now.
+
+        Args:
+            version: of the controller: major, minor, bug fix.
+        """
+        # Few programs read them; the others need not pay for the import.
+        from elitescript.controller.signals.modbus_access import LivePortSource
+        from elitescript.modbus.port_image import PortImage
+        from elitescript.modbus.port_map import View
+
+        source = LivePortSource(self._tick, self.state, self.power, self.loads, self.signals)
+        return PortImage(View(source, version))
 
     def tool_pin(self, index: int) -> bool:
         """Level of a tool pin."""
@@ -402,7 +434,7 @@ class Controller:
         T_flange_tcp = self.setup.T_flange_tcp
         if isinstance(request, YieldRequest) or self.yielding.is_ended_by(request):
             if isinstance(request, YieldRequest):
-                self.safety.note_yielding(request, line, thread)
+                self.safety.note_yielding(request, self._tick, line, thread)
             is_moving = self.motion.is_moving or self.tracking.is_active or self.path_offset.is_active
             return self.yielding.request(request, self._tick, is_moving, Caller(line, thread))
         if isinstance(request, TrackRequest):
@@ -440,7 +472,7 @@ class Controller:
         self.motion.cancel(move, self._tick)
 
     def request(self, request: MachineRequest) -> None:
-        """Hand a request to the one handler that knows it."""
+        """Hand a request to its handler."""
         HANDLERS[type(request)](self, request)
 
     def request_from(self, request: MachineRequest, by: str) -> None:
@@ -481,7 +513,7 @@ class Controller:
         self.motion.begin_program()
         self.path_offset.begin_program(self._tick)
         self.yielding.begin_program()
-        self.task.apply("start")
+        self.task.start()
         self.safety.task_started()
 
     def task_ended(self, ending: str = "stopped") -> None:
@@ -505,13 +537,13 @@ class Controller:
         if after is TaskState.STOPPED:
             self.arm_state.stop(self._tick, arrives=ending == "finished")
         if TaskState.STOPPED in (before, after):
-            # Whoever starts or stops it: outputs that are tied to the program follow the program.
+            # Outputs that are tied to the program follow the program, also if a client starts or stops it.
             by, self._by = self._by, PROGRAM
             self.signals.set_running(self.task.is_running)
             self._by = by
 
     def _motion_ended(self, move: int, is_complete: bool) -> None:
-        self.program.motion_ended(move, is_complete)
+        self.task.program.motion_ended(move, is_complete)
         self.power.settle(self.arm_state.is_moving)
 
     def _motion_event(self, event: Event) -> None:
@@ -520,17 +552,17 @@ class Controller:
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
         by = self._by
-        line = self.program.caller[1] if by == PROGRAM else 0
+        line = self.task.program.caller[1] if by == PROGRAM else 0
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value, by, line))
         self.tracking.encoders.signal_changed(name, index, value, self._tick)
-        self.safety.signal_changed(name, value)
+        self.safety.signal_changed(name, value, self._tick)
 
     def _write_overridden(self, name: str, index: int, level: Value) -> None:
         point = signal_name(SIGNALS[name], index)
         state = "runs" if self.task.is_running else "does not run"
         shown = f"stays {'high' if level else 'low'}" if isinstance(level, bool) else f"stays at {level:g}"
         text = f"{point} {shown}: the write has no effect while the task {state}, as the output is tied to that"
-        thread, line = self.program.caller
+        thread, line = self.task.program.caller
         hint = "set_runstate_…_to_value with runstate 0 unties it"
         self.emit(Warned(self._tick, text, thread, line, "W271", hint))
 
@@ -555,8 +587,89 @@ class Controller:
         self._node = (number, label)
         self.emit(LineMarked(self._tick, number, label))
 
+    def guide_by_input(self) -> None:
+        """Begin or end hand guiding as the inputs ask for it, when one may have changed."""
+        why_not = WHY_NOT_READY.get(self.power.mode) or self.safety.refusal("move")
+        self.yielding.guide_by_input(why_not, self.arm_state, self._tick)
+
     def switch_off(self) -> None:
         """Stop the arm and switch its power off at standstill."""
         self.arm_state.stop(self._tick)
         self.power.go_off()
         self.power.settle(self.arm_state.is_moving)
+
+
+def _go_up(controller: Controller, goal: RobotMode) -> None:
+    controller.safety.require("power_on")
+    if controller.power.is_going_off:
+        raise ScriptStateError("cannot power on: the arm is being switched off", hint="ask again when it is off")
+    controller.power.go_up(goal, controller.tick)
+
+
+def _power_off(controller: Controller, _request: PowerOff | PowerDown) -> None:
+    if controller.task.is_running:
+        controller.task.stop("power off")
+    controller.switch_off()
+
+
+def _resume(controller: Controller, _request: ResumeTask) -> None:
+    controller.safety.require("resume_task")
+    controller.task.resume()
+
+
+def _declare(controller: Controller, request: Any) -> None:
+    SETUP_HANDLERS[type(request)](controller.setup, request)
+    controller.safety.disturb()
+
+
+def _set_signal(controller: Controller, request: Any) -> None:
+    SIGNAL_SETTINGS[type(request)](controller.signals, request)
+    controller.guide_by_input()
+
+
+def _disturb_input(controller: Controller, request: DisturbInput) -> None:
+    controller.disturb_input(request)
+    controller.guide_by_input()
+
+
+def _end_input_faults(controller: Controller, _request: EndInputFaults) -> None:
+    if controller.signals.faults is not None:
+        controller.signals.faults.end()
+        controller.guide_by_input()
+
+
+def _set_encoder(controller: Controller, request: Any) -> None:
+    ENCODER_HANDLERS[type(request)](controller.tracking.encoders, request, controller.tick)
+
+
+def _set_force(controller: Controller, request: Any) -> None:
+    YIELD_SETTINGS[type(request)](controller.yielding, request, controller.arm_state.joints(controller.tick))
+
+
+def _write_port(controller: Controller, request: WritePortCoils | WritePortRegisters) -> None:
+    # Few programs do; the others need not pay for the import.
+    from elitescript.controller.signals.modbus_access import port_writes
+
+    for part in port_writes(controller.signals, request):
+        controller.request(part)
+
+
+HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
+    SetSpeedScale: lambda controller, request: controller.safety.set_speed_scale(request.fraction, controller.tick),
+    SetLineMark: lambda controller, request: controller.mark(request.number, request.label),
+    AskSafety: lambda controller, request: controller.safety.ask(request, controller.tick),
+    PauseTask: lambda controller, request: controller.task.pause(),
+    ResumeTask: _resume,
+    StopTask: lambda controller, request: controller.task.stop("stopped"),
+    PowerOn: lambda controller, request: _go_up(controller, RobotMode.IDLE),
+    ReleaseBrakes: lambda controller, request: _go_up(controller, RobotMode.RUNNING),
+    **dict.fromkeys((PowerOff, PowerDown), _power_off),
+    **dict.fromkeys((WritePortCoils, WritePortRegisters), _write_port),
+    DisturbInput: _disturb_input,
+    EndInputFaults: _end_input_faults,
+    **dict.fromkeys(SIGNAL_SETTINGS, _set_signal),
+    **dict.fromkeys(SETUP_HANDLERS, _declare),
+    **dict.fromkeys(ENCODER_HANDLERS, _set_encoder),
+    **dict.fromkeys(YIELD_SETTINGS, _set_force),
+}
+"""The handler of every kind of machine request."""

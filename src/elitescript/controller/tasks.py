@@ -1,4 +1,4 @@
-"""The task: what state the program is in, and who may change it.
+"""Defines the task: the state of the program, and its transitions.
 
 `TRANSITIONS` is the whole state machine; a transition that is not in it is refused with its reason.
 """
@@ -14,7 +14,7 @@ from elitescript.messages.events import Alarm
 
 
 class ProgramPort(Protocol):
-    """What the controller asks of whatever runs scripts."""
+    """Lists what the controller asks of the host of scripts."""
 
     def run_tick(self, tick: int) -> None:
         """Run every script thread that is due, until each waits or has used up this tick's work."""
@@ -23,7 +23,7 @@ class ProgramPort(Protocol):
         """Earliest tick after `tick` at which a script thread is due; None while all wait for something else."""
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
-        """The arm stands still; threads that wait for this move go on at the next `run_tick`."""
+        """Take note that a move is over; threads that wait for it go on at the next `run_tick`."""
 
     def pause(self) -> None:
         """Let no script thread go on."""
@@ -47,7 +47,7 @@ class ProgramPort(Protocol):
 
 
 class NoProgram:
-    """Stands in until a program port is attached."""
+    """Stands in until a host is attached."""
 
     line = 0
     caller = ("", 0)
@@ -60,7 +60,7 @@ class NoProgram:
         return None
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
-        """Nobody waits."""
+        """Nothing waits."""
 
     def pause(self) -> None:
         """Nothing runs."""
@@ -95,12 +95,23 @@ REFUSALS: Final[dict[tuple[TaskState, str], str]] = {
 
 
 class Task:
-    """State of the one task that a controller has."""
+    """The one task of a controller, and the host of its program.
 
-    __slots__ = ("_on_change", "name", "state")
+    Args:
+        on_change: called with the states before and after a change.
+
+    Attributes:
+        name: of the program that runs or ran last.
+        program: runs its threads.
+        state: of the task.
+    """
+
+    __slots__ = ("_is_held", "_on_change", "name", "program", "state")
 
     def __init__(self, on_change: Callable[[TaskState, TaskState], None]) -> None:
         self._on_change = on_change
+        self._is_held = False
+        self.program: ProgramPort = NoProgram()
         self.state = TaskState.STOPPED
         self.name = ""
 
@@ -108,6 +119,52 @@ class Task:
     def is_running(self) -> bool:
         """Whether a task runs; a paused one does."""
         return self.state is not TaskState.STOPPED
+
+    def start(self) -> None:
+        """Begin the task."""
+        self.apply("start")
+        self._is_held = False
+
+    def pause(self) -> None:
+        """Pause the task; one that a safeguard holds already stays paused when the safeguard is closed."""
+        if self._is_held:
+            self._is_held = False
+            return
+        self.apply("pause")
+        self.program.pause()
+
+    def resume(self) -> None:
+        """Let a paused task go on."""
+        self.apply("resume")
+        self.program.resume()
+
+    def stop(self, reason: str) -> None:
+        """Have the program end its threads, and then the task.
+
+        Raises:
+            ScriptStateError: no task runs.
+        """
+        if not self.is_running:
+            raise ScriptStateError("cannot stop: no task is running")
+        self.program.stop(reason)
+
+    def hold(self) -> None:
+        """Pause a task that plays until `release`."""
+        self.apply("pause")
+        self.program.pause()
+        self._is_held = True
+
+    def release(self) -> None:
+        """Let a task go on that `hold` has paused, unless it was paused or stopped otherwise since."""
+        was_held, self._is_held = self._is_held, False
+        if was_held and self.state is TaskState.PAUSED:
+            self.resume()
+
+    def fail(self, alarm: Alarm) -> None:
+        """End the task with an alarm; nothing happens if none runs."""
+        self._is_held = False
+        if self.is_running:
+            self.program.fail(alarm)
 
     def apply(self, action: str) -> None:
         """Make the transition `start`, `pause`, `resume` or `stop`.

@@ -1,19 +1,23 @@
-"""What every device is: settings, time, signals, words for the record."""
+"""Defines the base class of devices, and what the devices of one world share."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.devices.signals import RobotSignals
+from elitescript.devices.signals import RobotSignals, SignalHub
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.messages.events import DeviceNoted
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import ticks_for
 
 if TYPE_CHECKING:
     from random import Random
 
-    from elitescript.devices.world import World
+    from elitescript.devices.agenda import Agenda
+    from elitescript.devices.channels.network import VirtualNetwork
+    from elitescript.messages.outputs import Output
+    from elitescript.protocol.connection import Connection
 
 
 class TakenError(UsageError):
@@ -33,11 +37,68 @@ _ALIKE: Final = 0.85
 """Of two names, as `difflib` counts: one letter wrong in seven, or two that have changed places in fourteen."""
 
 
+class DeviceContext:
+    """Holds what the devices of one world share.
+
+    Args:
+        agenda: what happens when.
+        network: what programs reach.
+        seed: of all random numbers.
+
+    Attributes:
+        agenda: see above.
+        clients: devices that have connected to a port of the robot, in the order in which they did.
+        network: see above.
+        seed: see above.
+        signals: of the robot, and the robot itself.
+    """
+
+    __slots__ = ("_connections", "agenda", "clients", "network", "seed", "signals")
+
+    def __init__(self, agenda: Agenda, network: VirtualNetwork, seed: int) -> None:
+        self._connections = 0
+        self.agenda = agenda
+        self.clients: list[Device] = []
+        self.network = network
+        self.seed = seed
+        self.signals = SignalHub(agenda)
+
+    def connect(self, device: Device, service: str) -> Connection:
+        """Connect a device to a port of the robot; it gets the output of every tick that it wants.
+
+        Raises:
+            UsageError: there is no robot, or it has no such port.
+        """
+        if self.signals.robot is None:
+            raise UsageError("there is no robot yet to connect to")
+        self._connections += 1
+        connection = self.signals.robot.connect(service, f"{service}#world{self._connections}")
+        if device in self.clients:
+            self.clients.remove(device)
+        self.clients.append(device)
+        return connection
+
+    def publish(self) -> None:
+        """Hand the output of the tick that has run to the devices that want it."""
+        waiting = [device for device in self.clients if device.wants_output]
+        if waiting:
+            assert self.signals.robot is not None
+            output = self.signals.robot.output()
+            for device in waiting:
+                device.take_output(output)
+            self.agenda.put(1, lambda: None)  # they look at the next tick too
+
+    def note(self, device: str, text: str, *, is_warning: bool = False) -> None:
+        """Put a line about a device into the record of the run."""
+        if self.signals.robot is not None:
+            self.signals.robot.emit(DeviceNoted(self.agenda.tick, device, text, is_warning))
+
+
 class Device:
     """Something beside the robot; the base class of all devices.
 
-    A setting is a public attribute of the class. A subclass may give it another value, and whoever makes the device
-    may too: `Camera(port=5001)`, or `port = 5001` in a scenario file. A subclass may have settings of its own.
+    A setting is a public attribute of the class. A subclass may give it another value, and so may a keyword, as in
+    `Camera(port=5001)`, or a key of a world file, as in `port = 5001`. A subclass may have settings of its own.
 
     Attributes:
         name: for messages; the name of the class if empty. A setting, like those of the subclasses.
@@ -67,7 +128,7 @@ class Device:
     acts_as: str = "device"
     _kept: tuple[str, ...] = ("cell", "protocol", "acts_as")
     """Public attributes that are no settings."""
-    _world: World | None = None
+    _context: DeviceContext | None = None
     _random: Random | None = None
     _is_gone: bool = False
 
@@ -112,7 +173,7 @@ class Device:
 
     @property
     def author(self) -> Device:
-        """Whose code ran last on its behalf; for messages about what went wrong."""
+        """The device whose code ran last on its behalf; for messages about what went wrong."""
         return self
 
     @property
@@ -153,33 +214,41 @@ class Device:
 
     def log(self, text: str) -> None:
         """Say something in the record of the run."""
-        self._in_world().say(self, text)
+        self._in_world().note(self.title, text)
 
     def warn(self, text: str) -> None:
         """Say in the record of the run that something is not as it should be."""
-        self._in_world().say(self, text, is_warning=True)
+        self._in_world().note(self.title, text, is_warning=True)
 
     # ---------------------------------------------------------------- the world's side
 
-    def _in_world(self) -> World:
-        if self._world is None:
+    def _in_world(self) -> DeviceContext:
+        if self._context is None:
             raise UsageError(f"{self.title} is in no world yet; what it does at the start belongs into `started`")
-        return self._world
+        return self._context
 
-    def join(self, world: World) -> None:
+    def join(self, context: DeviceContext) -> None:
         """Become part of a world.
 
         Raises:
             UsageError: it is part of another one, or its place is taken.
         """
-        if self._world is not None:
+        if self._context is not None:
             raise UsageError(f"{self.title} is part of another world already; make a new one for each robot")
         self.check()
-        self._world = world
-        self.cell = RobotSignals(world.signals, self)
+        self._context = context
+        self.cell = RobotSignals(context.signals, self)
 
     def begin(self) -> None:
         """The robot's time begins; for what a kind of devices does by itself, before `started`."""
+
+    @property
+    def wants_output(self) -> bool:
+        """Whether it is connected to a port of the robot that has something to send after a tick."""
+        return False
+
+    def take_output(self, output: Output) -> None:
+        """Take the output of a tick that has run; called if it wants that."""
 
     def run_ended(self) -> None:
         """A run is over: report what has come and is not complete."""

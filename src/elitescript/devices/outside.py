@@ -7,8 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from elitescript.devices.surroundings import Surroundings
-from elitescript.devices.world_file import WorldFile, load_cell
+from elitescript.devices.surroundings import RobotSettings, Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
 from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import UsageError
@@ -44,12 +43,14 @@ class Outside:
         lines: Mapping[str, str] | None,
         task_dir_limit: int = TASK_DIR_BYTES,
     ) -> None:
-        self.cell = WorldFile()
+        self.cell = RobotSettings()
         if isinstance(world, str | Path):
-            self.cell = load_cell(world)
-            world = self.cell.world
-        elif isinstance(world, Surroundings) and world.cell is not None:
-            self.cell = world.cell
+            from elitescript.devices.world_file import load_cell
+
+            file = load_cell(world)
+            self.cell, world = file, file.world
+        elif isinstance(world, Surroundings) and world.settings is not None:
+            self.cell = world.settings
         self._task_dir = None if task_dir is None else Path(task_dir)
         self._task_dir_limit = task_dir_limit
         self._allowance = Allowance(task_dir_limit)
@@ -77,7 +78,7 @@ class Outside:
         if folder is None and not source_name.startswith("<"):
             folder = Path(source_name).resolve().parent
         if folder is None:
-            from elitescript.devices.memory import MemoryEnvironment
+            from elitescript.environment.memory import MemoryEnvironment
 
             return MemoryEnvironment(channels=self.channels, allowance=Allowance(self._task_dir_limit))
         from elitescript.environment.local import LocalEnvironment

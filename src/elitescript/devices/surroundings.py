@@ -1,13 +1,14 @@
-"""What a robot asks of the surroundings that live in its time; `worlds.virtual` is made of this."""
+"""Defines what a robot and the surroundings that live in its time ask of each other."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
+from elitescript.errors import UsageError
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from elitescript.devices.world_file import WorldFile
     from elitescript.messages.events import Event
     from elitescript.messages.inputs import Input
     from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
@@ -23,7 +24,7 @@ REAL: Final = "real"
 
 
 class RobotAccess(Protocol):
-    """The robot as its surroundings see it."""
+    """Lists what surroundings ask of the robot."""
 
     @property
     def tick(self) -> int:
@@ -60,16 +61,42 @@ class RobotAccess(Protocol):
         """What somebody asks for who is connected to a port, in the tick that is about to run."""
 
 
+class RobotSettings:
+    """Holds what a world file says about the robot itself.
+
+    Attributes:
+        configurations: by section, what its reader made of it; sections that are not in the file are missing.
+        signals: levels at the start.
+    """
+
+    __slots__ = ("configurations", "signals")
+
+    def __init__(self, configurations: dict[str, Any] | None = None, signals: dict[str, Value] | None = None) -> None:
+        self.configurations: dict[str, Any] = configurations or {}
+        self.signals: dict[str, Value] = signals or {}
+
+    def take(self, section: str, given: Any) -> Any:
+        """Return what the caller has given for a section, else what the file says; None if neither does.
+
+        Raises:
+            UsageError: both do.
+        """
+        found = self.configurations.get(section)
+        if given is not None and found is not None:
+            raise UsageError(f"{section} is given by the world file too; give it in one of both")
+        return found if given is None else given
+
+
 class Surroundings:
-    """Devices and wires around one robot; the base class is an empty cell without a network.
+    """Devices and wires around one robot; the base class has none, and no network.
 
     Attributes:
         channels: the network that programs see.
-        cell: what a world file says besides; None without one.
+        settings: what a world file says about the robot; None without one.
     """
 
     channels: Channels
-    cell: WorldFile | None = None
+    settings: RobotSettings | None = None
 
     def begin(self, robot: RobotAccess) -> None:
         """Belong to a robot from now on."""

@@ -1,4 +1,4 @@
-"""Everything around one robot: a network with devices, signals, faults."""
+"""Puts everything around one robot: a network with devices, signals, faults."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from elitescript.devices.agenda import Agenda, DeviceError
 from elitescript.devices.channels.faults import (
@@ -23,18 +23,13 @@ from elitescript.devices.channels.faults import (
 )
 from elitescript.devices.channels.faulty_channels import FaultyChannels
 from elitescript.devices.channels.network import VirtualNetwork
-from elitescript.devices.device import Device, misspelt
-from elitescript.devices.signals import SignalHub
+from elitescript.devices.device import Device, DeviceContext, misspelt
 from elitescript.devices.surroundings import REAL, VIRTUAL, RobotAccess, Surroundings
 from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import UsageError
-from elitescript.messages.events import DeviceNoted
 from elitescript.messages.machine import DisturbInput, EndInputFaults
 from elitescript.messages.signals import Value
 from elitescript.runtime.environment import Channels
-
-if TYPE_CHECKING:
-    from elitescript.devices.kinds.client import PortLink, TcpClient
 
 _NEVER: Final = "nothing calls {}(); is it meant to be {}()?"
 _HOME: Final = str(Path(__file__).parents[2])
@@ -101,17 +96,15 @@ class World(Surroundings):
         self.seed = seed
         self.agenda = Agenda()
         self.agenda.on_failure = self._failed
-        self.signals = SignalHub(self.agenda)
         self.network = VirtualNetwork(agenda=self.agenda, outside=LocalChannels() if network == REAL else None)
+        self._context = DeviceContext(self.agenda, self.network, seed)
+        self.signals = self._context.signals
         self._faults: list[Fault] = []
         self._faulty = FaultyChannels(self.network, seed=seed, say=self._note_fault)
         self.channels: Channels = self._faulty
         self.devices: list[Device] = []
-        self._robot: RobotAccess | None = None
-        self._links: list[PortLink] = []
-        self._connections = 0
         self.on_device_failure: Callable[[DeviceError], None] | None = None
-        """Told when the code of a device has failed; as long as it is None the run ends with the error."""
+        """Called when the code of a device has failed; as long as it is None the run ends with the error."""
         for device in (*devices, *wires):
             self.add(device)
         found = [self.resolved(fault) for fault in faults]
@@ -123,11 +116,11 @@ class World(Surroundings):
         """Put one more device there."""
         if not isinstance(device, Device):
             raise UsageError(f"a world is made of devices and wires, not of {device!r}")
-        device.join(self)
+        device.join(self._context)
         self.devices.append(device)
         if type(device).signal_changed is not Device.signal_changed:
             device.cell.listen(device.signal_changed)
-        if self._robot is not None:
+        if self.signals.robot is not None:
             self._start(device)
 
     def fault(self, kind: str, on: int | str, **settings: Any) -> None:
@@ -161,8 +154,8 @@ class World(Surroundings):
         self._faults.append(fault)
         if not is_of_input(fault):
             self._faulty.put(fault)
-        elif self._robot is not None:
-            self._robot.disturb(input_request(fault, self.agenda.tick))
+        elif self.signals.robot is not None:
+            self.signals.robot.disturb(input_request(fault, self.agenda.tick))
 
     def resolved(self, fault: Fault) -> Fault:
         """A fault with the port, line or input that its `on` means, and with the seed of this world.
@@ -199,7 +192,7 @@ class World(Surroundings):
         """Refuse a fault that makes no sense with the devices that are there, else return it as `resolved` does.
 
         Raises:
-            UsageError: nobody is at its place, or it is a wrong reply of a protocol that nobody there speaks.
+            UsageError: no device is at its place, or it is a wrong reply of a protocol that no device there speaks.
         """
         fault = self.resolved(fault)
         if is_of_input(fault):
@@ -215,8 +208,8 @@ class World(Surroundings):
         """Nothing goes wrong any more."""
         self._faults.clear()
         self._faulty.clear()
-        if self._robot is not None:
-            self._robot.disturb(EndInputFaults())
+        if self.signals.robot is not None:
+            self.signals.robot.disturb(EndInputFaults())
 
     # ---------------------------------------------------------------- the robot's side
 
@@ -226,9 +219,8 @@ class World(Surroundings):
         Raises:
             UsageError: it belongs to another one.
         """
-        if self._robot is not None:
+        if self.signals.robot is not None:
             raise UsageError("this world belongs to another robot already; make a new one for each robot")
-        self._robot = robot
         self.agenda.clock = lambda: robot.tick
         self.signals.robot = robot
         for device in self.devices:
@@ -237,7 +229,9 @@ class World(Surroundings):
     def _start(self, device: Device) -> None:
         for name, near in misspelt(type(device)):
             # In the first tick, so that the record of the run has it.
-            self.agenda.put(1, partial(self.say, device, _NEVER.format(name, near), is_warning=True), device)
+            self.agenda.put(
+                1, partial(self._context.note, device.title, _NEVER.format(name, near), is_warning=True), device
+            )
         self.agenda.attempt(device.begin, device)
         self.agenda.attempt(device.started, device)
 
@@ -252,50 +246,14 @@ class World(Surroundings):
 
     def settle(self) -> None:
         self.signals.settle()
-        if self._links:
-            self._publish(self._links)
+        self._context.publish()
 
     def run_ended(self) -> None:
         for device in self.devices:
             device.run_ended()
 
-    def _publish(self, links: list[PortLink]) -> None:
-        """Show the tick to the devices that are connected to ports of the robot."""
-        assert self._robot is not None
-        links[:] = [link for link in links if link.is_open]
-        waiting = [link for link in links if link.wants_tick]
-        if waiting:
-            output = self._robot.output()
-            for link in waiting:
-                link.publish(output)
-            self.agenda.put(1, lambda: None)  # they look at the next tick too
-
-    def connect(self, client: TcpClient) -> PortLink:
-        """Connect a device to a port of the robot.
-
-        Raises:
-            UsageError: there is no robot, or it has no such port.
-        """
-        from elitescript.devices.kinds.client import PortLink
-
-        if self._robot is None:
-            raise UsageError("there is no robot yet to connect to")
-        self._connections += 1
-        connection = self._robot.connect(client.service, f"{client.service}#world{self._connections}")
-        link = PortLink(connection, self._robot, self.agenda, client)
-        self._links.append(link)
-        return link
-
-    # ---------------------------------------------------------------- the devices' side
-
-    def say(self, device: Device, text: str, *, is_warning: bool = False) -> None:
-        """Put words of a device into the record of the run."""
-        if self._robot is not None:
-            self._robot.emit(DeviceNoted(self.agenda.tick, device.title, text, is_warning))
-
     def _note_fault(self, text: str) -> None:
-        if self._robot is not None:
-            self._robot.emit(DeviceNoted(self.agenda.tick, "fault", text))
+        self._context.note("fault", text)
 
     def _failed(self, owner: object, error: Exception) -> None:
         """The code of a device has raised."""

@@ -1,9 +1,9 @@
-"""The world around a robot as a TOML file: safety limits, devices, wires, and whatever else a test sets up as a whole.
+"""Reads the world around a robot from a TOML file: safety limits, devices, wires, levels of signals.
 
-`SECTIONS` says who reads which section: a class with `from_table`, which gets the section's table and raises
+`SECTIONS` says what reads which section: a class with `from_table`, which gets the section's table and raises
 `UsageError` for what makes no sense. Its message begins with the place, as `[safety] tcp_speed must be ...`; file and
 line are put before it here. The section `[signals]` holds levels at the start, by the names of `--set`. What is beside
-the robot, `[[tcp]]`, `[[wire]]` and so on, is read by `virtual.scenario`.
+the robot, `[[tcp]]`, `[[wire]]` and so on, is read by `devices.scenario`.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from elitescript.devices.surroundings import RobotSettings
 from elitescript.devices.toml_lines import Path as TomlPath
 from elitescript.devices.toml_lines import lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
@@ -36,32 +37,18 @@ WORLD_SECTIONS: Final = ("world", "tcp", "rpc", "modbus", "serial", "device", "w
 """Sections of what is beside the robot; all but `[world]` are lists of tables."""
 
 
-class WorldFile:
-    """What a world file says.
+class WorldFile(RobotSettings):
+    """Holds all that a world file says.
 
     Attributes:
-        configurations: by section, what its owner made of it; sections that are not in the file are missing.
-        signals: levels at the start.
         world: what is beside the robot; None if nothing is.
     """
 
-    __slots__ = ("configurations", "signals", "world")
+    __slots__ = ("world",)
 
-    def __init__(self, configurations: dict[str, Any] | None = None, signals: dict[str, Value] | None = None) -> None:
-        self.configurations: dict[str, Any] = configurations or {}
-        self.signals: dict[str, Value] = signals or {}
+    def __init__(self) -> None:
+        super().__init__()
         self.world: World | None = None
-
-    def take(self, section: str, given: Any) -> Any:
-        """What the caller has given for a section, else what the file says; None if neither does.
-
-        Raises:
-            UsageError: both do.
-        """
-        found = self.configurations.get(section)
-        if given is not None and found is not None:
-            raise UsageError(f"{section} is given by the world file too; give it in one of both")
-        return found if given is None else given
 
 
 def load_cell(path: str | Path, *, network: str = "") -> WorldFile:
@@ -69,7 +56,7 @@ def load_cell(path: str | Path, *, network: str = "") -> WorldFile:
 
     Args:
         path: of the file.
-        network: where connections lead that no device of it takes, if it does not say so; see `virtual.scenario`.
+        network: where connections lead that no device of it takes, if it does not say so; see `devices.scenario`.
 
     Raises:
         UsageError: no such file, no TOML, an unknown section or key, or a value that makes no sense; the text names
@@ -116,7 +103,7 @@ def load_cell(path: str | Path, *, network: str = "") -> WorldFile:
         except UsageError as error:
             section = _place_in(str(error))[0]
             raise _located(file, text, section, tables.get(section), error) from error
-        cell.world.cell = cell
+        cell.world.settings = cell
     return cell
 
 

@@ -10,5 +10,5 @@ def shown_after(controller: Controller, firmware: tuple[int, int, int, int], req
     """Registers that a request asks to be read right after it, as hexadecimal digits, four each; else nothing."""
     if not isinstance(request, WritePortRegisters) or not request.read_count:
         return ""
-    words = controller.port_registers(request.read_first, request.read_count, firmware)
+    words = controller.port_image(firmware).registers(request.read_first, request.read_count)
     return "".join(f"{word:04x}" for word in words)

@@ -17,20 +17,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import cos, isfinite, pi, sin
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final
 
 from elitescript.errors import UsageError
+from elitescript.kinematics.limits import SixFloats
 from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.transforms import Transform, compose
 
 if TYPE_CHECKING:
     from elitescript.kinematics.chain import CalibratedChain
-
-SixFloats: TypeAlias = tuple[float, float, float, float, float, float]
-"""One number for each joint, or a twist."""
-
-JointVector: TypeAlias = tuple[float, float, float, float, float, float]
-"""Joint angles base, shoulder, elbow, wrist 1, wrist 2, wrist 3, rad."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,15 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import cos, isfinite, sin, sqrt
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from elitescript.errors import UsageError
-from elitescript.kinematics.limits import REACH_TOLERANCE_M, wrap_to_pi
+from elitescript.kinematics.limits import REACH_TOLERANCE_M, JointVector, SixFloats, wrap_to_pi
 from elitescript.kinematics.rotations import Vector3, rotvec_from_rotation
 from elitescript.kinematics.transforms import IDENTITY, Transform
-
-if TYPE_CHECKING:
-    from elitescript.kinematics.arm import JointVector, SixFloats
 
 MAX_ITERATIONS: Final = 40
 """Offsets of real arms need four steps; the rest is for poses close to a singularity."""

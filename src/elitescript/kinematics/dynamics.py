@@ -25,8 +25,9 @@ from math import cos, isfinite, sin
 from typing import Final, TypeAlias
 
 from elitescript.errors import UsageError
-from elitescript.kinematics.arm import Arm, SixFloats
+from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import Matrix6
+from elitescript.kinematics.limits import SixFloats
 from elitescript.kinematics.rotations import Vector3
 
 MassRow: TypeAlias = tuple[float, float, float, float, float, float, float, float, float, float]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from elitescript.kinematics.arm import SixFloats
+from elitescript.kinematics.limits import SixFloats
 
 _ROUNDING: Final = 0.02
 """Share of the trace that counts as rounding: people type two digits."""

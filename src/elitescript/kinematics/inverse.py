@@ -18,8 +18,15 @@ from collections.abc import Sequence
 from math import atan2, cos, inf, isfinite, pi, sin, sqrt
 from typing import Final, NamedTuple
 
-from elitescript.kinematics.arm import Arm, JointVector
-from elitescript.kinematics.limits import REACH_TOLERANCE_M, TURN, WRIST_SINGULAR_SINE, nearest_turn, wrap_to_pi
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.limits import (
+    REACH_TOLERANCE_M,
+    TURN,
+    WRIST_SINGULAR_SINE,
+    JointVector,
+    nearest_turn,
+    wrap_to_pi,
+)
 from elitescript.kinematics.transforms import Transform
 
 BRANCHES: Final = 8

@@ -14,7 +14,8 @@ from collections.abc import Sequence
 from math import cos, sin
 from typing import Final, NamedTuple, TypeAlias
 
-from elitescript.kinematics.arm import Arm, SixFloats
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.limits import SixFloats
 from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.transforms import IDENTITY, Transform, apply
 

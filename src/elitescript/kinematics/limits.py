@@ -1,10 +1,16 @@
-"""Joint ranges, full turns, and the tolerances of the inverse kinematics."""
+"""Joint vectors, joint ranges, full turns, and the tolerances of the inverse kinematics."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, floor, pi, remainder
-from typing import Final
+from typing import Final, TypeAlias
+
+SixFloats: TypeAlias = tuple[float, float, float, float, float, float]
+"""One number for each joint, or a twist."""
+
+JointVector: TypeAlias = tuple[float, float, float, float, float, float]
+"""Joint angles base, shoulder, elbow, wrist 1, wrist 2, wrist 3, rad."""
 
 TURN: Final = 2.0 * pi
 """One full turn, rad."""

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from elitescript.errors import CODES
-
-if TYPE_CHECKING:
-    from elitescript.language.text.source import SourceFile
 
 
 class Severity(StrEnum):
@@ -104,11 +101,16 @@ def in_order(diagnostics: tuple[Diagnostic, ...] | list[Diagnostic]) -> tuple[Di
     return tuple(sorted(diagnostics, key=lambda d: (d.line, d.column, d.severity, d.code)))
 
 
-def render(diagnostic: Diagnostic, source: SourceFile) -> str:
-    """Return the finding as people read it: place, text, the line with a caret under it, the hint."""
-    place = f"{source.name}:{diagnostic.line}:{diagnostic.column}"
+def render(diagnostic: Diagnostic, file: str, line: str) -> str:
+    """Return the finding as people read it: place, text, the line with a caret under it, the hint.
+
+    Args:
+        diagnostic: the finding.
+        file: name of the text.
+        line: the line of the text in which the finding begins.
+    """
+    place = f"{file}:{diagnostic.line}:{diagnostic.column}"
     rows = [f"{place}: {diagnostic.severity} {diagnostic.code}: {diagnostic.text}"]
-    line = source.line(diagnostic.line)
     if line.strip():
         rows.append(f"    {line.rstrip()}")
         rows.append(f"    {_carets(diagnostic, line.rstrip())}")

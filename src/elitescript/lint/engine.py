@@ -12,8 +12,8 @@ from elitescript.language.diagnostics import Diagnostic, Severity, diagnostic, i
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse
 from elitescript.language.text.source import SourceFile
-from elitescript.lint.program import AnalysedProgram
-from elitescript.lint.registry import Finding, Rule, Span, all_rules
+from elitescript.lint.program import AnalysedProgram, Span
+from elitescript.lint.registry import Finding, Rule, all_rules
 from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
 

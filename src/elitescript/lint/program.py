@@ -1,4 +1,4 @@
-"""What rules look at: the tree of a program, its names, the commands it calls, the firmware it is for."""
+"""Analyses a program for the rules: its tree, its names, the commands it calls, the firmware it is for."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import NamedTuple, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.definition.plausibility import JUDGES, KINDS, ArmFacts, mistaken
+from elitescript.commands.definition.plausibility import JUDGES, KINDS, ArmFacts, Doubt, mistaken
 from elitescript.commands.definition.registry import Command
 from elitescript.language.advice.unknown_names import KNOWN
 from elitescript.language.kinds import SECONDARY
@@ -19,13 +19,20 @@ from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
 from elitescript.lint.arguments import Arguments, arrange
 from elitescript.lint.constants import Constants
-from elitescript.lint.doubts import Doubted, element
 from elitescript.lint.kinds import Kinds
 from elitescript.lint.refusals import ArgumentRefusal, refuse
-from elitescript.lint.registry import Span
 from elitescript.messages.profile import Profile, release_of
 
 _Node = TypeVar("_Node", bound=ast.AST)
+
+
+class Span(NamedTuple):
+    """A stretch of the text; lines and columns from 1, columns in characters, the end exclusive."""
+
+    line: int
+    column: int
+    end_line: int
+    end_column: int
 
 
 class Use(NamedTuple):
@@ -47,6 +54,13 @@ class CommandCall(NamedTuple):
     command: Command
     call: ast.Call
     scope: Scope
+
+
+class Doubted(NamedTuple):
+    """Pairs a doubt about an argument with the expression."""
+
+    node: ast.expr
+    doubt: Doubt
 
 
 class AnalysedProgram:
@@ -267,3 +281,10 @@ class AnalysedProgram:
                     text = f"{called.command.name}: {param.name}{doubt.text}"
                     found.append(Doubted(element(node, doubt.element), doubt._replace(text=text)))
         return tuple(found)
+
+
+def element(node: ast.expr, index: int | None) -> ast.expr:
+    """Return the element of a list that is written out, or the whole expression."""
+    if index is not None and isinstance(node, (ast.List, ast.Tuple)) and index < len(node.elts):
+        return node.elts[index]
+    return node

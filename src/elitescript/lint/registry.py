@@ -1,13 +1,13 @@
-"""What a lint rule is, and all of them.
+"""Defines what a lint rule is, and lists all of them.
 
-A rule is one decorated function in a file of its own under `rules`. It looks at a `AnalysedProgram` and yields
+A rule is one decorated function in a file of its own under `rules`. It takes an `AnalysedProgram` and yields
 findings; its code is written there and nowhere else but in the table of `errors`.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -16,20 +16,11 @@ from elitescript.errors import CODES, InternalError
 from elitescript.language.diagnostics import Fix
 
 if TYPE_CHECKING:
-    from elitescript.lint.program import AnalysedProgram
-
-
-class Span(NamedTuple):
-    """A stretch of the text; lines and columns from 1, columns in characters, the end exclusive."""
-
-    line: int
-    column: int
-    end_line: int
-    end_column: int
+    from elitescript.lint.program import AnalysedProgram, Span
 
 
 class Finding(NamedTuple):
-    """What a rule yields; the engine adds the code.
+    """Holds what a rule yields; the engine adds the code.
 
     Attributes:
         where: the node, or the stretch of text, that is wrong.
@@ -48,7 +39,7 @@ Check = Callable[["AnalysedProgram"], Iterable[Finding]]
 
 
 class Rule(NamedTuple):
-    """A rule; see `rule` for the fields."""
+    """Describes a rule; see `rule` for the fields."""
 
     code: str
     since: str
@@ -58,7 +49,7 @@ class Rule(NamedTuple):
 
     @property
     def explanation(self) -> str:
-        """What it finds, why, and an example."""
+        """Say what it finds, why, with an example."""
         return import_module(self.check.__module__).__doc__ or ""
 
 
@@ -88,6 +79,13 @@ def rule(
         return check
 
     return register
+
+
+def doubt_findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
+    """Yield the doubts about values that have a code, as findings of its rule."""
+    for node, doubt in program.doubts:
+        if doubt.code == code:
+            yield Finding(node, doubt.text, doubt.hint)
 
 
 @cache

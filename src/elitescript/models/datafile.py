@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.kinematics.arm import JointVector
+from elitescript.kinematics.limits import JointVector
 from elitescript.messages.paths import why_no_file
 
 EVIDENCE: Final = ("documented", "observed", "assumed")

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.errors import UsageError
-from elitescript.kinematics.arm import Arm, JointVector
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.limits import JointVector
 from elitescript.messages.plant import PlantConfig
 from elitescript.models.datafile import OWN_SOURCE, DataFile, NumberSource, known_names, known_path, read_text
 

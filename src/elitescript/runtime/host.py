@@ -151,7 +151,7 @@ class ScriptHost:
         self.result, self.alarm, self._ending = "", None, ""
         self._main = self._spawn(program, "main", program.body_of(unit))
         program.main = self._main
-        self.interpreter.begin_program(program)
+        self.interpreter.begin_program(self._main, program.globals, program.execute)
 
     def start_secondary(self, unit: CompiledUnit, *, world: ProgramEnvironment | None = None) -> None:
         """Run a secondary program as soon as those before it are over.
@@ -270,7 +270,7 @@ class ScriptHost:
 
     def monitor(self) -> dict[str, Any]:
         """The variable monitor: globals of the program that runs or ran last, in the order of first assignment."""
-        return {} if self._program is None else self._program.monitor()
+        return {} if self._program is None else self._program.globals.monitor()
 
     def threads(self) -> tuple[ThreadState, ...]:
         """Every script thread, the main one first: where it is and what it waits for."""

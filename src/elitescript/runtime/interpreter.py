@@ -18,17 +18,15 @@ import sys
 from collections import deque
 from collections.abc import Callable
 from types import FrameType
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple, Protocol
 
 from elitescript.errors import ProgramError, ScriptStateError
 from elitescript.language.compiler import Statement, compile_statement
 from elitescript.language.text.source import SourceFile
 from elitescript.runtime.alarms import summary_of
+from elitescript.runtime.names.program_globals import ProgramGlobals
 from elitescript.runtime.threads.scheduler import Scheduler
-from elitescript.runtime.threads.strand import is_stop
-
-if TYPE_CHECKING:
-    from elitescript.runtime.program import Program
+from elitescript.runtime.threads.strand import Strand, is_stop
 
 STATEMENT: Final = "a statement of interpreter mode"
 """What the main thread waits for."""
@@ -55,31 +53,34 @@ SKIPPED: Final = "skipped"
 
 
 class StatementListener(Protocol):
-    """Hears what becomes of statements."""
+    """Takes notice of what becomes of statements."""
 
     def accepted(self, origin: str, number: int, text: str) -> None:
-        """It will run, under that number."""
+        """Take notice of a statement that will run, under that number."""
 
     def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
-        """It will not run; `reason` is one of the first six constants above."""
+        """Take notice of a statement that will not run; `reason` is one of the first six constants above."""
 
     def executed(self, number: int, step: str, text: str) -> None:
-        """It has begun, or is over; `step` is one of the last five. The text of a failure says why it failed."""
+        """Take notice of a statement that has begun or is over; `step` is one of the last five constants.
+
+        The text of a failure says why it failed.
+        """
 
 
 class NoStatementListener:
-    """Nobody listens."""
+    """Ignores what becomes of statements."""
 
     __slots__ = ()
 
     def accepted(self, origin: str, number: int, text: str) -> None:
-        """Nobody listens."""
+        """Ignore it."""
 
     def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
-        """Nobody listens."""
+        """Ignore it."""
 
     def executed(self, number: int, step: str, text: str) -> None:
-        """Nobody listens."""
+        """Ignore it."""
 
 
 class _Held(NamedTuple):
@@ -95,15 +96,23 @@ class _Waiting(NamedTuple):
     statement: Statement
 
 
+class _Program(NamedTuple):
+    """What statements need of the program that runs."""
+
+    main: Strand
+    globals: ProgramGlobals
+    execute: Callable[[Statement, Any], None]
+
+
 class Interpreter:
-    """The statements of one host.
+    """Queues and runs the statements of one host.
 
     Args:
         scheduler: runs the main thread.
         limit: statements that may wait.
 
     Attributes:
-        answers: hears what has become of each statement.
+        answers: takes notice of what has become of each statement.
         is_running: whether a session runs.
         last_accepted: number of the last statement that was accepted.
         last_executed: number of the one that is being executed or was last.
@@ -129,7 +138,7 @@ class Interpreter:
     def __init__(self, scheduler: Scheduler, limit: int) -> None:
         self._scheduler = scheduler
         self._limit = limit
-        self._program: Program | None = None
+        self._program: _Program | None = None
         self._queue: deque[_Waiting] = deque()
         self._held: deque[_Held] = deque()
         self._skips_held = 0
@@ -142,12 +151,12 @@ class Interpreter:
     # ---------------------------------------------------------------- what clients send
 
     def submit(self, origin: str, text: str, problem: str = "") -> None:
-        """Take a statement: answer it, and have it run when its turn comes.
+        """Take a statement: answer it, and run it after those before it.
 
         After `clear_interpreter()` was accepted, further statements wait unanswered until it has been executed.
 
         Args:
-            origin: who sent it.
+            origin: connection that sent it.
             text: the statement.
             problem: why it cannot be one, whatever it says; empty if it can.
         """
@@ -165,7 +174,7 @@ class Interpreter:
         """
         self._skips_held = len(self._held)
         if self._drop_queue():
-            # A clearing statement was among them: nobody is to wait for its execution.
+            # A clearing statement was among them: nothing is to wait for its execution.
             self._release_held()
 
     @property
@@ -182,7 +191,7 @@ class Interpreter:
             self.answers.discarded(origin, INVALID_STATE, text)
             return
         try:
-            statement = compile_statement(SourceFile(FILE, text), program.has_global)
+            statement = compile_statement(SourceFile(FILE, text), program.globals.has)
         except ProgramError as error:
             first = next(found for found in error.problems if found.is_error)
             trace = f"line {first.line}, column {first.column}, {first.text}"
@@ -204,13 +213,21 @@ class Interpreter:
 
     # ---------------------------------------------------------------- the life of a program
 
-    def begin_program(self, program: Program) -> None:
-        """A program begins: numbers begin anew."""
-        self._program = program
+    def begin_program(
+        self, main: Strand, program_globals: ProgramGlobals, execute: Callable[[Statement, Any], None]
+    ) -> None:
+        """Take statements for a program that begins; numbers begin anew.
+
+        Args:
+            main: its main thread.
+            program_globals: its globals.
+            execute: runs a statement; gets the mapping of its variables besides.
+        """
+        self._program = _Program(main, program_globals, execute)
         self.last_accepted = self.last_executed = self.last_cleared = 0
 
     def end_program(self) -> None:
-        """The program is over, and so is the session."""
+        """Discard what waits: the program is over, and so is the session."""
         self._discard_queue(CLEARED_AT_END)
         self.last_cleared = self.last_accepted
         self._program = None
@@ -240,7 +257,7 @@ class Interpreter:
         self.is_running = True
         frame = strand.script_frame()
         assert frame is not None
-        names = _Names(frame, program)
+        names = _Names(frame, program.globals)
         tick, count = scheduler.now, 0
         is_stopped = False
         try:
@@ -280,7 +297,7 @@ class Interpreter:
     def _next(self) -> _Waiting | None:
         return self._queue.popleft() if self._queue else None
 
-    def _execute(self, program: Program, waiting: _Waiting, names: _Names) -> None:
+    def _execute(self, program: _Program, waiting: _Waiting, names: _Names) -> None:
         number, text = waiting.number, waiting.text
         self.last_executed = number
         self.answers.executed(number, BEGUN, text)
@@ -297,9 +314,9 @@ class Interpreter:
             # It may have come to its end without having cleared anything.
             self._release_held()
 
-    def _forget(self, program: Program) -> None:
+    def _forget(self, program: _Program) -> None:
         self.last_cleared = self.last_accepted
-        program.forget_injected()
+        program.globals.forget_defined()
         self._release_held()
 
     def _release_held(self) -> None:
@@ -334,12 +351,12 @@ def _clears(statement: Statement) -> bool:
 class _Names:
     """Names of statements: variables of the function that has entered interpreter mode, then those of the program."""
 
-    __slots__ = ("_frame", "_program", "_variables")
+    __slots__ = ("_frame", "_globals", "_variables")
 
-    def __init__(self, frame: FrameType, program: Program) -> None:
+    def __init__(self, frame: FrameType, program_globals: ProgramGlobals) -> None:
         code = frame.f_code
         self._frame = frame
-        self._program = program
+        self._globals = program_globals
         self._variables = frozenset((*code.co_varnames, *code.co_cellvars, *code.co_freevars))
 
     def __getitem__(self, name: str) -> Any:
@@ -349,7 +366,7 @@ class _Names:
 
     def __setitem__(self, name: str, value: Any) -> None:
         if name not in self._variables:
-            self._program.inject(name, value)
+            self._globals.assign(name, value)
             return
         self._frame.f_locals[name] = value
         _store_variables(self._frame)
@@ -357,7 +374,7 @@ class _Names:
     def __delitem__(self, name: str) -> None:
         if name in self._variables:
             raise ScriptStateError(f"a statement cannot delete {name!r}, a variable of the program")
-        self._program.remove_injected(name)
+        self._globals.delete(name)
 
 
 def _store() -> Callable[[FrameType], None]:

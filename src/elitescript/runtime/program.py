@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from types import CodeType
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
@@ -28,7 +28,8 @@ from elitescript.runtime.names.bindings import Bindings
 from elitescript.runtime.names.context import Context, ProgramControl
 from elitescript.runtime.names.files import OpenFiles
 from elitescript.runtime.names.guards import Identities
-from elitescript.runtime.names.modules import Facade, ModuleShelf
+from elitescript.runtime.names.modules import ModuleShelf
+from elitescript.runtime.names.program_globals import ProgramGlobals
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
@@ -37,9 +38,6 @@ if TYPE_CHECKING:
 
 SOURCES_MAX: Final = 256
 """Texts of `eval` and `exec` that are kept, to show their lines."""
-
-_NOT_SHOWN: Final = (FunctionType, BuiltinFunctionType, type, ModuleType, Facade)
-"""Values that the variable monitor leaves out."""
 
 
 class Program:
@@ -66,7 +64,6 @@ class Program:
         "_files",
         "_generator",
         "_identities",
-        "_injected",
         "_main",
         "_processes",
         "_profile",
@@ -96,7 +93,6 @@ class Program:
         self.context = Context(machine, scheduler, profile, self._generator, world, port)
         self._files = OpenFiles(world)
         self._identities = Identities()
-        self._injected: set[str] = set()
         self._sources: dict[str, SourceFile] = {}
         self._main: Strand | None = None
         self._processes: ProcessTable | None = None
@@ -110,7 +106,7 @@ class Program:
             execute=self._executor(),
         )
         self.builtins = self.bindings.names
-        self.globals: dict[str, Any] = {"__name__": "__main__", "__builtins__": self.builtins, **presets}
+        self.globals = ProgramGlobals({"__name__": "__main__", "__builtins__": self.builtins, **presets})
 
     @property
     def main(self) -> Strand:
@@ -129,53 +125,20 @@ class Program:
         self.bindings.bind(unit.code)
 
         def body() -> None:
-            exec(unit.code, self.globals)
-            self.globals.pop(MAIN)()
+            exec(unit.code, self.globals.values)
+            self.globals.values.pop(MAIN)()
 
         return body
-
-    def monitor(self) -> dict[str, Any]:
-        """The variable monitor: program globals that have a value, in the order of their first assignment."""
-        return {
-            name: value
-            for name, value in self.globals.items()
-            if not name.startswith(("__", "@")) and name not in self._injected and not isinstance(value, _NOT_SHOWN)
-        }
-
-    # ---------------------------------------------------------------- what comes from outside while it runs
-
-    def has_global(self, name: str) -> bool:
-        """Whether a program global of that name exists."""
-        return name in self.globals and name not in self._injected
 
     def execute(self, statement: Statement, names: Any) -> None:
         """Run a statement of interpreter mode; `names` maps its variables."""
         self._sources[statement.source.name] = statement.source
         self.bindings.bind(statement.code)
-        exec(statement.code, self.globals, names)
-
-    def inject(self, name: str, value: object) -> None:
-        """A statement has assigned to a program global, or to a name that exists from now on until it is cleared."""
-        if name not in self.globals:
-            self._injected.add(name)
-        self.globals[name] = value
-
-    def remove_injected(self, name: str) -> None:
-        """`del` in a statement."""
-        if name not in self._injected:
-            raise NameError(f"name {name!r} is not defined by a statement", name=name)
-        self._injected.discard(name)
-        del self.globals[name]
-
-    def forget_injected(self) -> None:
-        """What statements have defined exists no more."""
-        for name in self._injected:
-            self.globals.pop(name, None)
-        self._injected.clear()
+        exec(statement.code, self.globals.values, names)
 
     def value_of(self, code: CodeType) -> Any:
         """Evaluate an expression that was compiled; it sees the program globals and changes none by assignment."""
-        names = _Scope(self.globals, {})
+        names = _Scope(self.globals.values, {})
         return self._value(code, names)
 
     def _value(self, code: CodeType, names: _Scope) -> Any:
@@ -236,7 +199,7 @@ class Program:
             if scope is None:
                 # A caller that is not script code has variables that are not the program's.
                 frame = sys._getframe(1)
-                names = _Scope(self.globals, frame.f_locals if frame.f_builtins is self.builtins else {})
+                names = _Scope(self.globals.values, frame.f_locals if frame.f_builtins is self.builtins else {})
             else:
                 names = _Scope(_checked_scope(scope), {} if inner is None else _checked_scope(inner))
             return self._value(code, names)

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from elitescript.devices.memory import MemoryFiles
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
 from elitescript.environment.local import LocalFiles
+from elitescript.environment.memory import MemoryFiles
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig

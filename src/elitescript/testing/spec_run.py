@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from elitescript.controller.force.contact import ContactConfig
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import compile_unit
 from elitescript.language.options import SECONDARY, Options

@@ -2,7 +2,7 @@ import sys
 
 import pytest
 
-from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.memory import MemoryEnvironment
 from tests.runtime.machine import run
 
 

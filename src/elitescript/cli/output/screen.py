@@ -69,8 +69,8 @@ def palette_of(stream: object) -> Palette:
 
 
 def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -> str:
-    """Return a finding as people read it: severity, code, caret and hint in colours."""
-    text = str(problem) if source is None else render(problem, source)
+    """A finding as people read it: severity, code, caret and hint in colours."""
+    text = str(problem) if source is None else render(problem, source.name, source.line(problem.line))
     if not palette.is_colored:
         return text
     rows = text.split("\n")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final, TypeGuard
 
-from elitescript.controller.arm.model_limits import motion_limits
 from elitescript.controller.arm.state import ArmState
 from elitescript.controller.force.contact import ContactConfig
 from elitescript.controller.force.force_control import ForceControl
@@ -21,6 +20,7 @@ from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTr
 from elitescript.messages.state import JointState
 from elitescript.messages.yielding import EndForceMode, EndFreedrive, ForceMode, Freedrive, YieldRequest
 from elitescript.models.model import RobotModel
+from elitescript.motion.limits import MotionLimits
 
 FORCE_CALL: Final = -1
 GUIDING_CALL: Final = -2
@@ -35,6 +35,7 @@ class ComplianceControl:
 
     Args:
         model: the arm.
+        limits: of its motions.
         setup: TCP, payload and gravity of the moment.
         signals: for `external_wrench` and the inputs that ask for hand guiding.
         contact: what the TCP can touch; None for nothing.
@@ -47,6 +48,7 @@ class ComplianceControl:
     def __init__(
         self,
         model: RobotModel,
+        limits: MotionLimits,
         setup: Setup,
         signals: SignalImage,
         contact: ContactConfig | None,
@@ -54,7 +56,7 @@ class ComplianceControl:
         on_end: Callable[[int, bool], None],
     ) -> None:
         self.sensor = WrenchSensor(model.arm, setup, signals, contact or ContactConfig())
-        body = ArmAccess(model.arm, motion_limits(model), model.stop_joint_deceleration, setup, self.sensor)
+        body = ArmAccess(model.arm, limits, model.stop_joint_deceleration, setup, self.sensor)
         self._force = ForceControl(body, on_event, lambda: on_end(FORCE_CALL, True))
         self._guiding = HandGuiding(body, on_event, lambda: on_end(GUIDING_CALL, True))
         self._on_event = on_event

@@ -12,7 +12,7 @@ any state, and end what ran before.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from elitescript.controller.motion.joint_drive import Drive, JointDrive
@@ -42,6 +42,7 @@ from elitescript.messages.motion import (
 )
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S
+from elitescript.models.model import RobotModel
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, SpeedProfile, braked, halted
@@ -455,3 +456,22 @@ class MotionControl:
             self._source = braking
             self._sampled_tick = -1
         return number
+
+
+def motion_limits(model: RobotModel) -> MotionLimits:
+    """Return the limits of a model in the form that the planner takes."""
+    joints = model.joints
+    return MotionLimits(
+        q_min=_six(joint.q_min for joint in joints),
+        q_max=_six(joint.q_max for joint in joints),
+        qd_max=_six(joint.qd_max for joint in joints),
+        qdd_max=_six(joint.qdd_max for joint in joints),
+        tool_speed_max=model.max_tool_speed,
+        tool_acceleration_max=model.max_tool_acceleration,
+        equivalent_radius_m=model.equivalent_radius_m,
+    )
+
+
+def _six(values: Iterable[float]) -> Six:
+    a, b, c, d, e, f = values
+    return (a, b, c, d, e, f)

@@ -11,11 +11,13 @@ from __future__ import annotations
 
 from typing import Final
 
+from elitescript.controller.force.compliance_control import ComplianceControl
 from elitescript.controller.motion.control import MotionControl
 from elitescript.controller.motion.joint_drive import Drive
 from elitescript.controller.motion.sources import Move
 from elitescript.controller.safety.monitor import SPEED_TOLERANCE, SafetyMonitor
 from elitescript.controller.tool_setup import Setup
+from elitescript.errors import ArgumentRangeError
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.motion import Six
 from elitescript.messages.timing import PERIOD_S, ticks_for
@@ -36,32 +38,55 @@ _ROUNDS: Final = 3
 
 
 class ReducedSpeed:
-    """The speed percentage, and what reduced mode leaves of it.
+    """Applies the speed percentage, and what reduced mode leaves of it.
 
     Args:
         monitor: knows the limits.
         motion: the nominal motion.
+        yielding: force mode and hand guiding.
         setup: the active TCP.
         scale: speed percentage at the start, as a fraction.
     """
 
-    __slots__ = ("_cap", "_is_move_slowed", "_monitor", "_motion", "_setup", "scale")
+    __slots__ = ("_cap", "_is_move_slowed", "_monitor", "_motion", "_setup", "_yielding", "scale")
 
-    def __init__(self, monitor: SafetyMonitor, motion: MotionControl, setup: Setup, scale: float) -> None:
+    def __init__(
+        self,
+        monitor: SafetyMonitor,
+        motion: MotionControl,
+        yielding: ComplianceControl,
+        setup: Setup,
+        scale: float,
+    ) -> None:
         self._monitor = monitor
         self._motion = motion
+        self._yielding = yielding
         self._setup = setup
         self._cap = 1.0
         self._is_move_slowed = False
         self.scale = scale
 
     def set_scale(self, fraction: float, tick: int) -> None:
-        """New speed percentage."""
+        """Set the speed percentage, as a fraction.
+
+        Raises:
+            ArgumentRangeError: outside [0, 1].
+        """
+        if not 0.0 <= fraction <= 1.0:
+            text = f"the speed percentage must be in [0, 1], got {fraction:g}"
+            raise ArgumentRangeError(text, value=fraction, limit="[0, 1]")
         self.scale = fraction
         self._motion.set_speed_scale(min(fraction, self._cap), tick)
 
+    def enter(self, mode: SafetyMode, tick: int) -> None:
+        """Take on the limits of a mode in which the arm may move."""
+        is_slowed = mode in SLOWED_MODES
+        self._yielding.limit_speed(self._monitor.limits.bounds(mode).tcp_speed_max if is_slowed else None)
+        if not is_slowed:
+            self.release(tick)
+
     def release(self, tick: int) -> None:
-        """The motion that was slowed down is over, or reduced mode is."""
+        """Give the motion its own speed back: the one that was slowed down is over, or reduced mode is."""
         if self._cap != 1.0 or self._is_move_slowed:
             self._cap = 1.0
             self._is_move_slowed = False

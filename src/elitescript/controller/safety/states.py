@@ -174,17 +174,22 @@ REFUSALS: Final[dict[tuple[SafetyMode, str], str]] = {
 
 
 class Safety:
-    """Safety state of one robot.
+    """Holds the safety state of one robot.
 
     Args:
         on_change: called with the states before and after a change.
+
+    Attributes:
+        inputs: what asks for a state at the moment.
+        mode: the state.
+        since_tick: tick of its last change.
     """
 
-    __slots__ = ("_on_change", "_since_tick", "inputs", "mode")
+    __slots__ = ("_on_change", "inputs", "mode", "since_tick")
 
     def __init__(self, on_change: Callable[[SafetyMode, SafetyMode], None]) -> None:
         self._on_change = on_change
-        self._since_tick = 0
+        self.since_tick = 0
         self.inputs = SafetyInputs()
         self.mode = NORMAL
 
@@ -227,11 +232,11 @@ class Safety:
         if after is before:
             return
         self.mode = after
-        self._since_tick = tick
+        self.since_tick = tick
         self._on_change(before, after)
 
     def _check_unlock(self, tick: int, is_standing: bool) -> None:
-        left = self._since_tick + ticks_for(UNLOCK_AFTER_S) - tick
+        left = self.since_tick + ticks_for(UNLOCK_AFTER_S) - tick
         if not is_standing:
             raise ScriptStateError("cannot unlock protective stop: the arm still brakes", code="R115")
         if left > 0:
@@ -239,7 +244,7 @@ class Safety:
                 f"cannot unlock protective stop: that is possible {UNLOCK_AFTER_S:g} s after the stop, in "
                 f"{left * 0.004:.3f} s",
                 code="R115",
-                value=(tick - self._since_tick) * 0.004,
+                value=(tick - self.since_tick) * 0.004,
                 limit=f">= {UNLOCK_AFTER_S:g}",
                 unit="s",
                 hint="look for the cause of the stop first",

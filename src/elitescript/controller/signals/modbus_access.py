@@ -1,4 +1,4 @@
-"""The controller's own Modbus server as the machine sees it: what its registers and coils show, and writes to them.
+"""Shows the machine as its own Modbus server does, and checks writes to registers and coils.
 
 A write is all or nothing: every part is checked before the first one is carried out. A domain that is written together
 with a level counts before it. A register of outputs sets all of them; a tool pin that is no output is left out as long
@@ -7,9 +7,11 @@ as its bit is what the register shows (*assumed*), so that a client can write ba
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
 
-from elitescript.controller.signals.image import TOOL_PIN_OUT
+from elitescript.controller.arm.joint_loads import JointLoads
+from elitescript.controller.modes import Power
+from elitescript.controller.signals.image import TOOL_PIN_OUT, SignalImage
 from elitescript.messages.enums import AnalogDomain, RobotMode
 from elitescript.messages.machine import (
     MachineRequest,
@@ -21,101 +23,83 @@ from elitescript.messages.machine import (
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.state import ZERO_SIX, RobotState
-from elitescript.modbus.port_image import PortImage, check_registers, coil_writes, register_writes
-from elitescript.modbus.port_map import View
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from elitescript.controller.controller import Controller
+from elitescript.modbus.port_image import check_registers, coil_writes, register_writes
 
 
 class LivePortSource:
-    """What the port map reads of a controller in the middle of a tick; see `port_map.Picture`.
+    """Gives the port map what it reads of a machine in the middle of a tick; see `port_map.PortSource`.
 
     Args:
-        controller: the machine.
+        tick: the present one.
+        state: makes the state of this tick.
+        power: of the arm.
+        loads: of the joints.
+        signals: the signal image.
     """
 
-    __slots__ = ("_controller",)
+    __slots__ = ("_loads", "_power", "_signals", "_state", "_tick")
 
-    def __init__(self, controller: Controller) -> None:
-        self._controller = controller
+    def __init__(
+        self, tick: int, state: Callable[[], RobotState], power: Power, loads: JointLoads, signals: SignalImage
+    ) -> None:
+        self._tick = tick
+        self._state = state
+        self._power = power
+        self._loads = loads
+        self._signals = signals
 
     @property
     def robot(self) -> RobotState:
         """The machine at this tick."""
-        return self._controller.state()
+        return self._state()
 
     @property
     def joint_currents(self) -> Six:
         """A."""
-        controller = self._controller
-        if controller.robot_mode is not RobotMode.RUNNING:
+        if self._power.mode is not RobotMode.RUNNING:
             return ZERO_SIX
-        return controller.loads.measured(controller.tick)[1]
+        return self._loads.measured(self._tick)[1]
 
     @property
     def joint_temperatures(self) -> Six:
         """degC."""
-        return self._controller.joint_temperatures
+        return self._loads.temperatures(self._tick)[0]
 
     @property
     def signals(self) -> Mapping[str, tuple[Value, ...]]:
         """The signal image."""
-        return self._controller.signals.image
+        return self._signals.image
 
     @property
     def domains(self) -> Mapping[str, tuple[AnalogDomain, ...]]:
         """Of every analog channel."""
-        return self._controller.signals.domain_image
+        return self._signals.domain_image
 
 
-def port_image(controller: Controller, version: tuple[int, ...]) -> PortImage:
-    """Registers and coils as they are now.
-
-    Args:
-        controller: the machine.
-        version: of the controller: major, minor, bug fix.
-    """
-    return PortImage(View(LivePortSource(controller), version))
-
-
-def write_coils(controller: Controller, request: WritePortCoils) -> None:
-    """Set coils.
+def port_writes(signals: SignalImage, request: WritePortCoils | WritePortRegisters) -> list[MachineRequest]:
+    """Return the requests that a write to the server stands for, in the order in which they have to be carried out.
 
     Raises:
-        ScriptError: one of them cannot be set; nothing has changed.
+        ScriptError: one of them cannot be carried out.
     """
-    _carry_out(controller, coil_writes(request.first, request.values))
-
-
-def write_registers(controller: Controller, request: WritePortRegisters) -> None:
-    """Set registers.
-
-    Raises:
-        ScriptError: one of them cannot be set; nothing has changed.
-    """
-    if request.read_count:
-        check_registers(request.read_first, request.read_count)
-    parts = register_writes(request.first, request.values)
-    _carry_out(controller, [part for part in parts if not _is_idle_pin(controller, part)])
-
-
-def _is_idle_pin(controller: Controller, part: MachineRequest) -> bool:
-    if not isinstance(part, WriteSignal) or part.name != TOOL_PIN_OUT:
-        return False
-    signals = controller.signals
-    return not signals.is_tool_output(part.index) and signals.read(TOOL_PIN_OUT, part.index) == part.value
-
-
-def _carry_out(controller: Controller, parts: list[MachineRequest]) -> None:
-    signals = controller.signals
+    parts: list[MachineRequest]
+    if isinstance(request, WritePortCoils):
+        parts = coil_writes(request.first, request.values)
+    else:
+        if request.read_count:
+            check_registers(request.read_first, request.read_count)
+        written = register_writes(request.first, request.values)
+        parts = [part for part in written if not _is_idle_pin(signals, part)]
     domains = {(part.name, part.index): part.domain for part in parts if isinstance(part, SetAnalogDomain)}
     for part in parts:
         if isinstance(part, WriteSignal):
             key = (part.name, part.index)
             signals.check(part, domains.get(key, signals.domain(*key)))
     # Domains come first: a level belongs to the new one.
-    for part in sorted(parts, key=lambda part: not isinstance(part, SetAnalogDomain)):
-        controller.request(part)
+    return sorted(parts, key=lambda part: not isinstance(part, SetAnalogDomain))
+
+
+def _is_idle_pin(signals: SignalImage, part: MachineRequest) -> bool:
+    if not isinstance(part, WriteSignal) or part.name != TOOL_PIN_OUT:
+        return False
+    return not signals.is_tool_output(part.index) and signals.read(TOOL_PIN_OUT, part.index) == part.value

@@ -45,8 +45,8 @@ class PortLink:
         agenda.put(1, self._begin, device)
 
     @property
-    def wants_tick(self) -> bool:
-        """Whether something is to come of the tick that has run."""
+    def wants_output(self) -> bool:
+        """Whether it sends something after the tick that has run."""
         return self.is_open and (self.is_stream or self._connection.is_expecting)
 
     def send(self, data: bytes) -> None:
@@ -167,7 +167,10 @@ class TcpClient(Device):
         """
         if not self.is_connected:
             self._lines = None
-            self._link = self._in_world().connect(self)
+            context = self._in_world()
+            connection, robot = context.connect(self, self.service), context.signals.robot
+            assert robot is not None
+            self._link = PortLink(connection, robot, context.agenda, self)
 
     def send(self, answer: Answer) -> None:
         """Send a text as a line, or bytes as they are; lost without a connection."""
@@ -196,8 +199,18 @@ class TcpClient(Device):
         super().leave()
         self.close()
 
+    @property
+    def wants_output(self) -> bool:
+        """See `Device.wants_output`."""
+        return self._link is not None and self._link.wants_output
+
+    def take_output(self, output: Output) -> None:
+        """See `Device.take_output`."""
+        assert self._link is not None
+        self._link.publish(output)
+
     def stand(self) -> None:
-        """The connection stands from now on."""
+        """Take note that the connection stands."""
         self.send(self.opened())
 
     def hear(self, data: bytes) -> None:

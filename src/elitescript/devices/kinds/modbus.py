@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from elitescript.devices.channels.faults import MODBUS
 from elitescript.devices.channels.network import DeviceLink, Endpoint
-from elitescript.devices.device import Device, check_number, check_text
+from elitescript.devices.device import Device, DeviceContext, check_number, check_text
 from elitescript.devices.kinds.serial import BAUD_MAX, LineDevice, line_device
 from elitescript.devices.kinds.tcp import LATENCY_MAX_S, TcpConnection, TcpServer
 from elitescript.errors import UsageError
@@ -21,9 +21,6 @@ from elitescript.modbus.frames.pdu import (
     ExceptionResponse,
 )
 from elitescript.modbus.slave import RtuSlave, Slave, TcpSlave
-
-if TYPE_CHECKING:
-    from elitescript.devices.world import World
 
 PORT: Final = 502
 ANY_UNIT: Final = 0
@@ -188,16 +185,16 @@ class ModbusDevice(Device):
                     raise UsageError(f"{name}: write a list of values, a table of address and value, or how many")
                 setattr(self, name, Table(name, content, largest))
 
-    def join(self, world: World) -> None:
-        super().join(world)
-        bus = self._bus(world)
+    def join(self, context: DeviceContext) -> None:
+        super().join(context)
+        bus = self._bus(context)
         if self.unit in bus.slaves or (bus.slaves and ANY_UNIT in (self.unit, *bus.slaves)):
             raise UsageError(f"unit: {self.unit or 'every unit'} is taken by another device at the same place")
         bus.slaves[self.unit] = Slave(_Memory(self, bus))
 
-    def _bus(self, world: World) -> _Bus:
+    def _bus(self, context: DeviceContext) -> _Bus:
         """What carries requests to this device: several may share a line, or a port as behind a gateway."""
-        network = world.network
+        network = context.network
         place: Endpoint = (self.address, self.port) if self.address else self.port
         server = network.servers.get(place) if self.port else network.lines.get(self.line)
         bus = getattr(server, "__self__", None)
@@ -209,7 +206,7 @@ class ModbusDevice(Device):
         else:
             made = _RtuBus(name=self.title, line=self.line, baud=self.baud, latency_s=self.latency_s)
         made.slaves = {}
-        made.join(world)
+        made.join(context)
         return made
 
 

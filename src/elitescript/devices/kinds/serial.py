@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from elitescript.devices.channels.network import DeviceLink, Peer
-from elitescript.devices.device import Device, TakenError, check_number, check_text
+from elitescript.devices.device import Device, DeviceContext, TakenError, check_number, check_text
 from elitescript.devices.kinds.lines import Answer, LineBuffer, check_lines, encoded
 from elitescript.devices.kinds.tcp import INCOMPLETE_S, LATENCY_MAX_S
 from elitescript.environment.line_bindings import PORTS
 from elitescript.errors import UsageError
 from elitescript.messages.line import LineSettings
-
-if TYPE_CHECKING:
-    from elitescript.devices.world import World
 
 BAUD_MAX: Final = 10_000_000
 
@@ -72,14 +69,14 @@ class LineDevice(Device):
 
     # ---------------------------------------------------------------- the world's side
 
-    def join(self, world: World) -> None:
-        super().join(world)
-        taken = world.network.lines.get(self.line)
+    def join(self, context: DeviceContext) -> None:
+        super().join(context)
+        taken = context.network.lines.get(self.line)
         if taken is not None:
             other = getattr(taken, "__self__", None)
             text = f"line: {self.line} is taken by {getattr(other, 'title', 'another device')} already"
             raise TakenError(text, other)
-        world.network.lines[self.line] = self.accept
+        context.network.lines[self.line] = self.accept
 
     def accept(self, link: DeviceLink) -> Peer | None:
         """A program opens the line."""

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from elitescript.devices.channels.network import DeviceLink, Endpoint, Peer
-from elitescript.devices.device import Device, TakenError, check_number, check_text
+from elitescript.devices.device import Device, DeviceContext, TakenError, check_number, check_text
 from elitescript.devices.kinds.lines import Answer, LineBuffer, check_lines, encoded
 from elitescript.errors import UsageError
 from elitescript.messages.timing import ticks_for
-
-if TYPE_CHECKING:
-    from elitescript.devices.world import World
 
 LATENCY_MAX_S: Final = 3600.0
 CONNECTIONS_MAX: Final = 64
@@ -209,14 +206,14 @@ class TcpServer(Device):
         """Where it listens."""
         return (self.address, self.port) if self.address else self.port
 
-    def join(self, world: World) -> None:
-        super().join(world)
-        taken = world.network.servers.get(self.endpoint)
+    def join(self, context: DeviceContext) -> None:
+        super().join(context)
+        taken = context.network.servers.get(self.endpoint)
         if taken is not None:
             other = getattr(taken, "__self__", None)
             text = f"port: {self.port} is taken by {getattr(other, 'title', 'another server')} already"
             raise TakenError(text, other)
-        world.network.servers[self.endpoint] = self.accept
+        context.network.servers[self.endpoint] = self.accept
         self._connections = []
 
     def accept(self, link: DeviceLink) -> Peer | None:

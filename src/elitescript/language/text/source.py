@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from elitescript.errors import ProgramError
+from elitescript.language.diagnostics import Diagnostic, diagnostic
 
 BOM = "\ufeff"
 
@@ -45,9 +46,7 @@ class SourceFile:
         return self.lines[n - 1] if 1 <= n <= len(self.lines) else ""
 
 
-def _bad_byte(data: bytes, position: int) -> object:
-    from elitescript.language.diagnostics import diagnostic
-
+def _bad_byte(data: bytes, position: int) -> Diagnostic:
     before = SourceFile("", data[:position].decode("utf-8"))
     line = len(before.lines)
     return diagnostic(

@@ -12,12 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.lint.doubts import findings
 from elitescript.lint.program import AnalysedProgram
-from elitescript.lint.registry import Finding, rule
+from elitescript.lint.registry import Finding, doubt_findings, rule
 
 
 @rule(code="W234", since="0.2")
 def analog_fraction(program: AnalysedProgram) -> Iterator[Finding]:
     """Report levels of analog outputs outside their range."""
-    return findings(program, "W234")
+    return doubt_findings(program, "W234")

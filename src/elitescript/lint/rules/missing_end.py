@@ -22,8 +22,8 @@ from collections.abc import Iterator
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.options import LINE
 from elitescript.language.text.rewriting import BlockEnd
-from elitescript.lint.program import AnalysedProgram
-from elitescript.lint.registry import Finding, Span, rule
+from elitescript.lint.program import AnalysedProgram, Span
+from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W216", since="0.2", needs_all_lines=True)

@@ -21,8 +21,8 @@ from typing import Final
 
 from elitescript.language.symbols import Resolution
 from elitescript.language.text.lexer import lex
-from elitescript.lint.program import AnalysedProgram
-from elitescript.lint.registry import Finding, Span, rule
+from elitescript.lint.program import AnalysedProgram, Span
+from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W212", since="0.1")

@@ -11,12 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.lint.doubts import findings
 from elitescript.lint.program import AnalysedProgram
-from elitescript.lint.registry import Finding, rule
+from elitescript.lint.registry import Finding, doubt_findings, rule
 
 
 @rule(code="W233", since="0.2")
 def payload_too_heavy(program: AnalysedProgram) -> Iterator[Finding]:
     """Report masses that the arm cannot carry."""
-    return findings(program, "W233")
+    return doubt_findings(program, "W233")

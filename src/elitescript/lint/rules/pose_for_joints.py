@@ -14,12 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.lint.doubts import findings
 from elitescript.lint.program import AnalysedProgram
-from elitescript.lint.registry import Finding, rule
+from elitescript.lint.registry import Finding, doubt_findings, rule
 
 
 @rule(code="W237", since="0.2")
 def pose_for_joints(program: AnalysedProgram) -> Iterator[Finding]:
     """Report lists that come from a command of the other kind."""
-    return findings(program, "W237")
+    return doubt_findings(program, "W237")

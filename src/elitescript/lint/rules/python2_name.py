@@ -19,8 +19,8 @@ from typing import Final
 
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.symbols import Resolution
-from elitescript.lint.program import AnalysedProgram
-from elitescript.lint.registry import Finding, Span, rule
+from elitescript.lint.program import AnalysedProgram, Span
+from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W209", since="0.1", instead_of=("W201", "E301"))

@@ -13,12 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.lint.doubts import findings
 from elitescript.lint.program import AnalysedProgram
-from elitescript.lint.registry import Finding, rule
+from elitescript.lint.registry import Finding, doubt_findings, rule
 
 
 @rule(code="W232", since="0.2")
 def speed_in_other_units(program: AnalysedProgram) -> Iterator[Finding]:
     """Report speeds and accelerations that no arm has."""
-    return findings(program, "W232")
+    return doubt_findings(program, "W232")

@@ -17,8 +17,8 @@ import re
 from collections.abc import Iterator
 
 from elitescript.language.kinds import SCRIPT
-from elitescript.lint.program import AnalysedProgram
-from elitescript.lint.registry import Finding, Span, rule
+from elitescript.lint.program import AnalysedProgram, Span
+from elitescript.lint.registry import Finding, rule
 from elitescript.lint.suggestions import nearest
 
 

@@ -17,8 +17,8 @@ from collections.abc import Iterator
 from elitescript.language.idle import idle_problem
 from elitescript.language.kinds import SCRIPT
 from elitescript.lint.effects import has_effect
-from elitescript.lint.program import AnalysedProgram
-from elitescript.lint.registry import Finding, Span, rule
+from elitescript.lint.program import AnalysedProgram, Span
+from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W214", since="0.1", needs_all_lines=True)

@@ -16,9 +16,8 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.commands.definition.plausibility import FULL_TURN
-from elitescript.lint.doubts import element
 from elitescript.lint.places import TargetPlaces, six
-from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.program import AnalysedProgram, element
 from elitescript.lint.registry import Finding, rule
 
 _JOINT_MOVES: Final = ("movej", "servoj")

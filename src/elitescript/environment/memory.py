@@ -1,4 +1,4 @@
-"""A world in memory: nothing of its task folder outlives it, and no two runs see each other."""
+"""Keeps a task folder in memory: nothing of it outlives the run, and no two runs see each other."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from io import RawIOBase, UnsupportedOperation
 from typing import IO, Any
 
 from elitescript.environment.allowance import Allowance
-from elitescript.runtime.environment import Channels, opened
+from elitescript.runtime.environment import Channels, NoChannels, opened
 
 
 class MemoryEnvironment:
-    """A world of files in memory.
+    """Gives programs files in memory, and the network that it is given.
 
     Args:
         files: content by name relative to the task folder.
-        channels: the network; nothing listens on any port if None.
+        channels: the network; there is none if None.
         allowance: what programs may write; the default limit if None.
 
     Attributes:
@@ -32,11 +32,7 @@ class MemoryEnvironment:
         allowance: Allowance | None = None,
     ) -> None:
         self.files = MemoryFiles(files or {}, allowance)
-        if channels is None:
-            from elitescript.devices.channels.network import VirtualNetwork
-
-            channels = VirtualNetwork()
-        self.channels = channels
+        self.channels: Channels = NoChannels() if channels is None else channels
 
 
 class _Content:

@@ -1,4 +1,4 @@
-"""A table of a cell file, read key by key: every value checked, every key used, every mistake with its place."""
+"""Reads a table of a world file key by key: every value checked, every key used, every mistake with its place."""
 
 from __future__ import annotations
 
@@ -10,56 +10,73 @@ from elitescript.errors import UsageError, did_you_mean
 
 
 class ConfigTable:
-    """One table.
+    """Reads one table.
 
     Args:
-        where: its name in messages, as `[safety]`.
+        name: its name, as `safety` or `safety.reduced`.
         table: its keys and values.
+        number: its place in a list of tables, from 1; 0 for a table by itself.
 
     Raises:
         UsageError: it is no table.
     """
 
-    __slots__ = ("_asked", "_table", "where")
+    __slots__ = ("_asked", "_name", "_place", "_table")
 
-    def __init__(self, where: str, table: object) -> None:
+    def __init__(self, name: str, table: object, number: int = 0) -> None:
+        self._name = name
+        self._place = f"[[{name}]] {number}:" if number else f"[{name}]"
         if not isinstance(table, Mapping):
-            raise UsageError(f"{where} must be a table of keys, got {shown(table)}")
-        self.where = where
+            raise UsageError(f"{self._place} must be a table of keys, got {_shown(table)}")
         self._table: Mapping[str, Any] = table
         self._asked: list[str] = []
 
     def error(self, key: str, text: str) -> UsageError:
-        """The error for a value that makes no sense."""
-        return UsageError(f"{self.where} {key} {text}")
+        """Return the error for a value that makes no sense."""
+        return UsageError(f"{self._place} {key} {text}")
 
-    def has(self, key: str) -> bool:
-        """Whether the key is given."""
-        return key in self._table
+    def refused(self, key: str, wanted: str, value: object) -> UsageError:
+        """Return the error for a value that is not what `wanted` says."""
+        return self.error(key, f"{wanted}, got {_shown(value)}")
 
     def value(self, key: str) -> Any:
-        """The value of a key, None if it is not given; it counts as used."""
+        """Return the value of a key, None if it is not given; it counts as used."""
         self._asked.append(key)
         return self._table.get(key)
 
+    def table(self, key: str) -> ConfigTable | None:
+        """Return a table in this one; None if the key is not given."""
+        value = self.value(key)
+        return None if key not in self._table else ConfigTable(f"{self._name}.{key}", value)
+
+    def tables(self, key: str) -> list[ConfigTable]:
+        """Return a list of tables in this one; empty if the key is not given."""
+        rows = self.value(key)
+        if rows is None:
+            return []
+        name = f"{self._name}.{key}"
+        if not isinstance(rows, list):
+            raise self.error(key, f"must be a list of tables: write each under [[{name}]]")
+        return [ConfigTable(name, row, number) for number, row in enumerate(rows, 1)]
+
     def text(self, key: str, default: str, choices: tuple[str, ...] = ()) -> str:
-        """A text, one of `choices` if there are any."""
+        """Return a text, one of `choices` if there are any."""
         value = self.value(key)
         if value is None:
             return default
         if not isinstance(value, str) or not value:
-            raise self.error(key, f"must be a text, got {shown(value)}")
+            raise self.refused(key, "must be a text", value)
         if choices and value not in choices:
             raise self.error(key, f"must be one of {', '.join(map(repr, choices))}, got {value!r}")
         return value
 
     def number(self, key: str, unit: str, *, is_positive: bool = False) -> float | None:
-        """A finite number; None if the key is not given."""
+        """Return a finite number; None if the key is not given."""
         value = self.value(key)
         return None if value is None else self._number(key, value, unit, is_positive)
 
     def numbers(self, key: str, count: int, unit: str, *, is_positive: bool = False) -> tuple[float, ...] | None:
-        """So many numbers, or one that stands for all of them."""
+        """Return so many numbers; one number stands for all of them."""
         value = self.value(key)
         if value is None:
             return None
@@ -70,12 +87,12 @@ class ConfigTable:
         return tuple(self._number(f"{key}[{i}]", item, unit, is_positive) for i, item in enumerate(value))
 
     def direction(self, key: str) -> tuple[float, float, float] | None:
-        """Three numbers as a vector of length 1."""
+        """Return three numbers as a vector of length 1."""
         value = self.value(key)
         if value is None:
             return None
         if not isinstance(value, list) or len(value) != 3:
-            raise self.error(key, f"must be three numbers, got {shown(value)}")
+            raise self.refused(key, "must be three numbers", value)
         x, y, z = (self._number(f"{key}[{i}]", item, "", False) for i, item in enumerate(value))
         length = sqrt(x * x + y * y + z * z)
         if length < 1e-9:
@@ -83,23 +100,23 @@ class ConfigTable:
         return (x / length, y / length, z / length)
 
     def finish(self) -> None:
-        """Refuse keys that nobody has asked for."""
+        """Refuse keys that have not been read."""
         for key in self._table:
             if key not in self._asked:
                 near = did_you_mean(str(key), self._asked)
-                raise UsageError(f"{self.where} {key} is not known; there are {', '.join(self._asked)}{near}")
+                raise UsageError(f"{self._place} {key} is not known; there are {', '.join(self._asked)}{near}")
 
     def _number(self, key: str, value: object, unit: str, is_positive: bool) -> float:
         parts = ("a number", "> 0" if is_positive else "", f"in {unit}" if unit else "")
         wanted = " ".join(part for part in parts if part)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise self.error(key, f"must be {wanted}, got {shown(value)}")
+            raise self.refused(key, f"must be {wanted}", value)
         if not isfinite(value) or (is_positive and not value > 0.0):
             raise self.error(key, f"must be {wanted}, got {value:g}")
         return float(value)
 
 
-def shown(value: object) -> str:
-    """A value of a table, short enough for a message."""
+def _shown(value: object) -> str:
+    """Return a value of a table as text, short enough for a message."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
