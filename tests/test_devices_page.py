@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from elitescript.devices.world_file import load_cell
 from elitescript.testing import world as public
-from elitescript.worlds.cell import load_cell
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "devices.md"
 TEXT = PAGE.read_text(encoding="utf-8")

@@ -16,9 +16,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "src"))
 
 from elitescript import errors
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.page import CHAPTERS, chapters, kind_of, source_of
-from elitescript.commands.registry import Command, Param
-from elitescript.controller import safety
+from elitescript.commands.definition.page import CHAPTERS, chapters, kind_of, source_of
+from elitescript.commands.definition.registry import Command, Param
+from elitescript.controller.safety import states as safety
 from elitescript.lint import explanations
 from elitescript.messages.signals import SIGNALS, Signal
 from tools.devices_page import devices_page

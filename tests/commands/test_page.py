@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.page import CHAPTERS, chapters, describe, index, kind_of, source_of
-from elitescript.commands.quantities import JOINTS, Choice, Number, Vector
-from elitescript.commands.registry import Command
+from elitescript.commands.definition.page import CHAPTERS, chapters, describe, index, kind_of, source_of
+from elitescript.commands.definition.quantities import JOINTS, Choice, Number, Vector
+from elitescript.commands.definition.registry import Command
 
 
 def command_called(name: str) -> Command:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from elitescript.commands.plausibility import ArmFacts
+from elitescript.commands.definition.plausibility import ArmFacts
+from elitescript.devices.world_file import load_cell
 from elitescript.kinematics.arm import Arm
 from elitescript.models.model import load_model
-from elitescript.worlds.cell import load_cell
 
 
 class _Limited(NamedTuple):

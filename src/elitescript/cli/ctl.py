@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from elitescript.cli import jsonlines
-from elitescript.cli.remedies import with_verbs
+from elitescript.cli.output import jsonlines
+from elitescript.cli.output.remedies import with_verbs
 from elitescript.cli.settings import parse_settings
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.services.control import PLAY, address_of, ask
-from elitescript.services.control_verbs import VERBS
+from elitescript.services.control.channel import PLAY, address_of, ask
+from elitescript.services.control.verbs import VERBS
 
 REFUSED = 1
 """Exit code when the robot refuses."""

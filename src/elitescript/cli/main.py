@@ -50,7 +50,7 @@ def _run_here(arguments: list[str]) -> int:
     options = _parsed(arguments)
     try:
         if _has_screen(options):
-            from elitescript.cli.screen import on_screen
+            from elitescript.cli.output.screen import on_screen
 
             with on_screen(options.color):
                 return _dispatch(options)

@@ -207,8 +207,8 @@ def _wait(command: list[str], environment: dict[str, str], max_wall_s: float) ->
 
 
 def _erased() -> str:
-    """Return what takes away the status line that a child has left on the terminal; see `cli.screen`."""
-    from elitescript.cli.screen import ERASE, understands_escapes
+    """Return what takes away the status line that a child has left on the terminal; see `cli.output.screen`."""
+    from elitescript.cli.output.screen import ERASE, understands_escapes
 
     return ERASE if sys.stderr.isatty() and understands_escapes(os.environ, os.name) else ""
 
@@ -244,7 +244,7 @@ def _line_of(file: str, line: int) -> str:
 
 
 def _print_records(*records: dict[str, Any]) -> None:
-    from elitescript.cli import jsonlines
+    from elitescript.cli.output import jsonlines
 
     for record in records:
         print(jsonlines.line(record), flush=True)

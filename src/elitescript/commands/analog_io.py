@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Choice, Number, signal_index
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Choice, Number, signal_index
+from elitescript.commands.definition.registry import command
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.machine import SetAnalogDomain, SetAnalogFraction
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _Level = Annotated[float, Number("A or V")]
 _Fraction = Annotated[float, Number(meaning="fraction")]

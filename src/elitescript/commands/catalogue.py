@@ -40,6 +40,6 @@ from elitescript.commands import (  # noqa: F401  (importing a family registers 
     threads,
     tool_io,
 )
-from elitescript.commands.registry import REGISTRY, Catalogue
+from elitescript.commands.definition.registry import REGISTRY, Catalogue
 
 CATALOGUE: Final[Catalogue] = REGISTRY

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Bool, signal_index
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Bool, signal_index
+from elitescript.commands.definition.registry import command
 from elitescript.messages.machine import WriteSignal
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 
 @command(family="io", manual="3.1")

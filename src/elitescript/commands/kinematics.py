@@ -4,15 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Bool, JointPositions, Number, OptionalJoints, OptionalTcp, Pose, Vector
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import (
+    Bool,
+    JointPositions,
+    Number,
+    OptionalJoints,
+    OptionalTcp,
+    Pose,
+    Vector,
+)
+from elitescript.commands.definition.registry import command
 from elitescript.errors import MotionError
 from elitescript.kinematics.inverse import Solution, nearest, reason_unreachable, solutions
 from elitescript.kinematics.transforms import Transform, compose, inverse, pose_from_transform, transform_from_pose
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Machine, Robot
+    from elitescript.commands.definition.context import Machine, Robot
 
 
 def _flange_target(machine: Machine, p: Six, tcp: Six | None) -> Transform:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Final
 
-from elitescript.commands.quantities import Anything, Boolean, Either, Integer, Text, Vector, Whole
-from elitescript.commands.registry import alias, command
+from elitescript.commands.definition.quantities import Anything, Boolean, Either, Integer, Text, Vector, Whole
+from elitescript.commands.definition.registry import alias, command
 
 _BITS: Final = 32
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated, Any
 
-from elitescript.commands.quantities import Either, Number, Radians, Real, Vector, Whole
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Either, Number, Radians, Real, Vector, Whole
+from elitescript.commands.definition.registry import command
 from elitescript.errors import InvalidValueError
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _Degrees = Annotated[float, Number("deg")]
 _SineOrCosine = Annotated[float, Number("", -1.0, 1.0)]

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Bool, Integer, Whole
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Bool, Integer, Whole
+from elitescript.commands.definition.registry import command
 from elitescript.errors import MirroredAddressError
 from elitescript.messages.machine import WritePortCoils, WritePortRegisters
 from elitescript.messages.signals import WORD_MAX
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _SHORT_LOW = -(2**15)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Final
 
-from elitescript.commands.context import Robot
-from elitescript.commands.quantities import Boolean, Either, Integer, Vector
+from elitescript.commands.definition.context import Robot
+from elitescript.commands.definition.quantities import Boolean, Either, Integer, Vector
 from elitescript.errors import ArgumentRangeError
 
 READ_COILS: Final = 1

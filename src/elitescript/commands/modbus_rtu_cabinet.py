@@ -7,9 +7,9 @@ that does not answer in time, whose answer is broken, or that refuses (*assumed*
 from __future__ import annotations
 
 from elitescript.commands import modbus_rtu as rtu
-from elitescript.commands.context import Robot
-from elitescript.commands.quantities import TimeOut, Whole
-from elitescript.commands.registry import alias, command
+from elitescript.commands.definition.context import Robot
+from elitescript.commands.definition.quantities import TimeOut, Whole
+from elitescript.commands.definition.registry import alias, command
 from elitescript.commands.serial import CABINET_PORT, CabinetPort, cabinet_device
 
 

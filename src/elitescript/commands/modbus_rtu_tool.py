@@ -7,9 +7,9 @@ that does not answer in time, whose answer is broken, or that refuses (*assumed*
 from __future__ import annotations
 
 from elitescript.commands import modbus_rtu as rtu
-from elitescript.commands.context import Robot
-from elitescript.commands.quantities import Bool, TimeOut, Whole
-from elitescript.commands.registry import command
+from elitescript.commands.definition.context import Robot
+from elitescript.commands.definition.quantities import Bool, TimeOut, Whole
+from elitescript.commands.definition.registry import command
 from elitescript.commands.serial import TOOL_PORT
 
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Final
 
-from elitescript.commands.context import Robot
-from elitescript.commands.quantities import Bool, Boolean, Either, Integer, Number, Seconds, Str, Vector
-from elitescript.commands.registry import command
+from elitescript.commands.definition.context import Robot
+from elitescript.commands.definition.quantities import Bool, Boolean, Either, Integer, Number, Seconds, Str, Vector
+from elitescript.commands.definition.registry import command
 from elitescript.errors import ArgumentRangeError, InvalidValueError
 
 _WRITE_SINGLE_REGISTER: Final = 6

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from elitescript.commands.quantities import (
+from elitescript.commands.definition.quantities import (
     BlendRadius,
     JointAcceleration,
     JointDeceleration,
@@ -21,11 +21,11 @@ from elitescript.commands.quantities import (
     ToolSpeed,
     Whole,
 )
-from elitescript.commands.registry import command
+from elitescript.commands.definition.registry import command
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, StopJ, StopL
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 
 def blend_radius(robot: Robot, r: float) -> float:

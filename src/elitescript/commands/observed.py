@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.motion import blend_radius
-from elitescript.commands.quantities import (
+from elitescript.commands.definition.quantities import (
     Any_,
     Anything,
     BlendRadius,
@@ -20,14 +19,15 @@ from elitescript.commands.quantities import (
     Vector,
     Whole,
 )
-from elitescript.commands.registry import command
+from elitescript.commands.definition.registry import command
+from elitescript.commands.motion import blend_radius
 from elitescript.errors import InvalidValueError
 from elitescript.kinematics.pose import frame_from_points
 from elitescript.messages.machine import SetClientSensor, SetOption
 from elitescript.messages.motion import MoveP
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _Vector3 = Annotated[tuple[float, float, float], Vector(Number(), 3, "m")]
 _PointOrPose = Annotated[tuple[float, ...], Vector(Number(), None, "m")]

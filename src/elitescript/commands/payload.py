@@ -5,13 +5,13 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING, Annotated, Final
 
-from elitescript.commands.quantities import Number, TcpOffset, Vector
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Number, TcpOffset, Vector
+from elitescript.commands.definition.registry import command
 from elitescript.messages.machine import SetGravity, SetPayload, SetTcp
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 GRAVITY_RANGE: Final = (9.6, 10.0)
 """What `set_gravity` is given on earth, m/s^2; anything else is carried out, with a warning."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from elitescript.commands.quantities import Frame, Number, Pose, Real, Vector
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Frame, Number, Pose, Real, Vector
+from elitescript.commands.definition.registry import command
 from elitescript.kinematics import pose as algebra
 
 _Angles = Annotated[tuple[float, float, float], Vector(Number(), 3, "rad")]

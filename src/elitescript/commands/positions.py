@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import JointPositions, JointSpeeds, Number, Pose, TcpSpeed, Vector
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import JointPositions, JointSpeeds, Number, Pose, TcpSpeed, Vector
+from elitescript.commands.definition.registry import command
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 
 @command(family="motion", manual="2.1.4")

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Bool, Integer, Real, Whole, signal_index
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Bool, Integer, Real, Whole, signal_index
+from elitescript.commands.definition.registry import command
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _BoolAddress = Annotated[int, signal_index("input_bool_register")]
 _IntAddress = Annotated[int, signal_index("input_int_register")]

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import POSE, Bool, Choice, OptionalJoints, Optionally, Vector
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import POSE, Bool, Choice, OptionalJoints, Optionally, Vector
+from elitescript.commands.definition.registry import command
 from elitescript.errors import ArgumentCountError
 from elitescript.kinematics.inverse import nearest, solutions
 from elitescript.kinematics.transforms import compose, inverse, transform_from_pose
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 
 @command(family="motion", since="2.14", manual="2.14: 3.1.35")

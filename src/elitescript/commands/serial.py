@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Final
 
-from elitescript.commands.context import Robot
-from elitescript.commands.quantities import (
+from elitescript.commands.definition.context import Robot
+from elitescript.commands.definition.quantities import (
     Anything,
     Bool,
     Choice,
@@ -22,7 +22,7 @@ from elitescript.commands.quantities import (
     TimeOut,
     Vector,
 )
-from elitescript.commands.registry import alias, command
+from elitescript.commands.definition.registry import alias, command
 from elitescript.errors import ArgumentRangeError
 from elitescript.messages.line import LineSettings
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import codecs
 from typing import Any, Final
 
-from elitescript.commands.context import Rule
+from elitescript.commands.definition.context import Rule
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 
 TEXT_MAX: Final = 2047

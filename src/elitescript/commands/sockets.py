@@ -9,9 +9,20 @@ from __future__ import annotations
 from typing import Annotated, Any, Final
 
 from elitescript.commands import socket_rules as rules
-from elitescript.commands.context import Robot, Rule
-from elitescript.commands.quantities import Any_, Bool, Either, Integer, Number, Str, Text, TimeOut, Vector, Whole
-from elitescript.commands.registry import command
+from elitescript.commands.definition.context import Robot, Rule
+from elitescript.commands.definition.quantities import (
+    Any_,
+    Bool,
+    Either,
+    Integer,
+    Number,
+    Str,
+    Text,
+    TimeOut,
+    Vector,
+    Whole,
+)
+from elitescript.commands.definition.registry import command
 from elitescript.commands.strings import BUILT_IN, to_str
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW

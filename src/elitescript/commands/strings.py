@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from math import isinf
 from typing import Annotated, Any, Final
 
-from elitescript.commands.quantities import Anything, Bool, Integer, Optionally, Quantity, Str, Whole, shown
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Anything, Bool, Integer, Optionally, Quantity, Str, Whole, shown
+from elitescript.commands.definition.registry import command
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError, InvalidValueError
 
 LONGEST: Final = 1023

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Bool, Choice, Number, Seconds, Str, signal_index
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Bool, Choice, Number, Seconds, Str, signal_index
+from elitescript.commands.definition.registry import command
 from elitescript.messages.machine import PowerDown, WriteSignal
 from elitescript.messages.timing import PERIOD_S, ticks_for
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _FlagNumber = Annotated[int, signal_index("flag")]
 

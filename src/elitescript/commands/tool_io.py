@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Bool, Choice, Integer, signal_index
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Bool, Choice, Integer, signal_index
+from elitescript.commands.definition.registry import command
 from elitescript.messages.enums import ToolPinMode
 from elitescript.messages.machine import SetToolAnalogMode, SetToolPin, WriteSignal
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _PinIndex = Annotated[int, signal_index("tool_digital_out")]
 

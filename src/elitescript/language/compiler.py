@@ -15,6 +15,7 @@ from types import CodeType
 from typing import Final
 
 from elitescript.errors import ProgramError
+from elitescript.language.advice.syntax_errors import explain
 from elitescript.language.checkpoints import insert_checkpoints
 from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
 from elitescript.language.hooks import HOOKS, MAIN
@@ -22,8 +23,7 @@ from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, syntax_tree
 from elitescript.language.policy import first_too_deep, guard_formats, review
-from elitescript.language.source import SourceFile
-from elitescript.language.syntax_errors import explain
+from elitescript.language.text.source import SourceFile
 
 __all__ = [
     "HOOKS",

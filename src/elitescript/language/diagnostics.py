@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from elitescript.errors import CODES
 
 if TYPE_CHECKING:
-    from elitescript.language.source import SourceFile
+    from elitescript.language.text.source import SourceFile
 
 
 class Severity(StrEnum):

@@ -19,7 +19,7 @@ from typing import Final
 from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.hooks import FORMAT
 from elitescript.language.nodes import CHILDREN, Census
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 
 COMPREHENSION_DEPTH_MAX: Final = 12
 """Some releases of CPython 3.12 and 3.13 crash when they compile about twice as many inside each other."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 from typing import NamedTuple
 
-from elitescript.commands.registry import Command, Param
+from elitescript.commands.definition.registry import Command, Param
 
 
 class Misfit(NamedTuple):

@@ -6,11 +6,11 @@ import ast
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
-from elitescript.commands.plausibility import Doubt
+from elitescript.commands.definition.plausibility import Doubt
 from elitescript.lint.registry import Finding
 
 if TYPE_CHECKING:
-    from elitescript.lint.program import Program
+    from elitescript.lint.program import AnalysedProgram
 
 
 class Doubted(NamedTuple):
@@ -27,7 +27,7 @@ def element(node: ast.expr, index: int | None) -> ast.expr:
     return node
 
 
-def findings(program: Program, code: str) -> Iterator[Finding]:
+def findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
     """The findings of the rule for one code."""
     for node, doubt in program.doubts:
         if doubt.code == code:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import ast
 from typing import Final
 
-from elitescript.commands.registry import Command
+from elitescript.commands.definition.registry import Command
 from elitescript.language.symbols import Resolution
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 
 _PURE_FAMILIES: Final = frozenset(("kinematics", "lists", "maths", "poses", "strings"))
 _READING: Final = ("get_", "is_", "read_")
@@ -37,7 +37,7 @@ def only_gives_a_value(command: Command) -> bool:
     return module in _PURE_FAMILIES or command.name in _ALSO_READING or command.name.startswith(_READING)
 
 
-def _is_pure_call(call: ast.Call, program: Program) -> bool:
+def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
     """Whether a call only gives a value, whatever its arguments do: a reading command, `math.sin`, `len`."""
     function = call.func
     if isinstance(function, ast.Attribute):
@@ -53,7 +53,7 @@ def _is_pure_call(call: ast.Call, program: Program) -> bool:
     return function.id in _PURE_BUILTINS and scope.resolve(function.id) is Resolution.BUILTIN
 
 
-def has_effect(root: ast.expr, program: Program) -> bool:
+def has_effect(root: ast.expr, program: AnalysedProgram) -> bool:
     """Whether evaluating an expression may do anything besides giving its value."""
     stack: list[ast.AST] = [root]
     while stack:
@@ -67,7 +67,7 @@ def has_effect(root: ast.expr, program: Program) -> bool:
     return False
 
 
-def is_tried(node: ast.AST, program: Program) -> bool:
+def is_tried(node: ast.AST, program: AnalysedProgram) -> bool:
     """Whether a `try` in the same function catches what a node raises, so that the program may only ask."""
     child = node
     for above in program.symbols.ancestors(node):

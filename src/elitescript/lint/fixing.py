@@ -6,7 +6,7 @@ import re
 from typing import Final, NamedTuple
 
 from elitescript.language.diagnostics import Diagnostic, Edit, Fix
-from elitescript.language.source import BOM, SourceFile
+from elitescript.language.text.source import BOM, SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import Profile
 

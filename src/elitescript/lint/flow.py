@@ -6,7 +6,7 @@ import ast
 from typing import Final
 
 from elitescript.language.symbols import Resolution, Scope
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 
 _LEAVING: Final = frozenset(("exit", "halt", "quit"))
 _DEEPEST: Final = 60
@@ -18,7 +18,7 @@ class Flow:
 
     __slots__ = ("_program", "_returns")
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
         self._returns: dict[Scope, bool] = {}
 

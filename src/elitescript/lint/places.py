@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Final
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
-    from elitescript.commands.plausibility import ArmFacts
-    from elitescript.lint.program import CommandCall, Program
+    from elitescript.commands.definition.plausibility import ArmFacts
+    from elitescript.lint.program import AnalysedProgram, CommandCall
 
 _AT_FLANGE: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _SETS_TCP: Final = "set_tcp"
@@ -30,10 +30,10 @@ def six(value: object) -> Six | None:
     return a, b, c, d, e, f
 
 
-class Places:
+class TargetPlaces:
     """Targets of one program."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
 
     def argument(self, place: int, *names: str) -> Six | None:

@@ -9,19 +9,19 @@ from functools import cached_property
 from typing import NamedTuple, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.plausibility import JUDGES, KINDS, ArmFacts, mistaken
-from elitescript.commands.registry import Command
+from elitescript.commands.definition.plausibility import JUDGES, KINDS, ArmFacts, mistaken
+from elitescript.commands.definition.registry import Command
+from elitescript.language.advice.unknown_names import KNOWN
 from elitescript.language.kinds import SECONDARY
 from elitescript.language.nodes import Census
 from elitescript.language.parser import Parsed
 from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
-from elitescript.language.unknown_names import KNOWN
 from elitescript.lint.arguments import Arguments, arrange
 from elitescript.lint.constants import Constants
 from elitescript.lint.doubts import Doubted, element
 from elitescript.lint.kinds import Kinds
-from elitescript.lint.refusals import Refusal, refuse
+from elitescript.lint.refusals import ArgumentRefusal, refuse
 from elitescript.lint.registry import Span
 from elitescript.messages.profile import Profile, release_of
 
@@ -49,7 +49,7 @@ class CommandCall(NamedTuple):
     scope: Scope
 
 
-class Program:
+class AnalysedProgram:
     """One text, analysed.
 
     Attributes:
@@ -232,7 +232,7 @@ class Program:
         return tuple(arrange(found.command, found.call) for found in self.command_calls)
 
     @cached_property
-    def refusals(self) -> tuple[Refusal, ...]:
+    def refusals(self) -> tuple[ArgumentRefusal, ...]:
         """The arguments that commands will certainly refuse."""
         mistakes = [(problem.line, problem.column) for problem in self.parsed.diagnostics if problem.is_error]
         found = []
@@ -244,12 +244,12 @@ class Program:
                     continue
                 error = refuse(param, self.constants.value(node, called.scope))
                 if error is not None:
-                    found.append(Refusal(called.command, param, node, error))
+                    found.append(ArgumentRefusal(called.command, param, node, error))
         return tuple(found)
 
     @cached_property
     def doubts(self) -> tuple[Doubted, ...]:
-        """The arguments that commands will take, but that are hardly meant; see `commands.plausibility`."""
+        """The arguments that commands will take, but that are hardly meant; see `commands.definition.plausibility`."""
         refused = {refusal.node for refusal in self.refusals}
         kinds = Kinds(self.symbols)
         found = []

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 from typing import Any, Final, NamedTuple
 
-from elitescript.commands.quantities import (
+from elitescript.commands.definition.quantities import (
     Boolean,
     Choice,
     Either,
@@ -21,12 +21,12 @@ from elitescript.commands.quantities import (
     Text,
     Vector,
 )
-from elitescript.commands.registry import Command, Param
+from elitescript.commands.definition.registry import Command, Param
 from elitescript.errors import ScriptError
 from elitescript.lint.constants import Unknown
 
 
-class Refusal(NamedTuple):
+class ArgumentRefusal(NamedTuple):
     """An argument that a command will refuse."""
 
     command: Command

@@ -8,7 +8,7 @@ from typing import Final
 
 from elitescript.language.hooks import LINE
 from elitescript.language.symbols import Resolution, Scope
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 
 _QUICK_BUILTINS: Final = frozenset(
     """
@@ -54,7 +54,7 @@ class Work:
 class Analyst:
     """Looks at the loops of one program, and into the functions that they call."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
         self._symbols = program.symbols
         self._functions: dict[Scope, Work] = {}

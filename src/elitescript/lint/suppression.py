@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterable
 
 from elitescript.language.diagnostics import Diagnostic
-from elitescript.language.lexer import lex
-from elitescript.language.source import SourceFile
+from elitescript.language.text.lexer import lex
+from elitescript.language.text.source import SourceFile
 
 _MARK = "check:"
 

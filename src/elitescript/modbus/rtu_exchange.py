@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import ceil
 from typing import Final
 
-from elitescript.modbus.pdu import (
+from elitescript.modbus.frames.pdu import (
     EXCEPTION_BIT,
     READ_COILS,
     READ_DISCRETE_INPUTS,
@@ -21,7 +21,7 @@ from elitescript.modbus.pdu import (
     AnswerError,
     values_of,
 )
-from elitescript.modbus.rtu_frames import answer_length, crc16, rtu_frame
+from elitescript.modbus.frames.rtu import answer_length, crc16, rtu_frame
 
 GAP_CHARACTERS: Final = 3.5
 GAP_MIN_S: Final = 0.00175

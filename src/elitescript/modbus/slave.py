@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final, Protocol
 
 from elitescript.errors import UsageError
-from elitescript.modbus.pdu import (
+from elitescript.modbus.frames.pdu import (
     ADDRESSES,
     DEVICE_FAILURE,
     GATEWAY_NO_ANSWER,
@@ -22,15 +22,15 @@ from elitescript.modbus.pdu import (
     READ_WRITE_REGISTERS,
     WRITE_COIL,
     WRITE_COILS,
-    DeviceError,
+    ExceptionResponse,
     bits_read,
     exception,
     registers_read,
     request_of,
     written,
 )
-from elitescript.modbus.rtu_frames import BROADCAST, RtuFrame, RtuSplitter, rtu_frame
-from elitescript.modbus.tcp_frames import TcpSplitter, tcp_frame
+from elitescript.modbus.frames.rtu import BROADCAST, RtuFrame, RtuSplitter, rtu_frame
+from elitescript.modbus.frames.tcp import TcpSplitter, tcp_frame
 
 NAMES: Final = {
     READ_COILS: "coils",
@@ -42,7 +42,7 @@ NAMES: Final = {
 
 
 class Tables(Protocol):
-    """Coils and registers by address. Addresses and counts stay within those of MODBUS; `DeviceError` refuses."""
+    """Coils and registers by address. Addresses and counts stay within those of MODBUS; `ExceptionResponse` refuses."""
 
     def read_bits(self, table: int, address: int, count: int) -> Sequence[int]:
         """Levels of `READ_COILS` or `READ_DISCRETE_INPUTS`, 0 or 1 each.
@@ -138,7 +138,7 @@ def _filled(name: str, content: int | Sequence[int], largest: int) -> list[int]:
 
 def _part(rows: list[int], address: int, count: int) -> Sequence[int]:
     if address + count > len(rows):
-        raise DeviceError(ILLEGAL_ADDRESS)
+        raise ExceptionResponse(ILLEGAL_ADDRESS)
     return rows[address : address + count]
 
 
@@ -179,7 +179,7 @@ class Slave:
             else:
                 tables.write_registers(request.address, request.values)
             return written(pdu)
-        except DeviceError as error:
+        except ExceptionResponse as error:
             return exception(function, error.code or DEVICE_FAILURE)
 
 

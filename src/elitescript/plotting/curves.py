@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import dist
 from typing import Any, Final
 
-from elitescript.controller.trace import TraceRow
+from elitescript.controller.views.trace import TraceRow
 from elitescript.models.model import RobotModel
 from elitescript.plotting.decimation import decimated, within_tolerance
 from elitescript.plotting.packing import deltas, milliseconds

@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from elitescript.controller.trace import TraceRow
-from elitescript.language.source import SourceFile
+from elitescript.controller.views.trace import TraceRow
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Event
 from elitescript.models.model import RobotModel
 from elitescript.plotting.channel_lanes import channel_lanes
 from elitescript.plotting.curves import error_curves, joint_curves, speed_curve, tcp_path, tcp_speeds
-from elitescript.plotting.happenings import marks, moves
-from elitescript.plotting.line_times import Stretch, line_times, merged, stretches
+from elitescript.plotting.events import marks, moves
+from elitescript.plotting.line_times import LineStretch, line_times, merged, stretches
 from elitescript.plotting.packing import milliseconds, shown_text
 from elitescript.plotting.signal_lanes import signal_lanes, signal_lanes_of_rows
 
@@ -58,7 +58,7 @@ class Recording:
     events: Sequence[Event] = ()
     state: str = ""
     step_s: float = 0.0
-    thread_lines: Mapping[str, Sequence[Stretch]] = field(default_factory=dict)
+    thread_lines: Mapping[str, Sequence[LineStretch]] = field(default_factory=dict)
 
 
 def page(recording: Recording) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any, Final
 
-from elitescript.controller.trace import TraceRow
+from elitescript.controller.views.trace import TraceRow
 from elitescript.messages.events import Event, SignalChanged
 from elitescript.messages.signals import Value, parse_signal_name
 from elitescript.messages.timing import seconds

@@ -7,8 +7,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, Final
 
-from elitescript.controller.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
-from elitescript.controller.trace_signals import NO_SIGNALS, SignalLevels
+from elitescript.controller.views.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
+from elitescript.controller.views.trace_signals import NO_SIGNALS, SignalLevels
 from elitescript.errors import UsageError
 from elitescript.messages.motion import Six
 from elitescript.messages.paths import why_no_file

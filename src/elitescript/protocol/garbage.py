@@ -37,7 +37,7 @@ def is_statement(line: str) -> bool:
     return not (colon and word.replace("-", "").isalpha())
 
 
-class Burst:
+class GarbageBurst:
     """Garbage that has come in without a pause."""
 
     __slots__ = ("_begin", "_lines", "_next_report_at", "_size")

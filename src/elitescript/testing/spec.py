@@ -27,7 +27,7 @@ FACTS: Final = frozenset(
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class ProgramBlock:
     """One `elite` block."""
 
     line: int
@@ -88,7 +88,7 @@ class Case:
     title: str
     """The headings above it and its own, joined by `/`."""
     line: int
-    texts: tuple[Text, ...]
+    texts: tuple[ProgramBlock, ...]
     expectations: tuple[Expectation, ...]
     cell: str = ""
     """What is around the robot, as the text of a cell file."""
@@ -114,7 +114,7 @@ class Case:
 
 
 @dataclass(slots=True)
-class Outcome:
+class CaseOutcome:
     """What a case did, in the words of an `expect` block."""
 
     lists: dict[str, list[str]] = field(default_factory=lambda: {key: [] for key in LISTS})
@@ -139,7 +139,7 @@ def parse_page(page: str) -> list[Case]:
     cases: list[Case] = []
     headings: list[str] = []
     line = 0
-    texts: list[Text] = []
+    texts: list[ProgramBlock] = []
     expectations: list[Expectation] = []
     cell: list[str] = []
     inputs: list[tuple[float, str, float]] = []
@@ -168,7 +168,7 @@ def parse_page(page: str) -> list[Case]:
         elif info.split(" ")[0] == "elite":
             if expectations:
                 raise UsageError(f"line {number}: a program after the expect block; start a new heading")
-            texts.append(Text(number + 1, body, _words(number, info, TEXT_WORDS)))
+            texts.append(ProgramBlock(number + 1, body, _words(number, info, TEXT_WORDS)))
         elif info == "cell":
             cell.append(body)
         elif info == "inputs":
@@ -253,7 +253,7 @@ def _device(number: int, info: str) -> str:
     return device
 
 
-def differences(outcome: Outcome, expectation: Expectation) -> list[str]:
+def differences(outcome: CaseOutcome, expectation: Expectation) -> list[str]:
     """What the outcome lacks or has too much of; empty when the expectation holds."""
     found = list(outcome.wrong_replies)
     for key in LISTS:
@@ -308,7 +308,7 @@ def _list_difference(key: str, wanted: list[str], had: list[str]) -> str:
     return "\n".join(rows)
 
 
-def _fact_difference(fact: Fact, outcome: Outcome) -> str:
+def _fact_difference(fact: Fact, outcome: CaseOutcome) -> str:
     key, value = fact.key, fact.value
     if key in {"warn", "finding"}:
         had = outcome.findings

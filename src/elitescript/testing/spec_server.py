@@ -5,10 +5,10 @@ from __future__ import annotations
 from ast import literal_eval
 from collections.abc import Callable, Iterable
 
+from elitescript.devices.channels.network import DeviceLink, Peer, VirtualNetwork
 from elitescript.errors import UsageError
-from elitescript.worlds.virtual.network import Link, Peer, VirtualNetwork
 
-Act = Callable[[Link], None]
+Act = Callable[[DeviceLink], None]
 
 
 class PageServer:
@@ -51,19 +51,19 @@ class PageServer:
                 sent = _bytes(data)
                 self.plan.append((float(time_s), lambda link: link.send(sent)))
             elif action == "close":
-                self.plan.append((float(time_s), Link.close))
+                self.plan.append((float(time_s), DeviceLink.close))
             else:
                 raise ValueError(action)
         elif row:
             raise ValueError(row)
 
-    def accept(self, link: Link) -> Peer:
+    def accept(self, link: DeviceLink) -> Peer:
         """A connection."""
         return _PagePeer(link, self)
 
 
 class _PagePeer(Peer):
-    def __init__(self, link: Link, server: PageServer) -> None:
+    def __init__(self, link: DeviceLink, server: PageServer) -> None:
         super().__init__(link)
         self._server = server
         self._heard = b""
