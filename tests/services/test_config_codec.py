@@ -1,9 +1,9 @@
 from array import array
 
+from elitescript.codec.json_text import from_text, to_text
 from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
 from elitescript.kernel import KernelConfig
-from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import MotionStarted
 from elitescript.messages.motion import MicroLine, MoveML
 from elitescript.messages.outputs import Output

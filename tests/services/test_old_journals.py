@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from elitescript.services.journal import JournalReader
-from elitescript.services.replay import Replay
+from elitescript.services.journal.replay import Replay
+from elitescript.services.journal.writer import JournalReader
 
 FOLDER = Path(__file__).with_name("journals")
 TICKS = 800

@@ -6,10 +6,10 @@ import json
 from base64 import b64decode
 from typing import Any, Final
 
-from elitescript.messages.codec import Codec
+from elitescript.codec.messages import Codec
+from elitescript.codec.values import CodecError, shown
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
-from elitescript.messages.shapes import CodecError, shown
 from elitescript.messages.snapshot import Snapshot
 
 DIGEST_TICKS: Final = 250

@@ -26,13 +26,14 @@ from typing import Any, Final
 from zlib import crc32
 
 from elitescript import __version__
+from elitescript.codec.json_text import to_text
+from elitescript.codec.messages import Codec
+from elitescript.codec.values import CodecError
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
-from elitescript.messages.codec import Codec, to_text
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
-from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import Snapshot
 from elitescript.services.config_codec import full_codec, output_text
 from elitescript.services.journal.file import JournalFile

@@ -11,8 +11,10 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import pytest
 
+from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import REGISTRY, Codec
+from elitescript.codec.values import CodecError
 from elitescript.messages import events, inputs, machine, motion, outputs, snapshot, state, yielding
-from elitescript.messages.codec import REGISTRY, Codec, CodecError, from_text, to_text
 from elitescript.messages.enums import AnalogDomain, RobotMode
 from elitescript.messages.events import Alarm, Event, Printed, SignalChanged
 from elitescript.messages.inputs import ChannelData, Do, Input, PlayTask, RunUnit
