@@ -15,6 +15,7 @@ from elitescript.kernel.interpreter_logs import (
     SIZE_MAX,
 )
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.outcomes import StatementAccepted, StatementDiscarded
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol import interpreter, query
 from elitescript.protocol.dashboard import answers as dashboard_answers
@@ -126,14 +127,12 @@ def interpreter_page() -> str:
         *(line for paragraph in INTERPRETER_NOTES for line in (*wrap(paragraph, WIDTH), "")),
         "| reply | when | evidence |",
         "|---|---|---|",
-        f"| `{interpreter.acknowledged(1, 'STATEMENT')}` | The statement is accepted; numbers count from 1. |"
-        " documented; the first number assumed |",
+        f"| `{interpreter.reply_text(StatementAccepted(1, 'STATEMENT'))}` |"
+        " The statement is accepted; numbers count from 1. | documented; the first number assumed |",
     ]
-    for reason in interpreter.REASONS:
-        form = interpreter.discarded(reason.text, "STATEMENT")
-        if reason.text == interpreter.COMPILE_ERROR:
-            form = interpreter.not_compiled("TRACE", "STATEMENT")
-        lines.append(f"| `{form}` | {reason.summary} | {reason.evidence} |")
+    for reason, row in interpreter.REASONS.items():
+        form = interpreter.reply_text(StatementDiscarded(reason, "STATEMENT", "TRACE"))
+        lines.append(f"| `{form}` | {row.summary} | {row.evidence} |")
     lines += [
         "",
         "Words that do not wait their turn:",

@@ -30,6 +30,7 @@ from elitescript.messages.machine import (
     StopTask,
     WriteSignal,
 )
+from elitescript.messages.outcomes import Done, Refused
 from elitescript.messages.outputs import Reply
 from elitescript.services.control import channel as control
 from elitescript.services.control.channel import (
@@ -195,8 +196,9 @@ def test_each_signal_of_a_set_is_asked_for_and_answered_by_itself() -> None:
 def test_the_first_refusal_of_several_answers_is_told() -> None:
     two = VerbAction((Do("ctl#1/1", SetSpeedScale(0.1)), Do("ctl#1/1", SetSpeedScale(0.2))), "set")
     assert two.answered("ctl#1/1")[1] == ("ctl#1/1.1", "ctl#1/1.2")
-    assert outcome_text(two, ["done", "done"]) == "set"
-    for answers in (["refused: first", "done"], ["done", "refused: first"], ["refused: first", "refused: second"]):
+    assert outcome_text(two, [Done(), Done()]) == "set"
+    first = Refused("first")
+    for answers in ([first, Done()], [Done(), first], [first, Refused("second")]):
         with pytest.raises(UsageError, match=r"^first$"):
             outcome_text(two, answers)
 
@@ -205,12 +207,12 @@ def test_answers_are_taken_from_ticks_that_come_in_a_row() -> None:
     async def test() -> None:
         answers = OutputCollector(("ctl#1/1.1", "ctl#1/1.2"))
         assert answers.take(output(1))
-        assert answers.take(output(2, replies=(Reply("ctl#1/1.2", "refused: x"), Reply("rtsi#1", "done"))))
+        assert answers.take(output(2, replies=(Reply("ctl#1/1.2", Refused("x")), Reply("rtsi#1", Done()))))
         assert not answers.finished.done()
-        assert not answers.take(output(3, replies=(Reply("ctl#1/1.1", "done"),)))
+        assert not answers.take(output(3, replies=(Reply("ctl#1/1.1", Done()),)))
         assert not answers.take(output(4))
         await answers.finished
-        assert answers.texts == ["done", "refused: x"]
+        assert answers.outcomes == [Done(), Refused("x")]
 
     run(test())
 

@@ -43,6 +43,7 @@ from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.line import LineSettings
+from elitescript.messages.outcomes import Outcome
 from elitescript.messages.outputs import ChannelRequest
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
@@ -60,6 +61,7 @@ REGISTRY: Final[tuple[type, ...]] = (
     *get_args(yielding.YieldRequest),
     motion.MicroLine,
     LineSettings,
+    *get_args(Outcome),
     outputs.Output,
     outputs.Reply,
     snapshot.RobotDescription,
@@ -89,6 +91,7 @@ _BOUNDS: Final[dict[tuple[str, str], tuple[int, int]]] = {
     ("LineSettings", "parity"): (0, 2),
     ("LineSettings", "stop_bits"): (1, 2),
     ("LineSettings", "size"): (5, 8),
+    ("RegistersRead", "values"): (0, 2**16 - 1),
     ("RobotDescription", "type_id"): (0, INT32_HIGH),
     ("RobotDescription", "firmware"): (0, INT32_HIGH),
     ("RobotDescription", "safety_checksum"): (0, 2**32 - 1),

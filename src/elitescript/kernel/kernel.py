@@ -17,7 +17,7 @@ from elitescript.devices.channels.faults import Fault, fault_of, input_request, 
 from elitescript.devices.channels.faulty_channels import FaultyChannels
 from elitescript.environment.request_channels import FaultyEnvironment, RequestEnvironment
 from elitescript.errors import ScriptError, UsageError
-from elitescript.kernel.answers import shown_after
+from elitescript.kernel.answers import outcome_of
 from elitescript.kernel.causes import cause_of
 from elitescript.kernel.config import KernelConfig, configured_model, describe
 from elitescript.kernel.conversations import Conversations
@@ -53,11 +53,11 @@ from elitescript.messages.inputs import (
     VariablesArrived,
 )
 from elitescript.messages.machine import AskSafety, EndInputFaults, MachineRequest, PowerOff, StopTask
+from elitescript.messages.outcomes import Done, Outcome, Refused
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import TaskPicture
-from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.connections.serial_line import close_lines
 from elitescript.runtime.environment import FilesRefused, ProgramEnvironment
 from elitescript.wiring import RobotOptions, assemble
@@ -194,8 +194,7 @@ class Kernel:
         if why_not:
             self._emit(Warned(self._controller.tick, why_not))
         if item.is_answered:
-            shown = shown_after(self._controller, self.description.firmware, item.request)
-            self._reply(item.origin, refused(why_not) if why_not else done(shown))
+            self._reply(item.origin, outcome_of(self._controller, self.description.firmware, item.request, why_not))
 
     def _attempt(self, request: MachineRequest, by: str) -> str:
         """Do what is asked; return why it cannot be done, empty if it is."""
@@ -214,8 +213,8 @@ class Kernel:
         self._programs.run(item)
 
     def _task_input(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> None:
-        if text := self._tasks.answer(item):
-            self._reply(item.origin, text)
+        if (outcome := self._tasks.answer(item)) is not None:
+            self._reply(item.origin, outcome)
 
     def _show_popup(self, item: ShowPopup) -> None:
         self._emit(Popup(self._controller.tick, item.text, "", "info", False, False, "", 0))
@@ -257,9 +256,9 @@ class Kernel:
                 self._controller.request_from(EndInputFaults(), "fault")
         except UsageError as error:
             self._emit(Warned(self._controller.tick, f"fault refused: {error}"))
-            self._reply(item.origin, refused(str(error)))
+            self._reply(item.origin, Refused(str(error)))
         else:
-            self._reply(item.origin, done())
+            self._reply(item.origin, Done())
 
     def _disturb(self, fault: Fault) -> None:
         if is_of_input(fault):
@@ -303,8 +302,8 @@ class Kernel:
     def _emit(self, event: Event) -> None:
         self._controller.emit(event)
 
-    def _reply(self, origin: str, text: str) -> None:
-        self._replies.append(Reply(origin, text))
+    def _reply(self, origin: str, outcome: Outcome) -> None:
+        self._replies.append(Reply(origin, outcome))
 
     def _task_picture(self) -> TaskPicture:
         return self._tasks.picture

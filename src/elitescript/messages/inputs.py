@@ -144,7 +144,6 @@ class Query:
     """A function call of the query port."""
 
     origin: str
-    ident: str
     text: str
 
 

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 from elitescript.errors import ProgramError, ScriptStateError
 from elitescript.language.compiler import Statement, compile_statement
 from elitescript.language.text.source import SourceFile
+from elitescript.messages.enums import DiscardReason
 from elitescript.runtime.alarms import summary_of
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import is_stop
@@ -39,14 +40,6 @@ STATEMENTS_PER_TICK: Final = 50
 FILE: Final = "<interpreter>"
 """File of a statement, as places in its code show it."""
 
-COMPILE_ERROR: Final = "compile error"
-INVALID_STATE: Final = "invalid state"
-TOO_MANY: Final = "too many"
-CLEARED_BEFORE: Final = "cleared before"
-CLEARED_AT_END: Final = "cleared at end"
-CLEARED: Final = "cleared"
-
-
 BEGUN: Final = "begun"
 DONE: Final = "done"
 FAILED: Final = "failed"
@@ -55,31 +48,31 @@ SKIPPED: Final = "skipped"
 
 
 class StatementListener(Protocol):
-    """Hears what becomes of statements."""
+    """Takes what becomes of statements."""
 
     def accepted(self, origin: str, number: int, text: str) -> None:
-        """It will run, under that number."""
+        """The statement will run under that number."""
 
-    def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
-        """It will not run; `reason` is one of the first six constants above."""
+    def discarded(self, origin: str, reason: DiscardReason, text: str, trace: str = "") -> None:
+        """The statement will not run; `trace` says why and where it does not compile."""
 
     def executed(self, number: int, step: str, text: str) -> None:
-        """It has begun, or is over; `step` is one of the last five. The text of a failure says why it failed."""
+        """The statement has begun or is over; `step` is one of the constants above. The text of a failure says why."""
 
 
 class NoStatementListener:
-    """Nobody listens."""
+    """Ignores what becomes of statements."""
 
     __slots__ = ()
 
     def accepted(self, origin: str, number: int, text: str) -> None:
-        """Nobody listens."""
+        """Do nothing."""
 
-    def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
-        """Nobody listens."""
+    def discarded(self, origin: str, reason: DiscardReason, text: str, trace: str = "") -> None:
+        """Do nothing."""
 
     def executed(self, number: int, step: str, text: str) -> None:
-        """Nobody listens."""
+        """Do nothing."""
 
 
 class _Held(NamedTuple):
@@ -152,7 +145,7 @@ class Interpreter:
             problem: why it cannot be one, whatever it says; empty if it can.
         """
         if len(self._queue) + len(self._held) >= self._limit:
-            self.answers.discarded(origin, TOO_MANY, text)
+            self.answers.discarded(origin, DiscardReason.TOO_MANY, text)
         elif self._is_clearing:
             self._held.append(_Held(origin, text, problem))
         else:
@@ -176,20 +169,20 @@ class Interpreter:
     def _accept(self, held: _Held) -> None:
         program, (origin, text, problem) = self._program, held
         if problem:
-            self.answers.discarded(origin, COMPILE_ERROR, text, problem)
+            self.answers.discarded(origin, DiscardReason.COMPILE_ERROR, text, problem)
             return
         if program is None:
-            self.answers.discarded(origin, INVALID_STATE, text)
+            self.answers.discarded(origin, DiscardReason.INVALID_STATE, text)
             return
         try:
             statement = compile_statement(SourceFile(FILE, text), program.has_global)
         except ProgramError as error:
             first = next(found for found in error.problems if found.is_error)
             trace = f"line {first.line}, column {first.column}, {first.text}"
-            self.answers.discarded(origin, COMPILE_ERROR, text, trace)
+            self.answers.discarded(origin, DiscardReason.COMPILE_ERROR, text, trace)
             return
         if "start_thread" in statement.calls:
-            self.answers.discarded(origin, COMPILE_ERROR, text, "a statement may not start threads")
+            self.answers.discarded(origin, DiscardReason.COMPILE_ERROR, text, "a statement may not start threads")
             return
         self._is_clearing = _clears(statement)
         self.last_accepted += 1
@@ -211,7 +204,7 @@ class Interpreter:
 
     def end_program(self) -> None:
         """The program is over, and so is the session."""
-        self._discard_queue(CLEARED_AT_END)
+        self._discard_queue(DiscardReason.CLEARED_AT_END)
         self.last_cleared = self.last_accepted
         self._program = None
         self.is_running = False
@@ -234,7 +227,7 @@ class Interpreter:
         if self.is_running:
             raise ScriptStateError("interpreter mode is entered already")
         if clears_queue:
-            self._discard_queue(CLEARED_BEFORE)
+            self._discard_queue(DiscardReason.CLEARED_BEFORE)
             self._release_held()
         self._is_ending = False
         self.is_running = True
@@ -262,7 +255,7 @@ class Interpreter:
         finally:
             self.is_running = False
             if clears_at_end and not is_stopped:
-                self._discard_queue(CLEARED_AT_END)
+                self._discard_queue(DiscardReason.CLEARED_AT_END)
                 self._forget(program)
 
     def end(self) -> None:
@@ -274,7 +267,7 @@ class Interpreter:
     def clear(self) -> None:
         """Throw away the statements that wait, and forget what statements have defined."""
         if self._program is not None:
-            self._discard_queue(CLEARED)
+            self._discard_queue(DiscardReason.CLEARED)
             self._forget(self._program)
 
     def _next(self) -> _Waiting | None:
@@ -320,7 +313,7 @@ class Interpreter:
             self.answers.executed(waiting.number, SKIPPED, waiting.text)
         return any(_clears(waiting.statement) for waiting in queue)
 
-    def _discard_queue(self, reason: str) -> None:
+    def _discard_queue(self, reason: DiscardReason) -> None:
         queue, self._queue = self._queue, deque()
         for waiting in queue:
             self.last_cleared = waiting.number

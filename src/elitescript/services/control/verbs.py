@@ -26,12 +26,13 @@ from elitescript.messages.machine import (
     StopTask,
     WriteSignal,
 )
+from elitescript.messages.outcomes import Outcome
 from elitescript.messages.outputs import Output
 from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
 from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.protocol.dashboard.answers import Answer, Asked
 from elitescript.protocol.dashboard.connection import find_row
-from elitescript.protocol.outcomes import read_outcome
+from elitescript.protocol.outcomes import refusal_of, value_text
 
 if TYPE_CHECKING:
     from elitescript.services.served_devices import ServedDevices
@@ -91,18 +92,21 @@ class Verb(NamedTuple):
         return f"{self.name} {self.argument}".strip()
 
 
-def outcome_text(order: VerbAction, answers: Iterable[str]) -> str:
-    """What to say after the robot's own answers to an order, in the order of its inputs.
+def outcome_text(order: VerbAction, outcomes: Iterable[Outcome]) -> str:
+    """Return what to say of an order that the robot has answered.
+
+    Args:
+        order: what was asked for.
+        outcomes: of its inputs, in their order.
 
     Raises:
-        UsageError: the robot refuses one of them; the first refusal is told.
+        UsageError: the robot refuses one of them; the text is that of the first.
     """
     text = order.text
-    for answer in answers:
-        outcome = read_outcome(answer)
-        if not outcome.is_done:
-            raise UsageError(f"{order.failure}: {outcome.detail}" if order.failure else outcome.detail)
-        text += outcome.detail
+    for outcome in outcomes:
+        if (why_not := refusal_of(outcome)) is not None:
+            raise UsageError(f"{order.failure}: {why_not}" if order.failure else why_not)
+        text += value_text(outcome)
     return text
 
 
