@@ -14,11 +14,12 @@ from typing import Any
 
 import pytest
 
-from elitescript.devices.channels.faults import Fault, fault_of
+from elitescript.devices.channels.faults import Fault
+from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.errors import UsageError
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged
-from elitescript.messages.inputs import AddFault, ClosePopup, Do
+from elitescript.messages.inputs import AddFault, ClosePopup, Do, EndFaults
 from elitescript.messages.machine import (
     AskSafety,
     PauseTask,
@@ -172,7 +173,7 @@ def test_what_the_robot_refuses_is_no_success(verb: str, arguments: list[str]) -
 
 def test_a_task_that_cannot_start_says_why() -> None:
     robot = FakeRobot()
-    robot.play_answer = "refused: no task is loaded"
+    robot.play_answer = Refused("no task is loaded")
 
     async def test() -> None:
         async with controlled(robot) as (_, channel):
@@ -323,8 +324,8 @@ def disturbed(*arguments: str) -> VerbAction:
 def test_a_disturbance_is_an_input_of_the_robot() -> None:
     (asked,) = disturbed("delay", "on=5000", "delay_s=0.5", "direction=to_robot").inputs
     assert isinstance(asked, AddFault)
-    assert fault_of(asked.text) == Fault("delay", 5000, delay_s=0.5, direction="to_robot")
-    assert disturbed("end").inputs == (AddFault("ctl#1/1", ""),)
+    assert asked.fault == machine_fault(Fault("delay", 5000, delay_s=0.5, direction="to_robot"))
+    assert disturbed("end").inputs == (EndFaults("ctl#1/1"),)
 
 
 @pytest.mark.parametrize(
@@ -382,7 +383,7 @@ def test_play_waits_for_the_end_of_its_own_task(events: list[Any], answer: str |
 def test_a_refused_play_does_not_wait() -> None:
     async def test() -> None:
         robot = FakeRobot()
-        robot.play_answer = "refused: no task is loaded"
+        robot.play_answer = Refused("no task is loaded")
         async with controlled(robot) as (_, channel):
             answer = await asyncio.to_thread(ask, Path(channel.address), "play", [], {}, waits=True)
             assert answer == {"ok": False, "error": "not started: no task is loaded"}

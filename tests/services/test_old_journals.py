@@ -11,16 +11,17 @@ from pathlib import Path
 
 import pytest
 
+from elitescript.errors import UsageError
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import JournalReader
 
 FOLDER = Path(__file__).with_name("journals")
 TICKS = 800
+IS_OTHER = (platform.system(), platform.machine()) != ("Linux", "x86_64")
+OTHER = "other C libraries give other last bits"
 
 
-@pytest.mark.skipif(
-    (platform.system(), platform.machine()) != ("Linux", "x86_64"), reason="other C libraries give other last bits"
-)
+@pytest.mark.skipif(IS_OTHER, reason=OTHER)
 def test_format_2_comes_out_the_same():
     reader = JournalReader(FOLDER / "format-2.journal")
     session = Replay(reader)
@@ -29,3 +30,49 @@ def test_format_2_comes_out_the_same():
     assert session.checked_ticks == TICKS
     assert reader.note == ""
     assert sum(len(output.replies) for output in outputs) == 39
+
+
+def record_of(tmp_path: Path, old: str, new: str) -> Path:
+    """The same journal with one text replaced."""
+    text = (FOLDER / "format-2.journal").read_text()
+    assert old in text
+    path = tmp_path / "a.journal"
+    path.write_text(text.replace(old, new, 1))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ('"CS66","",', '"CS66",', "line 1: a configuration of format 2 has 22 fields"),
+        (r"\"kind\": \"delay\", ", "", "line 1: no fault: kind: is missing"),
+        ('["{', '["[{', "line 1: no fault: "),
+        (
+            r'"{\"kind\": \"corrupt\"',
+            r'"{\"kind\": \"spoil\"',
+            "line 6, byte .*: no fault: kind: there is no fault 'spoil'",
+        ),
+        ('["Query","query#1/1","7","1 + 1"]', '["Query","query#1/1",7,"1 + 1"]', "Query: 2 fields are expected"),
+        ('"told":750,"events":[["Alarm",750', '"told":750,"events":[["Alarm","750"', "Alarm.tick: a whole number"),
+    ],
+)
+def test_a_damaged_journal_of_format_2_is_refused_with_its_place(tmp_path: Path, old: str, new: str, why: str):
+    with pytest.raises(UsageError, match=why):
+        list(Replay(JournalReader(record_of(tmp_path, old, new))).outputs())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "tick"),
+    [
+        ('["Query","query#1/1","7","1 + 1"]', '["Query","query#1/1","6","1 + 1"]', 120),
+        (r"\"delay_s\": 0.02", r"\"delay_s\": 0.04", 25),
+        (r"\"settle_s\": 0.04", r"\"settle_s\": 0.02", 32),
+        ('["SetVariable","dashboard#1/8","b","[1, 2]"]', '["SetVariable","dashboard#1/8","b","[1, 3]"]', 771),
+    ],
+)
+@pytest.mark.skipif(IS_OTHER, reason=OTHER)
+def test_a_difference_in_a_journal_of_format_2_is_found(tmp_path: Path, old: str, new: str, tick: int):
+    session = Replay(JournalReader(record_of(tmp_path, old, new)))
+    list(session.outputs())
+    assert session.difference is not None
+    assert session.difference.tick == tick

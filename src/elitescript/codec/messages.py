@@ -31,7 +31,7 @@ from elitescript.codec.values import (
     domain_image,
     enum_shape,
     floats,
-    number,
+    plain,
     read_text,
     shown,
     whole,
@@ -41,6 +41,7 @@ from elitescript.errors import UsageError
 from elitescript.messages import machine, motion, outputs, snapshot, state, yielding
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.events import Event
+from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import Input
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outcomes import Outcome
@@ -56,6 +57,7 @@ REGISTRY: Final[tuple[type, ...]] = (
     *get_args(Event),
     *get_args(ChannelRequest),
     *get_args(machine.MachineRequest),
+    ChannelFault,
     *get_args(motion.MotionRequest),
     *get_args(motion.TrackRequest),
     *get_args(yielding.YieldRequest),
@@ -87,6 +89,8 @@ _BOUNDS: Final[dict[tuple[str, str], tuple[int, int]]] = {
     ("RobotState", "node"): (INT32_LOW, INT32_HIGH),
     ("LineMarked", "number"): (INT32_LOW, INT32_HIGH),
     ("OpenChannel", "port"): (0, 65535),
+    ("ChannelFault", "place"): (0, 65535),
+    ("ChannelFault", "chunk"): (1, 65536),
     ("LineSettings", "baud"): (1, 10_000_000),
     ("LineSettings", "parity"): (0, 2),
     ("LineSettings", "stop_bits"): (1, 2),
@@ -204,14 +208,15 @@ class Codec:
         return Shape(encode, decode)
 
     def _union(self, parts: tuple[Any, ...], bounds: tuple[int, int]) -> Shape[Any]:
-        if set(parts) <= {bool, int, float}:
-            return number(parts)
         if NoneType in parts:
-            inner = self._shape(parts[0] if parts[1] is NoneType else parts[1], bounds)
+            rest = tuple(part for part in parts if part is not NoneType)
+            inner = self._shape(rest[0], bounds) if len(rest) == 1 else self._union(rest, bounds)
             return Shape(
                 lambda value: None if value is None else inner.encode(value),
                 lambda data: None if data is None else inner.decode(data),
             )
+        if set(parts) <= {bool, int, float, str}:
+            return plain(parts)
         by_class = {part: self._shape(part, bounds) for part in parts}
         by_name = {part.__name__: shape for part, shape in by_class.items()}
 

@@ -167,18 +167,19 @@ def whole(low: int, high: int) -> Shape[int]:
     return Shape(int, decode)
 
 
-def number(parts: tuple[type, ...]) -> Shape[Any]:
-    """Return the shape of numbers that keep their type."""
+def plain(parts: tuple[type, ...]) -> Shape[Any]:
+    """Return the shape of numbers, or of texts and whole numbers, that keep their type."""
     allowed = frozenset(parts)
 
     def decode(data: Any) -> Any:
-        if type(data) in allowed and not is_large(data):
-            return data
-        if float in allowed and type(data) is str:
-            return _read_float(data)
-        raise CodecError(f"a number is expected, not {shown(data)}")
+        if type(data) is str:
+            return _read_float(data) if float in allowed else read_text(data) if str in allowed else refuse(data)
+        return data if type(data) in allowed and not is_large(data) else refuse(data)
 
-    return Shape(lambda value: value, decode)
+    def refuse(data: Any) -> Any:
+        raise CodecError(f"one of {', '.join(part.__name__ for part in parts)} is expected, not {shown(data)}")
+
+    return Shape(lambda value: write_text(value) if isinstance(value, str) else value, decode)
 
 
 def enum_shape(kind: type[IntEnum]) -> Shape[Any]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
-from elitescript.messages.inputs import AddFault, Do, Input, PlayTask
+from elitescript.messages.inputs import AddFault, Do, EndFaults, Input, PlayTask
 from elitescript.messages.machine import (
     AskSafety,
     MachineRequest,
@@ -207,11 +207,12 @@ def _disturb(request: VerbRequest) -> VerbAction:
     """`disturb KIND on=PLACE NAME=VALUE...`, or `disturb end`."""
     from ast import literal_eval
 
-    from elitescript.devices.channels.faults import DEVICE, fault_from, fault_text, nowhere, place_of
+    from elitescript.devices.channels.faults import DEVICE, fault_from, nowhere, place_of
+    from elitescript.devices.channels.machine_faults import machine_fault
 
     kind, *words = request.arguments
     if kind == "end" and not words:
-        return VerbAction((AddFault(request.origin, ""),), "nothing goes wrong any more", failure="disturb")
+        return VerbAction((EndFaults(request.origin),), "nothing goes wrong any more", failure="disturb")
     settings: dict[str, Any] = {"kind": kind}
     for word in words:
         name, equals, text = word.partition("=")
@@ -226,7 +227,7 @@ def _disturb(request: VerbRequest) -> VerbAction:
         fault = request.world.check_fault(fault)
     elif place_of(fault.on)[0] == DEVICE:
         raise nowhere(fault.on, ())
-    return VerbAction((AddFault(request.origin, fault_text(fault)),), str(fault), failure="disturb")
+    return VerbAction((AddFault(request.origin, machine_fault(fault)),), str(fault), failure="disturb")
 
 
 def _fault_kinds() -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from base64 import b64decode
+from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.codec.messages import Codec
@@ -11,6 +12,7 @@ from elitescript.codec.values import CodecError, shown
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.snapshot import Snapshot
+from elitescript.services.journal.format2 import Format2
 
 DIGEST_TICKS: Final = 250
 """Ticks between two digests, one second."""
@@ -58,13 +60,14 @@ class RecordReader:
     Args:
         codec: knows the classes.
         first_tick: of the session.
+        old: decodes inputs of a journal of format 2.
     """
 
-    __slots__ = ("_events", "_inputs", "_next_tick", "_picture", "_unmarked_tick")
+    __slots__ = ("_events", "_input", "_next_tick", "_picture", "_unmarked_tick")
 
-    def __init__(self, codec: Codec, first_tick: int) -> None:
+    def __init__(self, codec: Codec, first_tick: int, old: Format2 | None = None) -> None:
         self._events = codec.shape(Event)
-        self._inputs = codec.shape(Input)
+        self._input: Callable[[Any], Input] = codec.shape(Input).decode if old is None else old.input
         self._picture = codec.shape(Snapshot)
         self._next_tick = first_tick
         self._unmarked_tick = first_tick
@@ -93,7 +96,7 @@ class RecordReader:
     def _decode(self, record: dict[str, Any]) -> None:
         for key in ("in", "lost"):
             if key in record:
-                record[key] = [self._inputs.decode(item) for item in record[key]]
+                record[key] = [self._input(item) for item in record[key]]
         if "events" in record:
             record["events"] = [self._events.decode(item) for item in record["events"]]
         if "state" in record:
