@@ -174,6 +174,7 @@ class TestUnits:
         session.send(RunUnit("primary#1", "secondary", "sec s():\n  x = 1 +\nend\n"))
         (warning,) = session.of(Warned)
         assert warning.text.startswith("[SEC] Exception: SyntaxError")
+        assert warning.is_exception
 
     def test_every_error_of_a_broken_secondary_program_has_the_prefix(self):
         session = Session()
@@ -181,6 +182,7 @@ class TestUnits:
         first, second = session.of(Warned)
         assert (first.line, second.line) == (2, 3)
         assert second.text.startswith("[SEC] Exception: SyntaxError: ")
+        assert first.is_exception and second.is_exception
 
     def test_what_the_compiler_warns_of_names_its_line_once(self):
         session = Session()

@@ -11,9 +11,15 @@ from pathlib import Path
 
 import pytest
 
+from elitescript.codec.json_text import from_text
+from elitescript.codec.values import CodecError
 from elitescript.errors import UsageError
+from elitescript.messages.events import Printed, Warned
+from elitescript.services.config_codec import full_codec
+from elitescript.services.journal.format2 import Format2
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import JournalReader
+from tests.protocol.snapshots import output
 
 FOLDER = Path(__file__).with_name("journals")
 TICKS = 800
@@ -30,6 +36,16 @@ def test_format_2_comes_out_the_same():
     assert session.checked_ticks == TICKS
     assert reader.note == ""
     assert sum(len(output.replies) for output in outputs) == 39
+
+
+def test_warnings_of_format_2_are_read_and_written_without_what_came_later():
+    old = Format2(full_codec())
+    fields = [1, "[SEC] Exception: x", "sec", 2, "", "", 0, "warning"]
+    assert old.event(["Warned", *fields]) == Warned(*fields)
+    text = old.output_text(output(1, events=(Warned(*fields, is_exception=True), Printed(1, "a", "main", 1))))
+    assert from_text(text)[1] == [["Warned", *fields], ["Printed", 1, "a", "main", 1]]
+    with pytest.raises(CodecError):
+        old.event(["Warned", *fields, True, True])
 
 
 def record_of(tmp_path: Path, old: str, new: str) -> Path:

@@ -13,6 +13,7 @@ from elitescript.devices.channels.faults import fault_from
 from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
+from elitescript.messages.events import Event
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import AddFault, EndFaults, Input, Query
 from elitescript.messages.machine import DisturbInput
@@ -49,7 +50,9 @@ _CONFIG: Final = [
 ]
 """Fields of a configuration, in the order of that format."""
 _FAULTS: Final = "faults"
-_REPLIES: Final = list(Output.__dataclass_fields__).index("replies")
+_EVENTS, _REPLIES = map(list(Output.__dataclass_fields__).index, ("events", "replies"))
+_WARNED: Final = 1 + len(("tick", "text", "thread", "line", "code", "hint", "column", "severity"))
+"""Items of a `Warned` with its name."""
 
 
 class Format2:
@@ -59,10 +62,11 @@ class Format2:
         codec: of today's messages.
     """
 
-    __slots__ = ("_codec", "_idents", "_inputs", "_output")
+    __slots__ = ("_codec", "_events", "_idents", "_inputs", "_output")
 
     def __init__(self, codec: Codec) -> None:
         self._codec = codec
+        self._events = codec.shape(Event)
         self._inputs = codec.shape(Input)
         self._output = codec.shape(Output)
         self._idents: dict[str, str] = {}
@@ -98,9 +102,22 @@ class Format2:
         item: Input = self._inputs.decode(data)
         return item
 
+    def event(self, data: Any) -> Event:
+        """Return an event that clients were told of while there was no robot.
+
+        Raises:
+            CodecError: it is none.
+        """
+        match data:
+            case ["Warned", *fields] if len(data) == _WARNED:
+                data = ["Warned", *fields, False]
+        item: Event = self._events.decode(data)
+        return item
+
     def output_text(self, output: Output) -> str:
         """Return an output as digests of that format cover it."""
         data = self._output.encode(without_points(replace(output, replies=())))
+        data[_EVENTS] = [event[:_WARNED] if event[0] == "Warned" else event for event in data[_EVENTS]]
         data[_REPLIES] = [[write_text(reply.origin), write_text(self._reply_text(reply))] for reply in output.replies]
         return to_text(data)
 

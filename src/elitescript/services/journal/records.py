@@ -63,10 +63,10 @@ class RecordReader:
         old: decodes inputs of a journal of format 2.
     """
 
-    __slots__ = ("_events", "_input", "_next_tick", "_picture", "_unmarked_tick")
+    __slots__ = ("_event", "_input", "_next_tick", "_picture", "_unmarked_tick")
 
     def __init__(self, codec: Codec, first_tick: int, old: Format2 | None = None) -> None:
-        self._events = codec.shape(Event)
+        self._event: Callable[[Any], Event] = codec.shape(Event).decode if old is None else old.event
         self._input: Callable[[Any], Input] = codec.shape(Input).decode if old is None else old.input
         self._picture = codec.shape(Snapshot)
         self._next_tick = first_tick
@@ -98,7 +98,7 @@ class RecordReader:
             if key in record:
                 record[key] = [self._input(item) for item in record[key]]
         if "events" in record:
-            record["events"] = [self._events.decode(item) for item in record["events"]]
+            record["events"] = [self._event(item) for item in record["events"]]
         if "state" in record:
             record["state"] = self._picture.decode(record["state"])
         if type(record.get("asked", [])) is not list:
