@@ -111,6 +111,11 @@ def outcome_text(order: VerbAction, outcomes: Iterable[Outcome]) -> str:
 
 
 def _dashboard_order(line: str, request: VerbRequest) -> VerbAction:
+    """Return what a dashboard command asks of the robot.
+
+    Raises:
+        UsageError: the command is refused: it asks nothing.
+    """
     found = find_row(line)
     if isinstance(found, str):
         raise UsageError(found)
@@ -118,7 +123,7 @@ def _dashboard_order(line: str, request: VerbRequest) -> VerbAction:
     if row.guard is not None and (refusal := row.guard._replace(is_remote_only=False).refusal(request.snapshot)):
         raise UsageError(refusal)
     answer: Answer = row.answer(Asked(request.origin, argument, request.snapshot, request.description))
-    if not answer.inputs and answer.text.startswith("Failed"):
+    if not answer.inputs:
         raise UsageError(answer.text)
     return VerbAction(answer.inputs, answer.text, answer.failure)
 
