@@ -130,8 +130,8 @@ def interpreter_page() -> str:
         f"| `{interpreter.reply_text(StatementAccepted(1, 'STATEMENT'))}` |"
         " The statement is accepted; numbers count from 1. | documented; the first number assumed |",
     ]
-    for reason, row in interpreter.REASONS.items():
-        form = interpreter.reply_text(StatementDiscarded(reason, "STATEMENT", "TRACE"))
+    for row in interpreter.REASONS:
+        form = interpreter.reply_text(StatementDiscarded(row.reason, "STATEMENT", "TRACE"))
         lines.append(f"| `{form}` | {row.summary} | {row.evidence} |")
     lines += [
         "",

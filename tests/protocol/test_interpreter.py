@@ -111,7 +111,7 @@ def test_words_do_not_wait_their_turn(word: str) -> None:
 
 def test_the_table_has_the_documented_words() -> None:
     assert list(WORDS) == DOCUMENTED_WORDS
-    assert [reason.text for reason in REASONS.values()] == [
+    assert [reason.text for reason in REASONS] == [
         "Compile error",
         "Task is in an invalid state",
         "Too many interpreted messages",

@@ -100,7 +100,7 @@ _WORDS: Final = (
 WORDS: Final[dict[str, Word]] = {word.name: word for word in _WORDS}
 """Every word that does not wait its turn."""
 
-_REASONS: Final = (
+REASONS: Final = (
     Reason(DiscardReason.COMPILE_ERROR, "Compile error", "It does not compile; the reason follows.", "documented"),
     Reason(DiscardReason.INVALID_STATE, "Task is in an invalid state", "No program runs.", "documented"),
     Reason(
@@ -118,8 +118,8 @@ _REASONS: Final = (
     Reason(DiscardReason.CLEARED_AT_END, "Cleaned up after end", "It waited when the session ended.", "documented"),
     Reason(DiscardReason.CLEARED, "Cleaned up", "It waited when `clear_interpreter()` was executed.", "documented"),
 )
-REASONS: Final[dict[DiscardReason, Reason]] = {row.reason: row for row in _REASONS}
-"""Why a statement is discarded, as replies say it."""
+"""Why a statement is discarded."""
+_REASON_TEXTS: Final = {row.reason: row.text for row in REASONS}
 
 
 def reply_text(outcome: InterpreterOutcome) -> str:
@@ -129,9 +129,9 @@ def reply_text(outcome: InterpreterOutcome) -> str:
             return f"ack: {number}: {text}"
         case StatementDiscarded(DiscardReason.COMPILE_ERROR as reason, text, trace):
             # There is no blank before the trace, but one behind it.
-            return f"discard: {REASONS[reason].text}:{trace} : {text}"
+            return f"discard: {_REASON_TEXTS[reason]}:{trace} : {text}"
         case StatementDiscarded(reason, text):
-            return f"discard: {REASONS[reason].text}: {text}"
+            return f"discard: {_REASON_TEXTS[reason]}: {text}"
         case StatementNumber(word, number):
             return f"state: {number}: {word}"
         case SessionState(is_running):
