@@ -15,6 +15,7 @@ from elitescript.kernel.interpreter_logs import (
     SIZE_MAX,
 )
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.outcomes import ShownValue, StatementAccepted, StatementDiscarded
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol import interpreter, query
 from elitescript.protocol.dashboard import answers as dashboard_answers
@@ -126,14 +127,12 @@ def interpreter_page() -> str:
         *(line for paragraph in INTERPRETER_NOTES for line in (*wrap(paragraph, WIDTH), "")),
         "| reply | when | evidence |",
         "|---|---|---|",
-        f"| `{interpreter.acknowledged(1, 'STATEMENT')}` | The statement is accepted; numbers count from 1. |"
-        " documented; the first number assumed |",
+        f"| `{interpreter.reply_text(StatementAccepted(1, 'STATEMENT'))}` |"
+        " The statement is accepted; numbers count from 1. | documented; the first number assumed |",
     ]
-    for reason in interpreter.REASONS:
-        form = interpreter.discarded(reason.text, "STATEMENT")
-        if reason.text == interpreter.COMPILE_ERROR:
-            form = interpreter.not_compiled("TRACE", "STATEMENT")
-        lines.append(f"| `{form}` | {reason.summary} | {reason.evidence} |")
+    for row in interpreter.REASONS:
+        form = interpreter.reply_text(StatementDiscarded(row.reason, "STATEMENT", "TRACE"))
+        lines.append(f"| `{form}` | {row.summary} | {row.evidence} |")
     lines += [
         "",
         "Words that do not wait their turn:",
@@ -153,10 +152,11 @@ def interpreter_page() -> str:
         "",
         "| reply | when | evidence |",
         "|---|---|---|",
-        f"| `{query.succeeded('ID', 'VALUE')}` | The value, as `repr` writes it. | documented |",
-        f"| `{query.not_parsed('ID')}` | The statement does not compile, or is missing. | documented |",
-        f"| `{query.not_executed('ID')}` | It raised an exception, is not allowed or took too long, or too many wait. |"
-        " documented; when too many wait, assumed |",
-        f"| `{query.not_parsed(query.UNREADABLE_ID)}` | The line is not a request. | documented |",
+        f"| `{query.reply_text('ID', ShownValue('VALUE'))}` | The value, as `repr` writes it. | documented |",
+        f"| `{query.reply_text('ID', query.NOT_PARSED)}` | The statement does not compile, or is missing. |"
+        " documented |",
+        f"| `{query.reply_text('ID', query.NOT_EXECUTED)}` | It raised an exception, is not allowed or took too long,"
+        " or too many wait. | documented; when too many wait, assumed |",
+        f"| `{query.reply_text(query.UNREADABLE_ID, query.NOT_PARSED)}` | The line is not a request. | documented |",
     ]
     return "\n".join(lines) + "\n"

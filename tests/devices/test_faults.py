@@ -6,8 +6,11 @@ import re
 
 import pytest
 
-from elitescript.devices.channels.faults import FORMS, LINE, TABLE, TCP, fault_of, fault_text, place_of
+from elitescript.devices.channels.faults import FORMS, LINE, TABLE, TCP, fault_from, place_of
+from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.errors import UsageError
+from elitescript.messages.faults import ChannelFault
+from elitescript.messages.machine import DisturbInput
 from elitescript.testing.world import Fault, ModbusDevice, SerialDevice, TcpServer, World, XmlRpcServer
 
 NEEDS = {"delay": {"delay_s": 0.1}, "wrong_reply": {"reply": "x"}}
@@ -94,14 +97,59 @@ def test_a_reconnect_needs_a_disconnect_before_it():
     World([TcpServer(port=5000)], faults=[Fault("reconnect", 5000, at_s=3.0), Fault("disconnect", 5000, at_s=2.0)])
 
 
-def test_a_fault_goes_through_a_line_of_text():
-    fault = Fault("wrong_reply", 502, form="exception", code=6, nth=3, count=1, at_s=0.5)
-    assert fault_of(fault_text(fault)) == fault
-    with pytest.raises(UsageError, match="reply: must be a text"):
-        fault_text(Fault("wrong_reply", 5000, reply=b"x"))
-    for text, words in [("{", "is no fault"), ("[]", "must be an object"), ('{"kind": "drop"}', "on: is missing")]:
-        with pytest.raises(UsageError, match=words):
-            fault_of(text)
+@pytest.mark.parametrize(
+    ("fault", "found"),
+    [
+        (
+            Fault("delay", 5000, delay_s=0.5, at_s=1.0, for_s=2.0, nth=3, count=1, share=0.5, direction="to_robot"),
+            ChannelFault("delay", 5000, (TCP, "", 5000), 250, 500, 3, 1, "to_robot", 0.5, delay_ticks=125),
+        ),
+        (Fault("trickle", "h:502", chunk=7), ChannelFault("trickle", "h:502", (TCP, "h", 502), chunk=7)),
+        (Fault("drop", "box"), ChannelFault("drop", "box", (LINE, "/dev/ttymxc0", 0))),
+        (
+            Fault("wrong_reply", 502, form="exception", code=6),
+            ChannelFault("wrong_reply", 502, (TCP, "", 502), form="exception", reply=b"\x06"),
+        ),
+        (
+            Fault("wrong_reply", 5000, reply="no\u00e9"),
+            ChannelFault("wrong_reply", 5000, (TCP, "", 5000), form="bytes", reply=b"no\xc3\xa9"),
+        ),
+        (
+            Fault("wrong_reply", 5000, reply=b"\xff"),
+            ChannelFault("wrong_reply", 5000, (TCP, "", 5000), form="bytes", reply=b"\xff"),
+        ),
+        (
+            Fault("wrong_reply", 80, form="http", code=503),
+            ChannelFault(
+                "wrong_reply",
+                80,
+                (TCP, "", 80),
+                form="bytes",
+                reply=b"HTTP/1.1 503 Error\r\nContent-Type: text/xml\r\nContent-Length: 0\r\n\r\n",
+            ),
+        ),
+        (
+            Fault("stuck", "standard_digital_in[3]", value=True, at_s=0.1, for_s=0.2),
+            DisturbInput("stuck", "standard_digital_in", 3, 25, 50, True, 1, 2),
+        ),
+        (
+            Fault("noisy", "standard_analog_in[1]", sigma=0.5, seed=7),
+            DisturbInput("noisy", "standard_analog_in", 1, 0, None, None, 1, 2, 0.5, None, 7),
+        ),
+    ],
+    ids=str,
+)
+def test_what_the_robot_gets_of_a_fault(fault: Fault, found: ChannelFault | DisturbInput):
+    assert machine_fault(fault) == found
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [({"kind": "drop"}, "on: is missing"), ({"on": 1}, "kind: is missing"), ({"knd": "drop"}, "knd: is not known")],
+)
+def test_settings_that_make_no_fault_are_refused(settings: dict[str, str | int], words: str):
+    with pytest.raises(UsageError, match=words):
+        fault_from(settings)
 
 
 EXCEPTION = {"kind": "wrong_reply", "form": "exception", "code": 2}

@@ -307,8 +307,9 @@ def test_a_fault_that_comes_in_the_middle_of_a_message_does_not_go_by_one_that_h
 
 def test_without_a_network_there_is_nothing_to_break():
     from elitescript.devices.channels.faulty_channels import FaultyChannels
+    from elitescript.devices.channels.machine_faults import channel_fault
 
-    channels = FaultyChannels(NoChannels(), [Fault("drop", 5000)])
+    channels = FaultyChannels(NoChannels(), [channel_fault(Fault("drop", 5000))])
     assert channels.open("h", 5000, 2.0) == 0
     assert channels.open_line("tool", LineSettings(9600, 0, 1, 8)) == 0
     assert channels.next_tick(0) is None

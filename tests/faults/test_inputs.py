@@ -11,16 +11,19 @@ from typing import Any
 import pytest
 
 from elitescript import VirtualRobot
+from elitescript.codec.json_text import from_text, to_text
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.controller.signals.input_faults import EFFECTS
-from elitescript.devices.channels.faults import ANALOG, DIGITAL, TABLE, fault_of, fault_text
+from elitescript.devices.channels.faults import ANALOG, DIGITAL, TABLE
+from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.errors import UsageError
 from elitescript.kernel.config import KernelConfig
 from elitescript.kernel.kernel import Kernel
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.events import SignalChanged
-from elitescript.messages.inputs import AddFault, Do
+from elitescript.messages.inputs import AddFault, Do, EndFaults, Input
 from elitescript.messages.machine import SetAnalogDomain
+from elitescript.services.config_codec import full_codec
 from elitescript.testing.world import Device, Fault, Schedule, TcpServer, Wire, World
 
 CASES: dict[str, dict[str, Any]] = tomllib.loads(Path(__file__).with_name("inputs.toml").read_text("utf-8"))
@@ -52,7 +55,7 @@ def kernel_changes(
     faults: list[Fault], applied: list[tuple[int, str, Any]], ticks: int
 ) -> list[tuple[int, object, str]]:
     """The same through the kernel that a served robot is."""
-    kernel = Kernel(KernelConfig(faults=tuple(map(fault_text, faults))))
+    kernel = Kernel(KernelConfig(faults=tuple(map(machine_fault, faults))))
     events: list[Any] = []
     for tick in range(ticks):
         inputs = [Do("world:schedule", signal_write(name, value)) for at, name, value in applied if at == tick]
@@ -271,9 +274,9 @@ def test_a_robot_without_faults_of_inputs_has_nothing_of_them() -> None:
 def test_a_client_of_a_served_robot_lets_one_come_and_go() -> None:
     kernel = Kernel(KernelConfig())
     events: list[Any] = []
-    text = fault_text(Fault("stuck", on=DIN, value=True))
+    fault = machine_fault(Fault("stuck", on=DIN, value=True))
     for tick in range(12):
-        inputs = {3: [AddFault("ctl", text)], 8: [AddFault("ctl", "")]}.get(tick, [])
+        inputs = {3: [AddFault("ctl", fault)], 8: [EndFaults("ctl")]}.get(tick, ())
         events += kernel.tick(inputs).events
     assert changes(events) == [(3, True, "fault"), (8, False, "fault")]
 
@@ -361,5 +364,6 @@ def test_what_makes_no_sense_is_refused(settings: dict[str, Any], words: str) ->
 
 
 @pytest.mark.parametrize("title", CASES)
-def test_a_fault_comes_back_from_its_text(title: str) -> None:
-    assert fault_of(fault_text(case_fault(CASES[title]))) == case_fault(CASES[title])
+def test_a_fault_reaches_the_robot_of_another_process_as_it_is(title: str) -> None:
+    shape, fault = full_codec().shape(Input), AddFault("ctl", machine_fault(case_fault(CASES[title])))
+    assert repr(shape.decode(from_text(to_text(shape.encode(fault))))) == repr(fault)

@@ -1,4 +1,4 @@
-"""A kernel with what it has said so far."""
+"""A kernel with its events and replies so far."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.events import Event, TextMessage
 from elitescript.messages.inputs import Do, Input, RunUnit
 from elitescript.messages.machine import MachineRequest
+from elitescript.messages.outcomes import InterpreterOutcome, Outcome
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import ticks_for
+from elitescript.protocol.interpreter import reply_text
 
 READY = KernelConfig(power_on=True)
 FOREVER = "while True:\n    sync()\n  end"
@@ -26,7 +28,7 @@ class Session:
     def __init__(self, config: KernelConfig | None = None, world: Any = None) -> None:
         self.kernel = Kernel(config or KernelConfig(), world)
         self.events: list[Event] = []
-        self.replies: list[str] = []
+        self.outcomes: list[Outcome] = []
         self.first: Output | None = None
         self.last: Any = None
 
@@ -35,7 +37,7 @@ class Session:
         self.last = self.kernel.tick(inputs)
         self.first = self.first or self.last
         self.events += self.last.events
-        self.replies += [reply.text for reply in self.last.replies]
+        self.outcomes += [reply.outcome for reply in self.last.replies]
         return self.last
 
     def tick(self) -> Output:
@@ -58,6 +60,11 @@ class Session:
     def of(self, kind: type) -> list[Any]:
         """Events of a kind."""
         return [event for event in self.events if isinstance(event, kind)]
+
+    @property
+    def replies(self) -> list[str]:
+        """What was answered to lines of interpreter mode, as its port says it."""
+        return [reply_text(outcome) for outcome in self.outcomes if isinstance(outcome, InterpreterOutcome)]
 
     @property
     def texts(self) -> list[str]:

@@ -9,6 +9,9 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Interpret, InterpreterWord, Query, RunUnit
 from elitescript.messages.machine import PauseTask, ResumeTask, StopTask
+from elitescript.messages.outcomes import Outcome, QueryFailed, ShownValue
+from elitescript.messages.outputs import Reply
+from elitescript.protocol.interpreter import reply_text
 from tests.kernel.machine import FOREVER, READY, Session
 
 HOST = ("global g", "g = 1", "x = 10", "interpreter_mode()", "textmsg('left ', g, ' ', x)")
@@ -31,7 +34,7 @@ class Talk(Session):
 
     def word(self, word: str) -> str:
         """Send a word; return its answer."""
-        return "".join(reply.text for reply in self.send(InterpreterWord("interpreter#1", word)).replies)
+        return "".join(reply_text(reply.outcome) for reply in self.send(InterpreterWord("interpreter#1", word)).replies)
 
 
 class TestSkipping:
@@ -125,15 +128,15 @@ class TestMany:
 
     def test_queries_are_taken_a_few_in_a_tick_and_all_are_answered(self):
         talk = Talk()
-        talk.send(*(Query("query#1", str(number), "1 + 1") for number in range(300)))
-        assert 0 < len(talk.replies) < 30
+        talk.send(*(Query(f"query#1/{number}", "1 + 1") for number in range(300)))
+        assert 0 < len(talk.outcomes) < 30
         talk.run(1.0)
-        assert talk.replies == [f"{number} success : 2" for number in range(300)]
+        assert talk.outcomes == [ShownValue("2")] * 300
 
     def test_queries_that_are_too_many_fail_at_once(self):
         talk = Talk()
-        talk.send(*(Query("query#1", str(number), "1 + 1") for number in range(2000)))
-        assert "1999 failure : execute failed" in talk.replies
+        talk.send(*(Query(f"query#1/{number}", "1 + 1") for number in range(2000)))
+        assert Reply("query#1/1999", QueryFailed(is_compiled=True)) in talk.last.replies
 
 
 class TestStatements:
@@ -360,37 +363,37 @@ class TestWords:
 
 
 class TestQueries:
-    def ask(self, session: Session, text: str) -> list[str]:
-        before = len(session.replies)
-        session.send(Query("query#1", "7", text))
+    def ask(self, session: Session, text: str) -> list[Outcome]:
+        before = len(session.outcomes)
+        session.send(Query("query#1/1", text))
         session.run(0.2)
-        return session.replies[before:]
+        return session.outcomes[before:]
 
     @pytest.mark.parametrize(
         ("text", "reply"),
         [
-            ("1 + 2", "7 success : 3"),
-            ("get_standard_digital_in(0)", "7 success : False"),
-            ("[get_steptime(), 'a']", "7 success : [0.004, 'a']"),
-            ("no_such_name", "7 failure : execute failed"),
-            ("sleep(1)", "7 failure : execute failed"),
-            ("movej([0, 0, 0, 0, 0, 0])", "7 failure : execute failed"),
-            ("[0 for i in iter(int, 1)]", "7 failure : execute failed"),
-            ("halt()", "7 failure : execute failed"),
-            ("1 +", "7 failure : parse failed"),
-            ("x = 1", "7 failure : parse failed"),
+            ("1 + 2", ShownValue("3")),
+            ("get_standard_digital_in(0)", ShownValue("False")),
+            ("[get_steptime(), 'a']", ShownValue("[0.004, 'a']")),
+            ("no_such_name", QueryFailed(is_compiled=True)),
+            ("sleep(1)", QueryFailed(is_compiled=True)),
+            ("movej([0, 0, 0, 0, 0, 0])", QueryFailed(is_compiled=True)),
+            ("[0 for i in iter(int, 1)]", QueryFailed(is_compiled=True)),
+            ("halt()", QueryFailed(is_compiled=True)),
+            ("1 +", QueryFailed(is_compiled=False)),
+            ("x = 1", QueryFailed(is_compiled=False)),
         ],
     )
     def test_each_gets_one_answer(self, text, reply):
         assert self.ask(Session(), text) == [reply]
 
     def test_it_is_answered_in_the_tick_in_which_it_came(self):
-        assert [reply.text for reply in Session().send(Query("query#1", "7", "1")).replies] == ["7 success : 1"]
+        assert Session().send(Query("query#1/1", "1")).replies == (Reply("query#1/1", ShownValue("1")),)
 
     def test_it_reads_the_globals_of_the_running_program_and_does_not_disturb_it(self):
         session = Session()
         session.start("global g", "g = [1, 2]", FOREVER)
-        assert self.ask(session, "g") == ["7 success : [1, 2]"]
+        assert self.ask(session, "g") == [ShownValue("[1, 2]")]
         self.ask(session, "(h := 1)")
-        assert self.ask(session, "h") == ["7 failure : execute failed"]
+        assert self.ask(session, "h") == [QueryFailed(is_compiled=True)]
         assert session.last.snapshot.robot.task_state is TaskState.PLAYING

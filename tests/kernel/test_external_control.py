@@ -9,6 +9,7 @@ from elitescript.kernel.external_control import CONNECT_S, FETCH_TICKS, REQUEST,
 from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Do, LoadTask, PlayTask, Reboot
 from elitescript.messages.machine import PowerOff, StopTask, WriteSignal
+from elitescript.messages.outcomes import Done, Refused
 from elitescript.messages.outputs import CloseChannel, CreditChannel, OpenChannel, Reply, SendChannel
 from tests.kernel.machine import READY, Session, program
 
@@ -49,7 +50,7 @@ def test_the_program_is_fetched_and_runs(session):
     assert half.requests == (CreditChannel(1, 20),)
     assert half.snapshot.robot.task_state is TaskState.STOPPED
     whole = session.send(ChannelData(1, PROGRAM[20:]))
-    assert whole.replies == (Reply(PLAY.origin, "done"),)
+    assert whole.replies == (Reply(PLAY.origin, Done()),)
     assert CloseChannel(1) in whole.requests
     assert whole.snapshot.robot.task_state is TaskState.PLAYING
     assert whole.snapshot.task.running == "control"
@@ -71,7 +72,7 @@ def test_a_program_without_the_last_comment_ends_with_the_connection_or_a_silenc
     else:
         for _ in range(SILENCE_TICKS):
             output = session.send()
-    assert output.replies == (Reply(PLAY.origin, "done"),)
+    assert output.replies == (Reply(PLAY.origin, Done()),)
 
 
 @pytest.mark.parametrize(
@@ -90,8 +91,7 @@ def test_a_program_that_does_not_come_refuses_the_start(session, what, why):
     channel = session.send(PLAY).requests[0].channel
     (reply,) = session.send(what(channel)).replies
     assert reply.origin == PLAY.origin
-    assert reply.text.startswith("refused: ")
-    assert why in reply.text
+    assert why in reply.outcome.reason
     assert session.last.snapshot.robot.task_state is TaskState.STOPPED
     assert len(session.send(PLAY).requests) == 1, "it may be tried again"
 
@@ -102,14 +102,14 @@ def test_a_sender_that_says_nothing_is_not_waited_for_long(session):
         output = session.send()
         if output.replies:
             break
-    assert "has not come within" in output.replies[0].text
+    assert "has not come within" in output.replies[0].outcome.reason
     assert output.requests == (CloseChannel(channel),)
 
 
 def test_it_cannot_be_played_twice_at_once(session):
     begin(session)
     (reply,) = session.send(PlayTask("dashboard#2/1")).replies
-    assert reply == Reply("dashboard#2/1", "refused: the program of the task is on its way")
+    assert reply == Reply("dashboard#2/1", Refused("the program of the task is on its way"))
 
 
 @pytest.mark.parametrize(
@@ -128,9 +128,8 @@ def test_nothing_starts_late(session, is_connected, what, why):
     channel = begin(session) if is_connected else session.send(PLAY).requests[0].channel
     output = session.send(what)
     assert CloseChannel(channel) in output.requests
-    (refusal,) = [reply.text for reply in output.replies if reply.origin == PLAY.origin]
-    assert refusal.startswith("refused: ")
-    assert why in refusal
+    (refusal,) = [reply.outcome for reply in output.replies if reply.origin == PLAY.origin]
+    assert why in refusal.reason
     session.send(ChannelOpened(channel, True))
     assert session.send(ChannelData(channel, PROGRAM)).replies == ()
     session.run(1.0)
@@ -140,11 +139,11 @@ def test_nothing_starts_late(session, is_connected, what, why):
 
 def test_a_line_that_makes_no_sense_is_refused(session):
     (reply,) = session.send(LoadTask("dashboard#1/1", "wrong.task")).replies
-    assert "external_control HOST [PORT]" in reply.text
+    assert "external_control HOST [PORT]" in reply.outcome.reason
 
 
 def test_other_tasks_are_as_before(session):
     session.send(LoadTask("dashboard#1/1", "plain.task"))
     output = session.send(PLAY)
     assert output.requests == ()
-    assert output.replies == (Reply(PLAY.origin, "done"),)
+    assert output.replies == (Reply(PLAY.origin, Done()),)

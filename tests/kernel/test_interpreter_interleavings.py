@@ -143,7 +143,7 @@ class Play:
         elif action < 0.22:
             self.inputs.append(ClosePopup("ctl"))
         elif action < 0.25:
-            self.inputs.append(Query("query#1/1", "1", "g"))
+            self.inputs.append(Query("query#1/1", "g"))
         else:
             self.talk(chance.choice(self.present))
 

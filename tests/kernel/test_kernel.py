@@ -37,6 +37,7 @@ from elitescript.messages.machine import (
     WritePortRegisters,
     WriteSignal,
 )
+from elitescript.messages.outcomes import Done, Refused, RegistersRead
 from elitescript.messages.outputs import CloseChannel, Reply
 from elitescript.messages.profile import profile
 from tests.kernel.machine import FOREVER, READY, Session, program
@@ -173,6 +174,7 @@ class TestUnits:
         session.send(RunUnit("primary#1", "secondary", "sec s():\n  x = 1 +\nend\n"))
         (warning,) = session.of(Warned)
         assert warning.text.startswith("[SEC] Exception: SyntaxError")
+        assert warning.is_exception
 
     def test_every_error_of_a_broken_secondary_program_has_the_prefix(self):
         session = Session()
@@ -180,6 +182,7 @@ class TestUnits:
         first, second = session.of(Warned)
         assert (first.line, second.line) == (2, 3)
         assert second.text.startswith("[SEC] Exception: SyntaxError: ")
+        assert first.is_exception and second.is_exception
 
     def test_what_the_compiler_warns_of_names_its_line_once(self):
         session = Session()
@@ -259,32 +262,34 @@ class TestSafety:
     def test_a_request_that_wants_an_answer_gets_one(self):
         session = Session(READY)
         asked = [
-            (SetSpeedScale(0.5), "done"),
-            (SetSpeedScale(2.0), "refused: cannot set the speed to 2: the speed percentage must be in [0, 1], got 2"),
-            (WriteSignal("standard_digital_in", 3, True), "done"),
+            (SetSpeedScale(0.5), Done()),
+            (SetSpeedScale(2.0), Refused("cannot set the speed to 2: the speed percentage must be in [0, 1], got 2")),
+            (WriteSignal("standard_digital_in", 3, True), Done()),
             (
                 WriteSignal("standard_analog_in", 0, 99.0),
-                "refused: cannot set standard_analog_in[0] to 99.0: "
-                "standard_analog_in[0] must be in [0, 10] V (voltage domain), got 99",
+                Refused(
+                    "cannot set standard_analog_in[0] to 99.0: "
+                    "standard_analog_in[0] must be in [0, 10] V (voltage domain), got 99"
+                ),
             ),
             (
                 WriteSignal("standard_digital_in", 16, True),
-                "refused: cannot set standard_digital_in[16] to True: there is no signal standard_digital_in[16]",
+                Refused("cannot set standard_digital_in[16] to True: there is no signal standard_digital_in[16]"),
             ),
-            (StopTask(), "done"),
-            (PauseTask(), "refused: cannot pause: no task is running"),
-            (ResumeTask(), "refused: cannot resume: no task is paused"),
+            (StopTask(), Done()),
+            (PauseTask(), Refused("cannot pause: no task is running")),
+            (ResumeTask(), Refused("cannot resume: no task is paused")),
         ]
         for number, (request, _) in enumerate(asked):
             session.send(Do(f"ctl#1/{number}", request, is_answered=True))
             assert [reply.origin for reply in session.last.replies] == [f"ctl#1/{number}"]
-        assert session.replies == [text for _, text in asked]
+        assert session.outcomes == [outcome for _, outcome in asked]
 
     def test_a_request_that_wants_none_gets_none(self):
         session = Session(READY)
         session.do(SetSpeedScale(0.5))
         session.do(SetSpeedScale(2.0))
-        assert session.replies == []
+        assert session.outcomes == []
         assert [event.text for event in session.of(Warned)] == [
             "cannot set the speed to 2: the speed percentage must be in [0, 1], got 2"
         ]
@@ -295,16 +300,16 @@ class TestSafety:
         session.do(PauseTask())
         session.do(WriteSignal("safeguard_stop", 0, True))
         session.send(Do("ctl#1/1", ResumeTask(), is_answered=True))
-        assert session.replies == [
-            "refused: cannot resume task: the safeguard is open; close it (signal safeguard_stop to False)"
+        assert session.outcomes == [
+            Refused("cannot resume task: the safeguard is open; close it (signal safeguard_stop to False)")
         ]
 
     def test_an_emergency_stop_is_no_protective_stop(self):
         session = Session(READY)
         session.do(WriteSignal("emergency_stop", 0, True))
         session.send(Do("ctl#1/1", AskSafety("unlock_protective_stop"), is_answered=True))
-        [reply] = session.replies
-        assert "there is no protective stop to unlock; the emergency stop is pressed; release it" in reply
+        [outcome] = session.outcomes
+        assert "there is no protective stop to unlock; the emergency stop is pressed; release it" in outcome.reason
 
     def test_unlocking_is_answered_to_whoever_asked(self):
         session = Session(READY)
@@ -313,8 +318,8 @@ class TestSafety:
         early = session.send(Do("dashboard#2/7", AskSafety("unlock_protective_stop"), is_answered=True))
         session.run(5.0)
         late = session.send(Do("dashboard#2/8", AskSafety("unlock_protective_stop"), is_answered=True))
-        assert early.replies[0].text.startswith("refused: ")
-        assert [(reply.origin, reply.text) for reply in late.replies] == [("dashboard#2/8", "done")]
+        assert isinstance(early.replies[0].outcome, Refused)
+        assert late.replies == (Reply("dashboard#2/8", Done()),)
         assert late.snapshot.robot.safety_mode is SafetyMode.NORMAL
 
     def test_a_restart_of_the_safety_system_takes_the_power_in_every_state(self):
@@ -413,23 +418,22 @@ class TestModbus:
     def test_a_write_is_answered_and_done(self):
         session = Session()
         output = session.send(Do("modbus#1/1", WritePortRegisters(256, (7, 8)), is_answered=True))
-        assert output.replies == (Reply("modbus#1/1", "done"),)
+        assert output.replies == (Reply("modbus#1/1", Done()),)
         assert output.snapshot.signals["general_register"][:3] == (7, 8, 0)
 
     def test_a_write_shows_what_is_asked_for_right_after_it(self):
         session = Session()
-        output = session.send(
+        session.send(
             Do("modbus#1/1", WritePortRegisters(256, (7,), 255, 3), is_answered=True),
             Do("modbus#2/1", WritePortRegisters(256, (65535,), 256, 1), is_answered=True),
         )
-        assert [reply.text for reply in output.replies] == ["done: 000000070000", "done: ffff"]
+        assert session.outcomes == [RegistersRead((0, 7, 0)), RegistersRead((65535,))]
 
     def test_a_write_that_makes_no_sense_is_refused_as_a_whole(self):
         session = Session()
         output = session.send(Do("modbus#1/1", WritePortRegisters(15, (1, 13)), is_answered=True))
-        (reply,) = output.replies
-        assert reply.text.startswith("refused: ")
-        assert "register 16: the tool voltage is 0, 12 or 24 V, got 13" in reply.text
+        (outcome,) = session.outcomes
+        assert "register 16: the tool voltage is 0, 12 or 24 V, got 13" in outcome.reason
         assert len(session.of(Warned)) == 1
         assert output.snapshot.domains["tool_analog_out"] == (1,)
 

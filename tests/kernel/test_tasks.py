@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from elitescript.environment.memory import MemoryEnvironment
@@ -9,6 +11,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import GetVariable, LoadConfiguration, LoadTask, PlayTask, Reboot, SetVariable
 from elitescript.messages.machine import AskSafety, PauseTask, StopTask
+from elitescript.messages.outcomes import Done, Refused, ShownValue
 from tests.kernel.machine import FOREVER, READY, Session
 
 FILES = {
@@ -29,24 +32,24 @@ def session() -> Session:
     return Session(READY, MemoryEnvironment(FILES))
 
 
-def answer(session: Session, item) -> str:
+def answer(session: Session, item) -> Any:
     (reply,) = session.send(item).replies
     assert reply.origin == item.origin
-    return reply.text
+    return reply.outcome
 
 
-def load(session: Session, path: str) -> str:
+def load(session: Session, path: str) -> Any:
     return answer(session, LoadTask("dashboard#1/1", path))
 
 
-def play(session: Session) -> str:
+def play(session: Session) -> Any:
     return answer(session, PlayTask("dashboard#1/2"))
 
 
 class TestLoading:
     @pytest.mark.parametrize("path", ["beside.task", "sub/inner.task", "beside", "beside.script"])
     def test_what_is_loaded_is_shown_as_it_was_sent(self, session, path):
-        assert load(session, path) == "done"
+        assert load(session, path) == Done()
         assert session.last.snapshot.task.loaded == path
 
     @pytest.mark.parametrize(
@@ -60,30 +63,28 @@ class TestLoading:
     )
     def test_what_cannot_be_loaded_is_refused_and_nothing_changes(self, session, path, why):
         load(session, "beside.task")
-        text = load(session, path)
-        assert text.startswith("refused: ")
-        assert why in text
+        assert why in load(session, path).reason
         assert session.last.snapshot.task.loaded == "beside.task"
 
     def test_nothing_is_loaded_while_a_task_runs(self, session):
         session.start(FOREVER)
-        assert load(session, "beside.task") == "refused: a task is running; stop it first"
+        assert load(session, "beside.task") == Refused("a task is running; stop it first")
 
     def test_a_robot_without_a_folder_has_no_tasks(self):
-        assert load(Session(READY), "beside.task").startswith("refused: ")
+        assert isinstance(load(Session(READY), "beside.task"), Refused)
 
     def test_configurations_are_files_too(self, session):
         assert session.tick().snapshot.task.configuration == "default.configuration"
-        assert answer(session, LoadConfiguration("dashboard#1/1", "cell.configuration")) == "done"
+        assert answer(session, LoadConfiguration("dashboard#1/1", "cell.configuration")) == Done()
         assert session.last.snapshot.task.configuration == "cell.configuration"
-        assert answer(session, LoadConfiguration("dashboard#1/1", "no.configuration")).startswith("refused: ")
+        assert isinstance(answer(session, LoadConfiguration("dashboard#1/1", "no.configuration")), Refused)
 
 
 class TestPlaying:
     @pytest.mark.parametrize(("path", "text"), [("beside.task", "beside"), ("sub/inner.task", "inner")])
     def test_the_program_beside_the_task_runs(self, session, path, text):
         load(session, path)
-        assert play(session) == "done"
+        assert play(session) == Done()
         assert session.texts == [text]
 
     def test_the_snapshot_of_the_answer_shows_that_it_runs(self, session):
@@ -96,33 +97,31 @@ class TestPlaying:
         load(session, "endless.task")
         play(session)
         session.do(PauseTask())
-        assert play(session) == "done"
+        assert play(session) == Done()
         assert session.last.snapshot.robot.task_state is TaskState.PLAYING
 
     def test_what_runs_is_not_played_again(self, session):
         load(session, "endless.task")
         play(session)
-        assert play(session) == "refused: a task is running; stop it first"
+        assert play(session) == Refused("a task is running; stop it first")
 
     def test_without_a_task_there_is_nothing_to_play(self, session):
-        assert play(session) == "refused: no task is loaded"
+        assert play(session) == Refused("no task is loaded")
 
     def test_the_arm_needs_its_power(self):
         session = Session(world=MemoryEnvironment(FILES))
         load(session, "beside.task")
-        assert play(session) == (
-            "refused: the arm cannot move: the arm is switched off; power on and release the brakes"
-        )
+        assert play(session) == Refused("the arm cannot move: the arm is switched off; power on and release the brakes")
 
     def test_a_stop_of_the_safety_system_is_named(self, session):
         load(session, "beside.task")
         session.do(AskSafety("stop_protectively", "a test"))
-        assert "unlock" in play(session)
+        assert "unlock" in play(session).reason
 
     @pytest.mark.parametrize("path", ["broken.task", "latin.task"])
     def test_a_program_that_does_not_compile_is_refused_and_reported(self, session, path):
         load(session, path)
-        assert play(session).startswith("refused: the program does not compile: line ")
+        assert play(session).reason.startswith("the program does not compile: line ")
         assert len(session.of(Alarm)) == 1
         assert session.last.snapshot.robot.task_state is TaskState.STOPPED
 
@@ -135,45 +134,45 @@ class TestVariables:
         return answer(session, GetVariable("dashboard#1/4", name))
 
     def test_a_value_waits_for_the_next_program(self, session):
-        assert self.put(session, "speed", "[1, 2.5]") == "done"
-        assert self.get(session, "speed") == "done: [1, 2.5]"
+        assert self.put(session, "speed", "[1, 2.5]") == Done()
+        assert self.get(session, "speed") == ShownValue("[1, 2.5]")
         session.start("textmsg(speed)")
         assert session.texts == ["[1, 2.5]"]
 
     def test_globals_of_the_program_are_read_while_it_runs_and_afterwards(self, session):
         session.start("global n", "n = 7", FOREVER)
-        assert self.get(session, "n") == "done: 7"
+        assert self.get(session, "n") == ShownValue("7")
         session.do(StopTask())
-        assert self.get(session, "n") == "done: 7"
+        assert self.get(session, "n") == ShownValue("7")
 
     @pytest.mark.parametrize("value", ["", "open(", "__import__('os')", "(" * 500])
     def test_only_literals_are_values(self, session, value):
-        assert self.put(session, "n", value).startswith("refused: its value must be a literal")
+        assert self.put(session, "n", value).reason.startswith("its value must be a literal")
 
     @pytest.mark.parametrize("name", ["", "1a", "if", "__builtins__"])
     def test_only_names_are_names(self, session, name):
-        assert self.put(session, name, "1") == "refused: it cannot be the name of a variable"
+        assert self.put(session, name, "1") == Refused("it cannot be the name of a variable")
 
     def test_they_are_bounded(self, session):
         for number in range(1000):
             session.kernel.tick([SetVariable("x", f"n{number}", "1")])
-        assert self.put(session, "n1000", "1") == "refused: 1000 variables wait already"
+        assert self.put(session, "n1000", "1") == Refused("1000 variables wait already")
 
     def test_they_are_not_set_while_a_program_runs(self, session):
         session.start(FOREVER)
-        assert self.put(session, "n", "1").startswith("refused: a task is running")
+        assert self.put(session, "n", "1").reason.startswith("a task is running")
 
     def test_an_unknown_one_is_refused(self, session):
-        assert self.get(session, "n") == "refused: there is no such variable"
+        assert self.get(session, "n") == Refused("there is no such variable")
 
     def test_a_value_that_cannot_be_shown_is_refused(self, session):
         lines = ("class C:", "  def __repr__(self):", "    movej([0, 0, 0, 0, 0, 0])", "    while True:", "      pass")
         session.start(*lines, "global n", "n = C()", FOREVER)
-        assert self.get(session, "n") == "refused: its value cannot be shown"
+        assert self.get(session, "n") == Refused("its value cannot be shown")
 
     def test_a_long_value_is_cut(self, session):
         session.start("global n", "n = 'x' * 100000", FOREVER)
-        text = self.get(session, "n")
+        text = self.get(session, "n").text
         assert text.endswith("...") and len(text) < 5000
 
     def test_a_reboot_forgets_everything(self, session):
@@ -181,4 +180,4 @@ class TestVariables:
         self.put(session, "n", "1")
         session.send(Reboot("ctl"))
         assert session.last.snapshot.task.loaded == ""
-        assert self.get(session, "n").startswith("refused: ")
+        assert isinstance(self.get(session, "n"), Refused)

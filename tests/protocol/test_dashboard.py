@@ -31,6 +31,7 @@ from elitescript.messages.machine import (
     SetSpeedScale,
     StopTask,
 )
+from elitescript.messages.outcomes import Done, Refused, RegistersRead, SessionState, ShownValue
 from elitescript.messages.outputs import Reply
 from elitescript.protocol.connection import ProtocolError
 from elitescript.protocol.dashboard.connection import (
@@ -43,7 +44,6 @@ from elitescript.protocol.dashboard.connection import (
     find_row,
 )
 from elitescript.protocol.dashboard.verbs import VERBS
-from elitescript.protocol.outcomes import done, refused
 from tests.protocol.line_peer import Peer
 
 OWN = "peer#1/1"
@@ -160,7 +160,10 @@ def test_a_command_is_answered_at_once_in_one_send(line: str, reply: str, inputs
 
 @pytest.mark.parametrize(("line", "asked", "detail", "reply", "failure"), LATER, ids=[row[0] for row in LATER])
 def test_a_command_waits_for_the_robot(line: str, asked: Input, detail: str, reply: str, failure: str) -> None:
-    for outcome, text in ((done(detail), reply), (refused("the reason\nis this"), f"{failure}: the reason is this")):
+    for outcome, text in (
+        (ShownValue(detail) if detail else Done(), reply),
+        (Refused("the reason\nis this"), f"{failure}: the reason is this"),
+    ):
         peer = shell()
         assert peer.send(line.encode() + b"\n") == []
         assert peer.inputs == [asked]
@@ -195,9 +198,9 @@ def test_unlocking_a_protective_stop_is_up_to_the_robot() -> None:
     peer = shell(safety_mode=SafetyMode.PROTECTIVE_STOP)
     assert peer.send(b"unlockProtectiveStop\n") == []
     assert peer.inputs == [Do(OWN, AskSafety("unlock_protective_stop", "asked for on the dashboard"), True)]
-    assert peer.tick(Reply(OWN, done())) == wire("Protective stop unlocking...")
+    assert peer.tick(Reply(OWN, Done())) == wire("Protective stop unlocking...")
     peer.send(b"unlockProtectiveStop\n")
-    reply = Reply("peer#1/2", refused("cannot unlock protective stop: too early"))
+    reply = Reply("peer#1/2", Refused("cannot unlock protective stop: too early"))
     assert peer.tick(reply) == wire("Failed: cannot unlock protective stop: too early")
 
 
@@ -205,7 +208,7 @@ def test_unlocking_a_protective_stop_is_up_to_the_robot() -> None:
 def test_unlocking_does_not_pretend_to_end_another_stop(mode: SafetyMode) -> None:
     peer = shell(safety_mode=mode)
     assert peer.send(b"unlockProtectiveStop\n") == []
-    reply = Reply(OWN, refused("cannot unlock protective stop: there is none"))
+    reply = Reply(OWN, Refused("cannot unlock protective stop: there is none"))
     assert peer.tick(reply) == wire("Failed: cannot unlock protective stop: there is none")
 
 
@@ -281,13 +284,13 @@ def test_commands_behind_one_that_waits_keep_their_order_and_see_what_it_did() -
     peer = shell()
     assert peer.send(b"echo\nplay\ntask -s\nspeed -v 50\nvariable -get g\necho\n") == wire("Hello ELITE ROBOTS.")
     assert peer.inputs == [PlayTask("peer#1/2")]
-    sent = peer.tick(Reply("peer#1/2", done()), task_state=TaskState.PLAYING)
+    sent = peer.tick(Reply("peer#1/2", Done()), task_state=TaskState.PLAYING)
     assert sent == wire("Starting task", "Task is running", "Speed is set to: 50")
     assert peer.inputs[1:] == [Do("peer#1/4", SetSpeedScale(0.5))]
     assert peer.tick(ticks=SETTLING_TICKS - 1) == []
     assert peer.tick(ticks=1) == []
     assert peer.inputs[2:] == [GetVariable("peer#1/5", "g")]
-    assert peer.tick(Reply("peer#1/5", done("1"))) == wire("g: 1", "Hello ELITE ROBOTS.")
+    assert peer.tick(Reply("peer#1/5", ShownValue("1"))) == wire("g: 1", "Hello ELITE ROBOTS.")
 
 
 def test_a_command_sees_what_the_one_before_it_has_changed() -> None:
@@ -303,8 +306,8 @@ def test_a_robot_that_does_not_answer_is_given_up_and_its_late_answer_ignored() 
     peer.send(b"play\nplay\n")
     assert peer.tick(ticks=ANSWER_TICKS - 1) == []
     assert peer.tick() == wire("Failed to start task: the controller has not answered for 4 s")
-    assert peer.tick(Reply("peer#1/1", done())) == []
-    assert peer.tick(Reply("peer#1/2", refused("no"))) == wire("Failed to start task: no")
+    assert peer.tick(Reply("peer#1/1", Done())) == []
+    assert peer.tick(Reply("peer#1/2", Refused("no"))) == wire("Failed to start task: no")
 
 
 def test_commands_are_read_a_few_in_a_tick() -> None:
@@ -327,7 +330,7 @@ def test_commands_that_wait_are_bounded() -> None:
 def test_nothing_behind_the_last_command_is_done_though_it_waited() -> None:
     peer = shell()
     peer.send(b"play\nquit\nstop\n")
-    assert peer.tick(Reply("peer#1/1", done())) == wire("Starting task", "Bye.")
+    assert peer.tick(Reply("peer#1/1", Done())) == wire("Starting task", "Bye.")
     assert peer.inputs == [PlayTask("peer#1/1")]
 
 
@@ -408,7 +411,12 @@ def test_any_bytes_are_borne() -> None:
             noise = chance.randbytes(chance.randrange(20))
             data = chance.choice([line + b"\n", noise, noise + b"\n", b"\n" + line[: chance.randrange(9)]])
             messages = peer.send(data)
-            messages += peer.tick(Reply(f"peer#1/{chance.randrange(12)}", chance.choice(["done", "refused: x", ""])))
+            messages += peer.tick(
+                Reply(
+                    f"peer#1/{chance.randrange(12)}",
+                    chance.choice([Done(), Refused("x"), ShownValue("\n"), RegistersRead((1,)), SessionState(True)]),
+                )
+            )
             for message in messages:
                 assert message.endswith(b"\r\n"), seed
                 message.decode("utf-8")

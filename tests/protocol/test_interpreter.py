@@ -7,10 +7,18 @@ from dataclasses import replace
 
 import pytest
 
+from elitescript.messages.enums import DiscardReason
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Interpret, InterpreterWord
+from elitescript.messages.outcomes import (
+    Done,
+    InterpreterOutcome,
+    SessionState,
+    StatementAccepted,
+    StatementDiscarded,
+    StatementNumber,
+)
 from elitescript.messages.outputs import Reply
-from elitescript.protocol import interpreter
 from elitescript.protocol.interpreter import LINE_LIMIT, LINES_PER_TICK, REASONS, WORDS, InterpreterConnection
 from tests.protocol.line_peer import Peer
 from tests.protocol.snapshots import description, output
@@ -114,25 +122,36 @@ def test_the_table_has_the_documented_words() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "line"),
+    ("outcome", "line"),
     [
-        (interpreter.acknowledged(1, "g = 5"), b"ack: 1: g = 5\n"),
-        (interpreter.discarded(interpreter.TOO_MANY, "g = 5"), b"discard: Too many interpreted messages: g = 5\n"),
-        (interpreter.not_compiled("line 1\nat ;", "g ="), b"discard: Compile error:line 1 at ; : g =\n"),
-        (interpreter.state_of(7, "statelastexecuted"), b"state: 7: statelastexecuted\n"),
-        (interpreter.session_state(True), b"state: 0: running: state\n"),
-        (interpreter.session_state(False), b"state: 0: stopped: state\n"),
+        (StatementAccepted(1, "g = 5"), b"ack: 1: g = 5\n"),
+        (StatementDiscarded(DiscardReason.TOO_MANY, "g = 5"), b"discard: Too many interpreted messages: g = 5\n"),
+        (
+            StatementDiscarded(DiscardReason.COMPILE_ERROR, "g =", "line 1\nat ;"),
+            b"discard: Compile error:line 1 at ; : g =\n",
+        ),
+        (StatementNumber("statelastexecuted", 7), b"state: 7: statelastexecuted\n"),
+        (SessionState(True), b"state: 0: running: state\n"),
+        (SessionState(False), b"state: 0: stopped: state\n"),
     ],
 )
-def test_replies_have_their_form(text: str, line: bytes) -> None:
-    assert Peer(InterpreterConnection).tick(Reply("peer#1/1", text)) == [line]
+def test_replies_have_their_form(outcome: InterpreterOutcome, line: bytes) -> None:
+    assert Peer(InterpreterConnection).tick(Reply("peer#1/1", outcome)) == [line]
 
 
 def test_every_client_hears_of_its_own_statements_alone() -> None:
     peer = Peer(InterpreterConnection, "interpreter#1")
-    own, other = Reply("interpreter#1/2", "ack: 2: b"), Reply("interpreter#12/1", "ack: 1: a")
+    own, other = (
+        Reply("interpreter#1/2", StatementAccepted(2, "b")),
+        Reply("interpreter#12/1", StatementAccepted(1, "a")),
+    )
     assert peer.tick(other, own, own) == [b"ack: 2: b\n"] * 2
     assert peer.tick() == []
+
+
+def test_an_outcome_of_another_port_is_not_sent() -> None:
+    peer = Peer(InterpreterConnection)
+    assert peer.tick(Reply("peer#1/1", Done())) == []
 
 
 def test_a_line_that_is_no_text_waits_its_turn_to_be_discarded() -> None:
@@ -165,7 +184,7 @@ class TestRestart:
     def test_every_line_without_a_reply_gets_one(self) -> None:
         peer = Peer(InterpreterConnection)
         peer.send(b"a = 1\nb = 2\n\xff\nskipbuffer\nstate\nstateunexecuted\n")
-        assert self.restart(peer, Reply("peer#1/1", "ack: 1: a = 1")) == [
+        assert self.restart(peer, Reply("peer#1/1", StatementAccepted(1, "a = 1"))) == [
             b"ack: 1: a = 1\n",
             b"discard: Task is in an invalid state: b = 2\n",
             "discard: Compile error:the line is not UTF-8 at byte 0 : \ufffd\n".encode(),
@@ -177,17 +196,17 @@ class TestRestart:
         peer = Peer(InterpreterConnection)
         peer.send(b"a = 1\n")
         self.restart(peer)
-        again = Reply("peer#1/1", "discard: Task is in an invalid state: a = 1")
+        again = Reply("peer#1/1", StatementDiscarded(DiscardReason.INVALID_STATE, "a = 1"))
         assert peer.tick(again) == []
         peer.send(b"b = 2\n")
-        assert peer.tick(Reply("peer#1/2", "discard: Task is in an invalid state: b = 2")) == [
+        assert peer.tick(Reply("peer#1/2", StatementDiscarded(DiscardReason.INVALID_STATE, "b = 2"))) == [
             b"discard: Task is in an invalid state: b = 2\n"
         ]
 
     def test_what_was_answered_is_not_answered_again(self) -> None:
         peer = Peer(InterpreterConnection)
         peer.send(b"a = 1\n")
-        peer.tick(Reply("peer#1/1", "ack: 1: a = 1"))
+        peer.tick(Reply("peer#1/1", StatementAccepted(1, "a = 1")))
         assert self.restart(peer) == []
 
 

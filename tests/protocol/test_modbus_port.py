@@ -11,6 +11,7 @@ from elitescript.messages.enums import RunstateChoice
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import Do, SetRemote
 from elitescript.messages.machine import SetRunstateChoice, WritePortRegisters
+from elitescript.messages.outcomes import Done, RegistersRead, SessionState, ShownValue
 from elitescript.messages.outputs import Reply
 from elitescript.protocol.connection import ProtocolError
 from elitescript.protocol.modbus_port import REQUESTS_OF_ALL, REQUESTS_PER_TICK
@@ -244,11 +245,11 @@ def test_a_robot_that_is_started_anew_has_not_taken_what_waits(site: Site, peer:
 
 
 def test_a_robot_that_shows_what_was_not_asked_for_has_failed(peer: Peer) -> None:
-    for number, detail in enumerate(("", "00", "000x", "00000000"), 1):
+    others = (Done(), RegistersRead(()), RegistersRead((0, 0)), ShownValue("0000"), SessionState(True))
+    for number, outcome in enumerate(others, 1):
         peer.answers.clear()
         peer.send(client.frame(1, client.read_write(256, 1, 256, [1])))
-        reply = Reply(f"modbus#1/{number}", f"done: {detail}" if detail else "done")
-        peer.connection.publish(picture(1, replies=(reply,)))
+        peer.connection.publish(picture(1, replies=(Reply(f"modbus#1/{number}", outcome),)))
         peer.collect()
         assert peer.answers == [(1, 255, bytes([0x97, 4]))]
 
@@ -256,7 +257,7 @@ def test_a_robot_that_shows_what_was_not_asked_for_has_failed(peer: Peer) -> Non
 def test_an_answer_for_somebody_else_is_none(peer: Peer) -> None:
     peer.send(client.frame(1, client.write(6, 256, 1)))
     for origin in ("modbus#1", "modbus#1/2", "modbus#11/1"):
-        peer.connection.publish(picture(1, replies=(Reply(origin, "done"),)))
+        peer.connection.publish(picture(1, replies=(Reply(origin, Done()),)))
     peer.collect()
     assert peer.answers == []
 

@@ -1,22 +1,23 @@
-"""What a robot's reply to a port says."""
+"""Outcomes as texts of ports."""
 
 from __future__ import annotations
 
 import pytest
 
-from elitescript.protocol.outcomes import Outcome, done, read_outcome, refused
+from elitescript.messages.outcomes import Done, Outcome, QueryFailed, Refused, RegistersRead, ShownValue
+from elitescript.protocol.outcomes import refusal_of, value_text
 
 
 @pytest.mark.parametrize(
-    ("text", "outcome"),
+    ("outcome", "refusal", "value"),
     [
-        (done(), Outcome(True, "")),
-        (done("[1, 2]"), Outcome(True, "[1, 2]")),
-        (done("done: 1"), Outcome(True, "done: 1")),
-        (refused("there is no such file: a: b"), Outcome(False, "there is no such file: a: b")),
-        ("nonsense", Outcome(False, "nonsense")),
-        ("refused", Outcome(False, "refused")),
+        (Done(), None, ""),
+        (ShownValue("[1, 2]"), None, "[1, 2]"),
+        (RegistersRead((1,)), None, ""),
+        (Refused("there is no such file: a: b"), "there is no such file: a: b", ""),
+        (Refused(""), "", ""),
+        (QueryFailed(is_compiled=True), "the robot answers with QueryFailed", ""),
     ],
 )
-def test_a_reply_is_read_as_it_was_written(text: str, outcome: Outcome) -> None:
-    assert read_outcome(text) == outcome
+def test_an_outcome_is_a_refusal_or_a_value(outcome: Outcome, refusal: str | None, value: str) -> None:
+    assert (refusal_of(outcome), value_text(outcome)) == (refusal, value)

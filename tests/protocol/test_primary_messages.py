@@ -79,7 +79,7 @@ class TestRobotError:
         assert error_note(1, ERROR, "ab", SOURCE_SAFETY).data == head + b"ab\0"
 
     def test_exception_of_a_secondary_program_is_a_warning(self):
-        message = shown(Warned(1, "[SEC] Exception: ValueError: no", "sec a", 3))
+        message = shown(Warned(1, "[SEC] Exception: ValueError: no", "sec a", 3, is_exception=True))
         assert (message["kind"], message["level"], message["data_type"]) == (6, WARNING, 5)
         assert message["text"] == "[SEC] Exception: ValueError: no"
 
@@ -194,7 +194,7 @@ class TestTable:
         assert set(primary_messages._TRANSLATIONS) <= set(get_args(Event))
 
     def test_errors_and_starts_and_ends_are_vital_and_texts_are_not(self):
-        vital = [ALARM, Warned(1, "[SEC] Exception: x"), SafetyModeChanged(1, SafetyMode.FAULT)]
+        vital = [ALARM, Warned(1, "[SEC] Exception: x", is_exception=True), SafetyModeChanged(1, SafetyMode.FAULT)]
         vital.append(TaskStateChanged(1, TaskState.PLAYING, "x"))
         others = [TextMessage(1, "x", "main", 1), Warned(1, "x")]
         notes = [note_of(event) for event in vital + others]

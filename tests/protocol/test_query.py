@@ -9,8 +9,8 @@ import pytest
 
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Query
+from elitescript.messages.outcomes import QueryFailed, ShownValue
 from elitescript.messages.outputs import Reply
-from elitescript.protocol import query
 from elitescript.protocol.query import LINES_PER_TICK, WAITING_LIMIT, QueryConnection
 from tests.protocol.line_peer import Peer
 
@@ -28,7 +28,7 @@ def test_a_request_becomes_an_input(line: bytes, ident: str, text: str) -> None:
     whole, trickle = Peer(QueryConnection), Peer(QueryConnection)
     assert whole.greeting == []
     assert whole.send(line) == []
-    assert whole.inputs == [Query("peer#1/1", ident, text)]
+    assert whole.inputs == [Query("peer#1/1", text)]
     for byte in line:
         trickle.send(bytes([byte]))
     assert trickle.inputs == whole.inputs
@@ -67,17 +67,17 @@ def test_replies_go_to_their_client_one_send_each() -> None:
     peer = Peer(QueryConnection)
     peer.send(b"req 1 a\nreq 2 b\nreq 3 c\n")
     assert peer.tick(
-        Reply("peer#1/1", query.succeeded("1", "[0.0, 1.5]")),
-        Reply("peer#10/1", query.succeeded("1", "0")),
-        Reply("peer#1/2", query.not_parsed("2")),
-        Reply("peer#1/3", query.not_executed("3")),
+        Reply("peer#1/1", ShownValue("[0.0, 1.5]")),
+        Reply("peer#10/1", ShownValue("0")),
+        Reply("peer#1/2", QueryFailed(is_compiled=False)),
+        Reply("peer#1/3", QueryFailed(is_compiled=True)),
     ) == [b"1 success : [0.0, 1.5]\n", b"2 failure : parse failed\n", b"3 failure : execute failed\n"]
 
 
 def test_a_value_with_a_line_break_stays_one_line() -> None:
     peer = Peer(QueryConnection)
     peer.send(b"req 1 a\n")
-    assert peer.tick(Reply("peer#1/1", query.succeeded("1", "a\nb"))) == [b"1 success : a b\n"]
+    assert peer.tick(Reply("peer#1/1", ShownValue("a\nb"))) == [b"1 success : a b\n"]
 
 
 def test_requests_that_wait_are_bounded() -> None:
@@ -87,7 +87,7 @@ def test_requests_that_wait_are_bounded() -> None:
         answers += peer.tick()
     assert answers == [b"1 failure : execute failed\n"]
     assert len(peer.inputs) == WAITING_LIMIT
-    peer.tick(Reply("peer#1/1", "1 success : 0"))
+    peer.tick(Reply("peer#1/1", ShownValue("0")))
     assert peer.send(b"req 2 f()\n") == []
 
 
@@ -105,9 +105,9 @@ def test_requests_fail_that_a_robot_did_not_live_to_answer() -> None:
     peer = Peer(QueryConnection)
     peer.send(b"req 1 f()\nreq 2 g()\n")
     peer.output = replace(peer.output, events=(Alarm(1, "R132", "ControllerRestarted", "it hung", 0, 0, "", ""),))
-    assert peer.tick(Reply("peer#1/1", "1 success : 0")) == [b"1 success : 0\n", b"2 failure : execute failed\n"]
+    assert peer.tick(Reply("peer#1/1", ShownValue("0"))) == [b"1 success : 0\n", b"2 failure : execute failed\n"]
     peer.output = replace(peer.output, events=())
-    assert peer.tick(Reply("peer#1/2", "2 success : 0")) == []
+    assert peer.tick(Reply("peer#1/2", ShownValue("0"))) == []
     assert not peer.connection.is_expecting
 
 

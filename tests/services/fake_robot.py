@@ -9,9 +9,9 @@ from typing import Any
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.inputs import Do, GetVariable, Input, Interpret, PlayTask, Query, RunUnit
 from elitescript.messages.machine import PowerOff, PowerOn, ReleaseBrakes, SetSpeedScale, WriteSignal
+from elitescript.messages.outcomes import Done, Outcome, Refused, ShownValue, StatementAccepted
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.protocol.outcomes import done, refused
 from tests.protocol.snapshots import description, output
 
 
@@ -25,7 +25,7 @@ class FakeRobot:
         """Events, requests and replies by tick."""
         self.refuses = ""
         """If not empty, requests to the machine are refused for this reason."""
-        self.play_answer = done()
+        self.play_answer: Outcome = Done()
         self.on_tick: Callable[[int], None] = lambda tick: None
         self._output = output(0, task_state=TaskState.STOPPED, **changes)
         self._tick = -1
@@ -42,15 +42,15 @@ class FakeRobot:
                 if not self.refuses:
                     snapshot = self._done(snapshot, item.request)
                 if item.is_answered:
-                    replies.append(Reply(item.origin, refused(self.refuses) if self.refuses else done()))
+                    replies.append(Reply(item.origin, Refused(self.refuses) if self.refuses else Done()))
             elif isinstance(item, PlayTask):
                 replies.append(Reply(item.origin, self.play_answer))
             elif isinstance(item, GetVariable):
-                replies.append(Reply(item.origin, refused("no such variable")))
+                replies.append(Reply(item.origin, Refused("no such variable")))
             elif isinstance(item, Interpret):
-                replies.append(Reply(item.origin, f"ack: 1: {item.text}"))
+                replies.append(Reply(item.origin, StatementAccepted(1, item.text)))
             elif isinstance(item, Query):
-                replies.append(Reply(item.origin, f"{item.ident} success : {item.text}"))
+                replies.append(Reply(item.origin, ShownValue(item.text)))
         snapshot = replace(snapshot, robot=replace(snapshot.robot, tick=tick, time_s=tick * 0.004))
         said = {"events": (), "requests": (), "replies": tuple(replies)} | self.says.pop(tick, {})
         self._output = Output(tick=tick, snapshot=snapshot, **said)

@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 
 from elitescript.cli.main import main
+from elitescript.codec.json_text import from_text, to_text
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage, Warned
 from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, LoadTask, RunUnit

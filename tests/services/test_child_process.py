@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from elitescript.codec.json_text import to_text
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import KernelConfig
-from elitescript.messages.codec import to_text
 from elitescript.messages.events import Alarm
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription

@@ -14,11 +14,12 @@ from typing import Any
 
 import pytest
 
-from elitescript.devices.channels.faults import Fault, fault_of
+from elitescript.devices.channels.faults import Fault
+from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.errors import UsageError
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged
-from elitescript.messages.inputs import AddFault, ClosePopup, Do
+from elitescript.messages.inputs import AddFault, ClosePopup, Do, EndFaults
 from elitescript.messages.machine import (
     AskSafety,
     PauseTask,
@@ -30,6 +31,7 @@ from elitescript.messages.machine import (
     StopTask,
     WriteSignal,
 )
+from elitescript.messages.outcomes import Done, Refused
 from elitescript.messages.outputs import Reply
 from elitescript.services.control import channel as control
 from elitescript.services.control.channel import (
@@ -171,7 +173,7 @@ def test_what_the_robot_refuses_is_no_success(verb: str, arguments: list[str]) -
 
 def test_a_task_that_cannot_start_says_why() -> None:
     robot = FakeRobot()
-    robot.play_answer = "refused: no task is loaded"
+    robot.play_answer = Refused("no task is loaded")
 
     async def test() -> None:
         async with controlled(robot) as (_, channel):
@@ -195,8 +197,9 @@ def test_each_signal_of_a_set_is_asked_for_and_answered_by_itself() -> None:
 def test_the_first_refusal_of_several_answers_is_told() -> None:
     two = VerbAction((Do("ctl#1/1", SetSpeedScale(0.1)), Do("ctl#1/1", SetSpeedScale(0.2))), "set")
     assert two.answered("ctl#1/1")[1] == ("ctl#1/1.1", "ctl#1/1.2")
-    assert outcome_text(two, ["done", "done"]) == "set"
-    for answers in (["refused: first", "done"], ["done", "refused: first"], ["refused: first", "refused: second"]):
+    assert outcome_text(two, [Done(), Done()]) == "set"
+    first = Refused("first")
+    for answers in ([first, Done()], [Done(), first], [first, Refused("second")]):
         with pytest.raises(UsageError, match=r"^first$"):
             outcome_text(two, answers)
 
@@ -205,12 +208,12 @@ def test_answers_are_taken_from_ticks_that_come_in_a_row() -> None:
     async def test() -> None:
         answers = OutputCollector(("ctl#1/1.1", "ctl#1/1.2"))
         assert answers.take(output(1))
-        assert answers.take(output(2, replies=(Reply("ctl#1/1.2", "refused: x"), Reply("rtsi#1", "done"))))
+        assert answers.take(output(2, replies=(Reply("ctl#1/1.2", Refused("x")), Reply("rtsi#1", Done()))))
         assert not answers.finished.done()
-        assert not answers.take(output(3, replies=(Reply("ctl#1/1.1", "done"),)))
+        assert not answers.take(output(3, replies=(Reply("ctl#1/1.1", Done()),)))
         assert not answers.take(output(4))
         await answers.finished
-        assert answers.texts == ["done", "refused: x"]
+        assert answers.outcomes == [Done(), Refused("x")]
 
     run(test())
 
@@ -321,8 +324,8 @@ def disturbed(*arguments: str) -> VerbAction:
 def test_a_disturbance_is_an_input_of_the_robot() -> None:
     (asked,) = disturbed("delay", "on=5000", "delay_s=0.5", "direction=to_robot").inputs
     assert isinstance(asked, AddFault)
-    assert fault_of(asked.text) == Fault("delay", 5000, delay_s=0.5, direction="to_robot")
-    assert disturbed("end").inputs == (AddFault("ctl#1/1", ""),)
+    assert asked.fault == machine_fault(Fault("delay", 5000, delay_s=0.5, direction="to_robot"))
+    assert disturbed("end").inputs == (EndFaults("ctl#1/1"),)
 
 
 @pytest.mark.parametrize(
@@ -380,7 +383,7 @@ def test_play_waits_for_the_end_of_its_own_task(events: list[Any], answer: str |
 def test_a_refused_play_does_not_wait() -> None:
     async def test() -> None:
         robot = FakeRobot()
-        robot.play_answer = "refused: no task is loaded"
+        robot.play_answer = Refused("no task is loaded")
         async with controlled(robot) as (_, channel):
             answer = await asyncio.to_thread(ask, Path(channel.address), "play", [], {}, waits=True)
             assert answer == {"ok": False, "error": "not started: no task is loaded"}

@@ -5,7 +5,7 @@ import socket
 
 import pytest
 
-from elitescript.messages.shapes import CodecError
+from elitescript.codec.values import CodecError
 from elitescript.services.child.frames import DOWN_MAX, BlockingLine, FrameReader, frame
 
 

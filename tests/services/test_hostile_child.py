@@ -9,14 +9,14 @@ from typing import Any
 
 import pytest
 
+from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.values import CodecError
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.kernel.restart import restored_config, restored_inputs
-from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.outputs import Output
-from elitescript.messages.shapes import CodecError
 from elitescript.services.child import frames, output_changes
 from elitescript.services.child.output_changes import OutputReader
 from elitescript.services.child.remote_files import FileDesk

@@ -62,7 +62,7 @@ def test_a_client_that_asks_little_is_not_behind_those_who_ask_much():
 def test_questions_of_one_client_are_of_one_client():
     box = InputQueue()
     for number in range(200):
-        box.post([Query(f"query#1/{number}", "1", "x")])
+        box.post([Query(f"query#1/{number}", "x")])
     assert len(box.take()) == 1, "one is as much work as a tick has"
     assert box.waiting_of("query#1") == 199
 

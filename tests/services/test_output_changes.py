@@ -7,11 +7,11 @@ from random import Random
 
 import pytest
 
+from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.values import CodecError
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.outputs import Output
-from elitescript.messages.shapes import CodecError
 from elitescript.services.child import frames
 from elitescript.services.child.output_changes import OutputReader, OutputWriter
 from elitescript.services.config_codec import full_codec, output_text

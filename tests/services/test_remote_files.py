@@ -6,11 +6,11 @@ from random import Random
 
 import pytest
 
+from elitescript.codec.values import CodecError
 from elitescript.environment.allowance import Allowance
 from elitescript.environment.local import LocalFiles
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ScriptPermissionError
-from elitescript.messages.shapes import CodecError
 from elitescript.services.child.remote_files import OPEN_MAX, PIECE_MAX, FileDesk, RemoteFiles
 
 

@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 
-from elitescript.devices.channels.faults import fault_text
+from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.kernel import KernelConfig
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event
-from elitescript.messages.inputs import AddFault, Do, Input, RunUnit
+from elitescript.messages.inputs import AddFault, Do, EndFaults, Input, RunUnit
 from elitescript.messages.machine import PauseTask, ResumeTask, StopTask
 from elitescript.messages.outputs import Output
 from elitescript.services.journal.replay import Replay
@@ -47,8 +47,7 @@ def script_of(seed: int) -> tuple[World, dict[int, list[Input]]]:
         asked.setdefault(tick, []).append(request)
 
     for fault in random_faults(chance):
-        if fault.reply is None or isinstance(fault.reply, str):
-            ask(2, AddFault("test", fault_text(fault)))
+        ask(2, AddFault("test", machine_fault(fault)))
     ask(3, RunUnit("test", "program", random_talk(chance)[0]))
     for _ in range(chance.randrange(8)):
         tick = chance.randrange(4, 700)
@@ -58,7 +57,7 @@ def script_of(seed: int) -> tuple[World, dict[int, list[Input]]]:
     if chance.random() < 0.3:
         ask(chance.randrange(200, 700), RunUnit("test", "program", random_talk(chance)[0]))
     ask(TICKS, Do("test", StopTask()))
-    ask(TICKS + 1, AddFault("test", ""))
+    ask(TICKS + 1, EndFaults("test"))
     ask(TICKS + 2, RunUnit("test", "program", "def clean():\n  " + CLEANUP.replace("\n", "\n  ") + "\nend\n"))
     return world, asked
 

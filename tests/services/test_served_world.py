@@ -6,15 +6,24 @@ from dataclasses import replace
 
 import pytest
 
-from elitescript.devices.channels.faults import fault_text
+from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.environment.request_channels import RequestChannels
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.events import DeviceNoted, TextMessage
-from elitescript.messages.inputs import AddFault, ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, RunUnit
+from elitescript.messages.inputs import (
+    AddFault,
+    ChannelClosed,
+    ChannelCredit,
+    ChannelData,
+    ChannelOpened,
+    EndFaults,
+    RunUnit,
+)
 from elitescript.messages.line import LineSettings
-from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, SendChannel
-from elitescript.protocol.outcomes import read_outcome
+from elitescript.messages.machine import DisturbInput
+from elitescript.messages.outcomes import Done, Refused
+from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Reply, SendChannel
 from elitescript.services.control.verbs import VERBS, VerbRequest
 from elitescript.services.served_devices import CHANNELS_MAX, UNSENT_MAX, ServedDevices
 from elitescript.services.table import SERVICES
@@ -184,7 +193,7 @@ end
 
 
 def test_faults_of_a_configuration_act_in_the_kernel():
-    fault = fault_text(Fault("drop", 5000, direction="to_robot", nth=2, count=1))
+    fault = machine_fault(Fault("drop", 5000, direction="to_robot", nth=2, count=1))
     bench = Bench(World(devices=[Camera(latency_s=0)]), faults=(fault,))
     bench.run(200, RunUnit("test", "program", ASK))
     assert [text for _, text in bench.log] == ["<x>", "", "<x>"]
@@ -206,22 +215,25 @@ def test_a_disturbance_of_a_protocol_that_a_device_does_not_speak_is_refused():
 
 def test_faults_come_and_go_by_inputs():
     bench = Bench(World(devices=[Camera()]))
-    bench.run(1, AddFault("ctl#1", fault_text(Fault("refuse", 5000))))
+    bench.run(1, AddFault("ctl#1", machine_fault(Fault("refuse", 5000))))
     bench.run(10, RunUnit("test", "program", 'def main():\n  textmsg(socket_open("h", 5000))\nend\n'))
-    bench.run(1, AddFault("ctl#2", ""))
+    bench.run(1, EndFaults("ctl#2"))
     bench.run(10, RunUnit("test", "program", 'def main():\n  textmsg(socket_open("h", 5000))\nend\n'))
     assert [text for _, text in bench.log] == ["False", "True"]
-    assert [(reply.origin, read_outcome(reply.text).is_done) for reply in bench.replies] == [
-        ("ctl#1", True),
-        ("ctl#2", True),
-    ]
+    assert bench.replies == [Reply("ctl#1", Done()), Reply("ctl#2", Done())]
 
 
-@pytest.mark.parametrize("text", ["nonsense", '{"kind": "drop"}', '{"kind": "reconnect", "on": 5000}'])
-def test_a_fault_that_makes_no_sense_is_refused(text):
+@pytest.mark.parametrize(
+    ("fault", "why"),
+    [
+        (machine_fault(Fault("reconnect", 5000)), "kind: reconnect on 5000 has no disconnect before it, at that place"),
+        (DisturbInput("inverted", "standard_digital_in", 99), "there is no signal standard_digital_in[99]"),
+    ],
+)
+def test_a_fault_that_makes_no_sense_is_refused(fault, why):
     bench = Bench(World())
-    bench.run(1, AddFault("ctl#1", text))
-    assert not read_outcome(bench.replies[0].text).is_done
+    bench.run(1, AddFault("ctl#1", fault))
+    assert bench.replies == [Reply("ctl#1", Refused(why))]
 
 
 def test_the_end_of_the_service_closes_what_is_open():

@@ -9,11 +9,11 @@ from typing import Any, get_args, get_type_hints
 
 import pytest
 
+from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.values import CodecError
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import Alarm, Event, Popup, TextMessage, Warned
 from elitescript.messages.outputs import Output
-from elitescript.messages.shapes import CodecError
 from elitescript.protocol.rtsi.variables import OUTPUTS
 from elitescript.services.config_codec import full_codec, output_text
 from elitescript.services.table import SERVICES

@@ -210,7 +210,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list
     Raises:
         UsageError: an option that makes no sense.
     """
-    from elitescript.devices.channels.faults import fault_text
+    from elitescript.devices.channels.machine_faults import machine_fault
     from elitescript.devices.surroundings import REAL
     from elitescript.devices.world_file import WorldFile, load_cell
     from elitescript.models.datafile import read_text
@@ -251,7 +251,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list
                 safety=cell.take("safety", None),
                 plant=cell.take("plant", None),
                 signals=tuple({**cell.signals, **signals}.items()),
-                faults=() if cell.world is None else tuple(map(fault_text, cell.world.faults)),
+                faults=() if cell.world is None else tuple(map(machine_fault, cell.world.faults)),
                 rpc_timeout_s=options.rpc_timeout,
                 strict=options.strict,
             )

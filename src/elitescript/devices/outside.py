@@ -97,8 +97,9 @@ class Outside:
         if self.surroundings is not None:
             self.surroundings.fault(kind, on, **settings)
             return None
-        from elitescript.devices.channels.faults import DEVICE, Fault, input_request, is_of_input, nowhere, place_of
+        from elitescript.devices.channels.faults import DEVICE, Fault, is_of_input, nowhere, place_of
         from elitescript.devices.channels.faulty_channels import FaultyChannels
+        from elitescript.devices.channels.machine_faults import channel_fault, input_request
 
         fault = Fault(kind, on, **settings)
         if place_of(fault.on)[0] == DEVICE:
@@ -113,5 +114,5 @@ class Outside:
                     "VirtualRobot(world=World(network='real')) takes faults at any time"
                 )
             self.channels = FaultyChannels(self.channels)
-        self.channels.add(fault)
+        self.channels.add(channel_fault(fault))
         return None

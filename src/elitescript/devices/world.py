@@ -16,12 +16,12 @@ from elitescript.devices.channels.faults import (
     Fault,
     check_protocol,
     check_together,
-    input_request,
     is_of_input,
     nowhere,
     place_of,
 )
 from elitescript.devices.channels.faulty_channels import FaultyChannels
+from elitescript.devices.channels.machine_faults import channel_fault, input_request
 from elitescript.devices.channels.network import VirtualNetwork
 from elitescript.devices.device import Device, DeviceContext, misspelt
 from elitescript.devices.surroundings import REAL, VIRTUAL, RobotAccess, Surroundings
@@ -153,7 +153,7 @@ class World(Surroundings):
         fault = self.check_fault(fault)
         self._faults.append(fault)
         if not is_of_input(fault):
-            self._faulty.put(fault)
+            self._faulty.put(channel_fault(fault))
         elif self.signals.robot is not None:
             self.signals.robot.disturb(input_request(fault, self.agenda.tick))
 

@@ -1,14 +1,25 @@
-"""What the robot's answer to a request of a port shows."""
+"""The outcome of a request to the machine."""
 
 from __future__ import annotations
 
 from elitescript.controller.controller import Controller
 from elitescript.messages.machine import MachineRequest, WritePortRegisters
+from elitescript.messages.outcomes import Done, Outcome, Refused, RegistersRead
 
 
-def shown_after(controller: Controller, firmware: tuple[int, int, int, int], request: MachineRequest) -> str:
-    """Registers that a request asks to be read right after it, as hexadecimal digits, four each; else nothing."""
-    if not isinstance(request, WritePortRegisters) or not request.read_count:
-        return ""
-    words = controller.port_image(firmware).registers(request.read_first, request.read_count)
-    return "".join(f"{word:04x}" for word in words)
+def outcome_of(
+    controller: Controller, firmware: tuple[int, int, int, int], request: MachineRequest, why_not: str
+) -> Outcome:
+    """Return what is answered to a request.
+
+    Args:
+        controller: the machine, after the request.
+        firmware: version of the controller, for registers that show it.
+        request: what was asked for.
+        why_not: why it was refused; empty if it was not.
+    """
+    if why_not:
+        return Refused(why_not)
+    if isinstance(request, WritePortRegisters) and request.read_count:
+        return RegistersRead(tuple(controller.port_image(firmware).registers(request.read_first, request.read_count)))
+    return Done()

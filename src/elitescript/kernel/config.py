@@ -9,6 +9,8 @@ from zlib import crc32
 from elitescript.controller.force.contact import ContactConfig
 from elitescript.controller.modes import REALISTIC, PowerTimes
 from elitescript.controller.safety.limits import OPERATIONAL_MODES, SafetyLimits
+from elitescript.messages.faults import ChannelFault
+from elitescript.messages.machine import DisturbInput
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, Profile
@@ -55,8 +57,8 @@ class KernelConfig:
     plant: PlantConfig | None = None
     signals: tuple[tuple[str, Value], ...] = ()
     """Levels at the start, by the names of `--set`."""
-    faults: tuple[str, ...] = ()
-    """What goes wrong on channels, as `devices.channels.faults.fault_text` writes it."""
+    faults: tuple[ChannelFault | DisturbInput, ...] = ()
+    """What goes wrong on channels and at inputs."""
     work_per_tick: int = WORK_PER_TICK
     rpc_timeout_s: float = RPC_TIMEOUT_S
     """How long a remote procedure call waits for its answer; 0 and less wait for ever."""

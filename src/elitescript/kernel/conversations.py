@@ -1,4 +1,4 @@
-"""Interpreter mode and the query port: what clients say line by line, and what they hear."""
+"""Statements of interpreter mode and queries: begun a few in each tick, answered when they are through."""
 
 from __future__ import annotations
 
@@ -8,33 +8,21 @@ from typing import Final, Generic, TypeVar
 
 from elitescript.errors import ProgramError, ScriptError
 from elitescript.kernel.interpreter_logs import InterpreterLogs
+from elitescript.messages.enums import DiscardReason
 from elitescript.messages.inputs import Interpret, InterpreterWord, Query
-from elitescript.protocol.interpreter import (
-    CLEARED,
-    CLEARED_AT_END,
-    CLEARED_BEFORE,
-    INVALID_STATE,
-    QUEUE_LIMIT,
-    TOO_MANY,
-    acknowledged,
-    discarded,
-    not_compiled,
-    session_state,
-    state_of,
+from elitescript.messages.outcomes import (
+    InterpreterOutcome,
+    Outcome,
+    QueryFailed,
+    SessionState,
+    ShownValue,
+    StatementAccepted,
+    StatementDiscarded,
+    StatementNumber,
 )
-from elitescript.protocol.query import not_executed, not_parsed, succeeded
-from elitescript.runtime import interpreter
+from elitescript.protocol.interpreter import QUEUE_LIMIT, reply_text
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.queries import QUEUE_MAX
-
-REASONS: Final[dict[str, str]] = {
-    interpreter.INVALID_STATE: INVALID_STATE,
-    interpreter.TOO_MANY: TOO_MANY,
-    interpreter.CLEARED_BEFORE: CLEARED_BEFORE,
-    interpreter.CLEARED_AT_END: CLEARED_AT_END,
-    interpreter.CLEARED: CLEARED,
-}
-"""Why a statement is discarded, in the words of the port."""
 
 WORK_PER_TICK: Final = 8000
 STATEMENT_WORK: Final = 400
@@ -45,12 +33,12 @@ Measured: a short statement takes 0.1 ms, a query 0.14 ms, a secondary program 0
 0.26 ms, most of it for the compiler.
 """
 
-Reply = Callable[[str, str], None]
-"""Takes the origin of what was asked, and the text for it."""
+Reply = Callable[[str, Outcome], None]
+"""Takes the origin of a request and what became of it."""
 
 
 class Conversations:
-    """What clients of both ports hear.
+    """Begins statements and queries in their order, and answers them.
 
     Args:
         host: runs statements and queries.
@@ -71,7 +59,7 @@ class Conversations:
     def interpret(self, item: Interpret) -> None:
         """A statement of interpreter mode; the answer may come in a later tick."""
         if not self._statements.put(item, len(item.text)):
-            self._tell(item.origin, discarded(TOO_MANY, item.text))
+            self._tell(item.origin, StatementDiscarded(DiscardReason.TOO_MANY, item.text))
 
     def word(self, item: InterpreterWord) -> None:
         """A word that does not wait until statements are executed; `abort` not even until they are compiled."""
@@ -79,12 +67,12 @@ class Conversations:
             self._log(item.origin, item.word)
             self._host.abort_move()
         elif not self._statements.put(item, 0):
-            self._tell(item.origin, discarded(TOO_MANY, item.word))
+            self._tell(item.origin, StatementDiscarded(DiscardReason.TOO_MANY, item.word))
 
     def query(self, item: Query) -> None:
         """A query; the answer comes in this tick or a later one."""
         if not self._queries.put(item, len(item.text)):
-            self._reply(item.origin, not_executed(item.ident))
+            self._reply(item.origin, QueryFailed(is_compiled=True))
 
     def go_on(self) -> None:
         """A tick begins: what waits comes before the inputs of the tick."""
@@ -109,29 +97,27 @@ class Conversations:
             self._log(item.origin, item.word)
             statements.skip()
         elif item.word == "state":
-            self._tell(item.origin, session_state(statements.is_running))
+            self._tell(item.origin, SessionState(statements.is_running))
         elif item.word in numbers:
-            self._tell(item.origin, state_of(numbers[item.word], item.word))
+            self._tell(item.origin, StatementNumber(item.word, numbers[item.word]))
 
     def accepted(self, origin: str, number: int, text: str) -> None:
         """See `runtime.interpreter.StatementListener`."""
-        self._tell(origin, acknowledged(number, text))
+        self._tell(origin, StatementAccepted(number, text))
 
-    def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
+    def discarded(self, origin: str, reason: DiscardReason, text: str, trace: str = "") -> None:
         """See `runtime.interpreter.StatementListener`."""
-        if reason == interpreter.COMPILE_ERROR:
-            self._tell(origin, not_compiled(trace, text))
-        else:
-            self._tell(origin, discarded(REASONS[reason], text))
+        self._tell(origin, StatementDiscarded(reason, text, trace))
 
     def executed(self, number: int, step: str, text: str) -> None:
         """See `runtime.interpreter.StatementListener`."""
         if self._logs is not None:
             self._logs.execution.add(f"{step}: {number}: {text}")
 
-    def _tell(self, origin: str, text: str) -> None:
-        self._log(origin, text)
-        self._reply(origin, text)
+    def _tell(self, origin: str, outcome: InterpreterOutcome) -> None:
+        if self._logs is not None:
+            self._log(origin, reply_text(outcome))
+        self._reply(origin, outcome)
 
     def _log(self, origin: str, text: str) -> None:
         if self._logs is not None:
@@ -139,12 +125,12 @@ class Conversations:
 
     def _ask(self, item: Query) -> None:
         def answer(value: str | None) -> None:
-            self._reply(item.origin, not_executed(item.ident) if value is None else succeeded(item.ident, value))
+            self._reply(item.origin, QueryFailed(is_compiled=True) if value is None else ShownValue(value))
 
         try:
             self._host.query(item.text, answer)
         except ProgramError:
-            self._reply(item.origin, not_parsed(item.ident))
+            self._reply(item.origin, QueryFailed(is_compiled=False))
         except ScriptError:
             answer(None)
 

@@ -7,17 +7,17 @@ same configuration and given the same inputs at the same ticks.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from elitescript.controller.refusals import refusal_text
 from elitescript.controller.signals.by_name import Signals
 from elitescript.controller.views.snapshots import SnapshotBuilder
 from elitescript.controller.views.warning_limit import WarningLimit
-from elitescript.devices.channels.faults import Fault, fault_of, input_request, is_of_input
 from elitescript.devices.channels.faulty_channels import FaultyChannels
 from elitescript.environment.request_channels import FaultyEnvironment, RequestEnvironment
 from elitescript.errors import ScriptError, UsageError
-from elitescript.kernel.answers import shown_after
+from elitescript.kernel.answers import outcome_of
 from elitescript.kernel.causes import cause_of
 from elitescript.kernel.config import KernelConfig, configured_model, describe
 from elitescript.kernel.conversations import Conversations
@@ -26,6 +26,7 @@ from elitescript.kernel.programs import Programs
 from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import DeviceNoted, Event, Popup, TaskStateChanged, TextMessage, Warned
+from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import (
     AddFault,
     AddLog,
@@ -36,6 +37,7 @@ from elitescript.messages.inputs import (
     ChannelOpened,
     ClosePopup,
     Do,
+    EndFaults,
     GetVariable,
     Input,
     Interpret,
@@ -52,12 +54,12 @@ from elitescript.messages.inputs import (
     ShowPopup,
     VariablesArrived,
 )
-from elitescript.messages.machine import AskSafety, EndInputFaults, MachineRequest, PowerOff, StopTask
+from elitescript.messages.machine import AskSafety, DisturbInput, EndInputFaults, MachineRequest, PowerOff, StopTask
+from elitescript.messages.outcomes import Done, Outcome, Refused
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import TaskPicture
-from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.connections.serial_line import close_lines
 from elitescript.runtime.environment import FilesRefused, ProgramEnvironment
 from elitescript.wiring import RobotOptions, assemble
@@ -102,8 +104,7 @@ class Kernel:
     def __init__(self, config: KernelConfig, world: ProgramEnvironment | None = None) -> None:
         model, firmware = configured_model(config), profile(config.firmware)
         requests = RequestEnvironment(FilesRefused() if world is None else world.files)
-        faults = [fault_of(text) for text in config.faults]
-        of_channels = [fault for fault in faults if not is_of_input(fault)]
+        of_channels = [fault for fault in config.faults if isinstance(fault, ChannelFault)]
         self._faulty = FaultyChannels(requests.channels, of_channels, seed=config.seed, say=self._note_fault)
         outside = FaultyEnvironment(requests.files, self._faulty)
         self.description = describe(config, model, firmware)
@@ -142,9 +143,9 @@ class Kernel:
         start = Signals(self._controller, "schedule")
         for name, value in config.signals:
             start[name] = value
-        for fault in faults:
-            if is_of_input(fault):
-                self._controller.put(self._controller.tick, input_request(fault), "fault")
+        for fault in config.faults:
+            if isinstance(fault, DisturbInput):
+                self._controller.put(self._controller.tick, fault, "fault")
 
     @property
     def next_tick(self) -> int:
@@ -194,8 +195,7 @@ class Kernel:
         if why_not:
             self._emit(Warned(self._controller.tick, why_not))
         if item.is_answered:
-            shown = shown_after(self._controller, self.description.firmware, item.request)
-            self._reply(item.origin, refused(why_not) if why_not else done(shown))
+            self._reply(item.origin, outcome_of(self._controller, self.description.firmware, item.request, why_not))
 
     def _attempt(self, request: MachineRequest, by: str) -> str:
         """Do what is asked; return why it cannot be done, empty if it is."""
@@ -214,8 +214,8 @@ class Kernel:
         self._programs.run(item)
 
     def _task_input(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> None:
-        if text := self._tasks.answer(item):
-            self._reply(item.origin, text)
+        if (outcome := self._tasks.answer(item)) is not None:
+            self._reply(item.origin, outcome)
 
     def _show_popup(self, item: ShowPopup) -> None:
         self._emit(Popup(self._controller.tick, item.text, "", "info", False, False, "", 0))
@@ -250,22 +250,30 @@ class Kernel:
 
     def _add_fault(self, item: AddFault) -> None:
         try:
-            if item.text:
-                self._disturb(fault_of(item.text))
-            else:
-                self._faulty.clear()
-                self._controller.request_from(EndInputFaults(), "fault")
+            self._disturb(item.fault)
         except UsageError as error:
             self._emit(Warned(self._controller.tick, f"fault refused: {error}"))
-            self._reply(item.origin, refused(str(error)))
+            self._reply(item.origin, Refused(str(error)))
         else:
-            self._reply(item.origin, done())
+            self._reply(item.origin, Done())
 
-    def _disturb(self, fault: Fault) -> None:
-        if is_of_input(fault):
-            self._controller.request_from(input_request(fault, self._controller.tick), "fault")
-        else:
+    def _disturb(self, fault: ChannelFault | DisturbInput) -> None:
+        """Let a fault begin now, or at its tick if that is later.
+
+        Raises:
+            UsageError: there is no such input, or nothing to end.
+        """
+        if isinstance(fault, ChannelFault):
             self._faulty.add(fault)
+        else:
+            _check_point(fault)
+            begin_tick = max(fault.begin_tick, self._controller.tick)
+            self._controller.request_from(replace(fault, begin_tick=begin_tick), "fault")
+
+    def _end_faults(self, item: EndFaults) -> None:
+        self._faulty.clear()
+        self._controller.request_from(EndInputFaults(), "fault")
+        self._reply(item.origin, Done())
 
     def _note_fault(self, text: str) -> None:
         self._emit(DeviceNoted(self._controller.tick, "fault", text))
@@ -303,8 +311,8 @@ class Kernel:
     def _emit(self, event: Event) -> None:
         self._controller.emit(event)
 
-    def _reply(self, origin: str, text: str) -> None:
-        self._replies.append(Reply(origin, text))
+    def _reply(self, origin: str, outcome: Outcome) -> None:
+        self._replies.append(Reply(origin, outcome))
 
     def _task_picture(self) -> TaskPicture:
         return self._tasks.picture
@@ -336,6 +344,7 @@ HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
     ShowPopup: Kernel._show_popup,
     ClosePopup: Kernel._close_popup,
     AddFault: Kernel._add_fault,
+    EndFaults: Kernel._end_faults,
     AddLog: Kernel._add_log,
     SetRemote: Kernel._set_remote,
     Reboot: Kernel._reboot,

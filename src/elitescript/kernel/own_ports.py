@@ -13,7 +13,7 @@ from elitescript.controller.controller import Controller
 from elitescript.controller.refusals import refusal_text
 from elitescript.controller.views.snapshots import SnapshotBuilder
 from elitescript.errors import ScriptError, UsageError
-from elitescript.kernel.answers import shown_after
+from elitescript.kernel.answers import outcome_of
 from elitescript.kernel.causes import cause_of
 from elitescript.kernel.config import DEFAULT_CONFIGURATION, KernelConfig, describe
 from elitescript.messages.events import Event, Warned
@@ -25,7 +25,6 @@ from elitescript.messages.signals import Value
 from elitescript.messages.snapshot import RobotDescription, TaskPicture
 from elitescript.models.model import RobotModel
 from elitescript.protocol.connection import Connection
-from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.host import ScriptHost
 
 PORTS: Final = {
@@ -119,8 +118,8 @@ class OwnPorts:
             why_not = refusal_text(item.request, error)
             self._controller.emit(Warned(self._controller.tick, why_not))
         if item.is_answered:
-            shown = shown_after(self._controller, self._description.firmware, item.request)
-            self._replies.append(Reply(item.origin, refused(why_not) if why_not else done(shown)))
+            outcome = outcome_of(self._controller, self._description.firmware, item.request, why_not)
+            self._replies.append(Reply(item.origin, outcome))
 
 
 def _loaded(name: str) -> Callable[..., Connection]:

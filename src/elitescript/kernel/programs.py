@@ -80,7 +80,7 @@ class Programs:
             try:
                 self._host.start_secondary(compiled)
             except ScriptError as error:
-                self._warn(f"{SECONDARY_WARNING}{error}")
+                self._warn_secondary(str(error))
             return
         if unit.kind == LINE and (name := self._missing_name(unit.text)):
             if self._nonsense.is_told(unit.origin, self._controller.tick):
@@ -126,7 +126,7 @@ class Programs:
             problems.sort(key=lambda problem: not problem.is_error)
         first: Any = problems[0]
         if kind == SECONDARY:
-            self._warn(f"{SECONDARY_WARNING}SyntaxError: {first.text}", first.line, first.hint)
+            self._warn_secondary(f"SyntaxError: {first.text}", first.line, first.hint)
         else:
             hint = {"hint": first.hint} if first.hint else {}
             self._alarm(first.code, "SyntaxError", first.text, first.line, first.column, origin, "", hint)
@@ -146,7 +146,7 @@ class Programs:
                 continue
             shown += 1
             if kind == SECONDARY and problem.is_error:
-                self._warn(f"{SECONDARY_WARNING}SyntaxError: {problem.text}", problem.line)
+                self._warn_secondary(f"SyntaxError: {problem.text}", problem.line)
             else:
                 self._controller.emit(_as_event(problem, self._controller.tick))
         if more := len(problems) - shown:
@@ -163,8 +163,12 @@ class Programs:
             return first.func.id
         return ""
 
-    def _warn(self, text: str, line: int = 0, hint: str = "") -> None:
-        self._controller.emit(Warned(self._controller.tick, text, "", line, hint=hint))
+    def _warn(self, text: str) -> None:
+        self._controller.emit(Warned(self._controller.tick, text))
+
+    def _warn_secondary(self, text: str, line: int = 0, hint: str = "") -> None:
+        tick, text = self._controller.tick, SECONDARY_WARNING + text
+        self._controller.emit(Warned(tick, text, "", line, hint=hint, is_exception=True))
 
     def _alarm(
         self,

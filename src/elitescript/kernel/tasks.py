@@ -23,8 +23,8 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import TaskLoaded
 from elitescript.messages.inputs import ChannelEvent, GetVariable, LoadConfiguration, LoadTask, PlayTask, SetVariable
 from elitescript.messages.machine import ResumeTask
+from elitescript.messages.outcomes import Done, Outcome, Refused, ShownValue
 from elitescript.messages.snapshot import TaskPicture
-from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.environment import Channels, Files, relative_name
 from elitescript.runtime.host import ScriptHost
@@ -97,8 +97,8 @@ class Tasks:
         self._programs.presets.clear()
         self._abandon("the controller was started anew")
 
-    def answer(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> str:
-        """Do what is asked; return the text of the reply, empty if `due` has it later."""
+    def answer(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> Outcome | None:
+        """Do what is asked and return the outcome; None if `due` returns it later."""
         return self._guarded(lambda: self._answer(item), item.origin)
 
     def stop(self) -> None:
@@ -117,19 +117,19 @@ class Tasks:
         self._fetch.event(event, self._controller.tick)
         return True
 
-    def due(self) -> tuple[str, str] | None:
-        """Start the program that has come from a client; return origin and text of the reply, None if there is none."""
+    def due(self) -> tuple[str, Outcome] | None:
+        """Start the program that has come from a client; return origin and outcome, None if there is none."""
         fetch = self._fetch
         if fetch is None:
             return None
-        text = self._guarded(lambda: self._start_fetched(fetch), fetch.origin)
-        if not text:
+        outcome = self._guarded(lambda: self._start_fetched(fetch), fetch.origin)
+        if outcome is None:
             return None
         fetch.close()
         self._fetch = None
-        return fetch.origin, text
+        return fetch.origin, outcome
 
-    def _answer(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> str:
+    def _answer(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> Outcome | None:
         if isinstance(item, LoadTask):
             return self._load_task(item.path)
         if isinstance(item, LoadConfiguration):
@@ -140,26 +140,26 @@ class Tasks:
             return self._set_variable(item.name, item.value)
         return self._get_variable(item.name)
 
-    def _guarded(self, work: Callable[[], str], origin: str) -> str:
+    def _guarded(self, work: Callable[[], Outcome | None], origin: str) -> Outcome | None:
         try:
             return work()
         except ProgramError as error:
             self._programs.report(error, None, origin)
-            return refused(f"the program does not compile: {error.problems[0]}")
+            return Refused(f"the program does not compile: {error.problems[0]}")
         except ScriptError as error:
-            return refused(f"{error}; {error.hint}" if error.hint else str(error))
+            return Refused(f"{error}; {error.hint}" if error.hint else str(error))
         except OSError as error:
-            return refused(error.strerror or str(error))
+            return Refused(error.strerror or str(error))
 
-    def _load_task(self, path: str) -> str:
+    def _load_task(self, path: str) -> Outcome:
         if self._controller.task.is_running:
-            return refused("a task is running; stop it first")
+            return Refused("a task is running; stop it first")
         if sender_of(self._files, relative_name(path)) is None:
             self._program_of(path)
         self._abandon("another task was loaded")
         self._loaded, self._picture = path, None
         self._controller.emit(TaskLoaded(self._controller.tick, path))
-        return done()
+        return Done()
 
     def _program_of(self, path: str) -> str:
         """Name of the file that holds the program of a task.
@@ -184,75 +184,75 @@ class Tasks:
         more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
         return f"; it holds {shown}{more}" if names else ""
 
-    def _load_configuration(self, path: str) -> str:
+    def _load_configuration(self, path: str) -> Outcome:
         if self._files.kind(relative_name(path)) != "file":
-            return refused("there is no such file in the task folder")
+            return Refused("there is no such file in the task folder")
         self._configuration, self._picture = path, None
-        return done()
+        return Done()
 
-    def _play(self, origin: str) -> str:
+    def _play(self, origin: str) -> Outcome | None:
         controller = self._controller
         if controller.task_state is TaskState.PAUSED:
             controller.request(ResumeTask())
-            return done()
+            return Done()
         if controller.task_state is TaskState.PLAYING:
-            return refused("a task is running; stop it first")
+            return Refused("a task is running; stop it first")
         if not self._loaded:
-            return refused("no task is loaded")
+            return Refused("no task is loaded")
         if self._fetch is not None:
-            return refused("the program of the task is on its way")
+            return Refused("the program of the task is on its way")
         controller.safety.require("start_task")
         controller.power.require_ready()
         if (sender := sender_of(self._files, relative_name(self._loaded))) is not None:
             self._fetch = Fetch(self._channels, sender, origin, controller.tick)
-            return ""
+            return None
         name = self._program_of(self._loaded)
         if self._files.size(name) > MAX_UNIT_BYTES:
-            return refused(f"{name} is longer than {MAX_UNIT_BYTES} bytes")
+            return Refused(f"{name} is longer than {MAX_UNIT_BYTES} bytes")
         with self._files.open(name, "rb", None, None) as file:
             return self._start(name, bytes(file.read(MAX_UNIT_BYTES)))
 
-    def _start(self, name: str, data: bytes) -> str:
+    def _start(self, name: str, data: bytes) -> Outcome:
         unit = self._programs.compiled(name, SourceFile.from_bytes(name, data).text, None)
         self._programs.start(
             unit, unit.name or relative_name(self._loaded).removesuffix(".task").removesuffix(".script")
         )
-        return done()
+        return Done()
 
-    def _start_fetched(self, fetch: Fetch) -> str:
+    def _start_fetched(self, fetch: Fetch) -> Outcome | None:
         """What keeps a task from starting ends the waiting too: nothing starts by itself after an emergency stop."""
         controller = self._controller
         data = fetch.result(controller.tick)
         if controller.task.is_running:
-            return refused("another program has been started meanwhile")
+            return Refused("another program has been started meanwhile")
         controller.safety.require("start_task")
         controller.power.require_ready()
-        return "" if data is None else self._start(str(fetch.sender), data)
+        return None if data is None else self._start(str(fetch.sender), data)
 
-    def _set_variable(self, name: str, value: str) -> str:
+    def _set_variable(self, name: str, value: str) -> Outcome:
         if self._controller.task.is_running:
-            return refused("a task is running; use a secondary program")
+            return Refused("a task is running; use a secondary program")
         if not name.isidentifier() or iskeyword(name) or name.startswith("__"):
-            return refused("it cannot be the name of a variable")
+            return Refused("it cannot be the name of a variable")
         try:
             literal = literal_eval(value)
         except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
-            return refused("its value must be a literal, such as 1.5, True, 'text' or [1, 2]")
+            return Refused("its value must be a literal, such as 1.5, True, 'text' or [1, 2]")
         presets = self._programs.presets
         if name not in presets and len(presets) >= PRESETS_MAX:
-            return refused(f"{PRESETS_MAX} variables wait already")
+            return Refused(f"{PRESETS_MAX} variables wait already")
         presets[name] = literal
-        return done()
+        return Done()
 
-    def _get_variable(self, name: str) -> str:
+    def _get_variable(self, name: str) -> Outcome:
         values = {**self._host.monitor(), **({} if self._controller.task.is_running else self._programs.presets)}
         if name not in values:
-            return refused("there is no such variable")
+            return Refused("there is no such variable")
         try:
             text = without_addresses(repr(values[name]))
         except BaseException as error:
             # A class of the program may do anything here, and no thread runs that could be stopped for it.
             if isinstance(error, KeyboardInterrupt):
                 raise
-            return refused("its value cannot be shown")
-        return done(text if len(text) <= VALUE_MAX else f"{text[:VALUE_MAX]}...")
+            return Refused("its value cannot be shown")
+        return ShownValue(text if len(text) <= VALUE_MAX else f"{text[:VALUE_MAX]}...")

@@ -92,3 +92,19 @@ class PulseDecoder(IntEnum):
     """Both edges of one channel."""
     RISING = 3
     FALLING = 4
+
+
+class DiscardReason(IntEnum):
+    """Why a statement of interpreter mode will not run; the numbers are ours."""
+
+    COMPILE_ERROR = 1
+    INVALID_STATE = 2
+    """No program runs."""
+    TOO_MANY = 3
+    """Too many statements wait."""
+    CLEARED_BEFORE = 4
+    """It waited when a session began that clears the queue."""
+    CLEARED_AT_END = 5
+    """It waited when the session ended."""
+    CLEARED = 6
+    """It waited when `clear_interpreter()` was executed."""

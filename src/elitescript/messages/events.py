@@ -75,6 +75,8 @@ class Warned:
     """From 1, in characters; 0 if unknown."""
     severity: str = "warning"
     """`error` for a finding that `check` calls an error, though the program starts."""
+    is_exception: bool = False
+    """Whether an exception has ended a secondary program, or kept one from starting."""
 
     def __str__(self) -> str:
         """Place, severity, code, text and hint in one line."""

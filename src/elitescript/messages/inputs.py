@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from elitescript.messages.machine import MachineRequest
+from elitescript.messages.faults import ChannelFault
+from elitescript.messages.machine import DisturbInput, MachineRequest
 
 UNIT_KINDS: Final = ("program", "secondary", "line")
 """What a unit of script text is."""
@@ -144,7 +145,6 @@ class Query:
     """A function call of the query port."""
 
     origin: str
-    ident: str
     text: str
 
 
@@ -204,11 +204,17 @@ class ChannelClosed:
 
 @dataclass(frozen=True, slots=True)
 class AddFault:
-    """Something goes wrong on channels from now on, or nothing any more; see `devices.channels.faults`."""
+    """Let something go wrong on channels or at an input, from this tick on or later."""
 
     origin: str
-    text: str
-    """The fault as `fault_text` writes it; empty to end all faults."""
+    fault: ChannelFault | DisturbInput
+
+
+@dataclass(frozen=True, slots=True)
+class EndFaults:
+    """End all faults of channels and inputs."""
+
+    origin: str
 
 
 ChannelEvent = ChannelOpened | ChannelData | ChannelCredit | ChannelClosed
@@ -236,4 +242,5 @@ Input = (
     | ChannelCredit
     | ChannelClosed
     | AddFault
+    | EndFaults
 )

@@ -1,4 +1,4 @@
-"""What a robot has to say after a tick."""
+"""What a robot gives out after a tick."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Final
 
 from elitescript.messages.events import Event
 from elitescript.messages.line import LineSettings
+from elitescript.messages.outcomes import Outcome
 from elitescript.messages.snapshot import Snapshot
 
 CHANNEL_WINDOW: Final = 65_536
@@ -75,15 +76,16 @@ ChannelRequest = OpenChannel | OpenLine | SendChannel | CloseChannel | CreditCha
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """A line for the one who asked: interpreter acknowledgements, answers of the query port."""
+    """The answer to a request, for the client that sent it; some requests have several in time."""
 
     origin: str
-    text: str
+    """Of the request."""
+    outcome: Outcome
 
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """All of it."""
+    """All that a tick gives."""
 
     tick: int
     events: tuple[Event, ...]

@@ -4,8 +4,8 @@ A line that is the header of a function and nothing else begins a *block*: it an
 of a line are one statement, with one reply. One-line functions are *documented*; a sample of the vendor sends several
 lines, and that they are one statement is *assumed*.
 
-The texts of all replies are here; the robot, which numbers and queues the statements, makes them with these functions
-and sends them as `Reply` to the origin of the statement or the word.
+The robot numbers and queues the statements; a `Reply` to the origin of a statement or a word has its outcome, whose
+text is made here.
 
 A robot that is started anew in between knows nothing of what it was sent before: lines that had no reply by then are
 answered as if no program had run, and statements that were accepted are gone.
@@ -20,8 +20,16 @@ from __future__ import annotations
 import re
 from typing import Final, NamedTuple
 
+from elitescript.messages.enums import DiscardReason
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Input, Interpret, InterpreterWord
+from elitescript.messages.outcomes import (
+    InterpreterOutcome,
+    SessionState,
+    StatementAccepted,
+    StatementDiscarded,
+    StatementNumber,
+)
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol.connection import Connection
@@ -51,9 +59,11 @@ class Word(NamedTuple):
 
 
 class Reason(NamedTuple):
-    """Why a statement is discarded."""
+    """One row: why a statement is discarded."""
 
+    reason: DiscardReason
     text: str
+    """As replies say it."""
     summary: str
     evidence: str
 
@@ -90,46 +100,42 @@ _WORDS: Final = (
 WORDS: Final[dict[str, Word]] = {word.name: word for word in _WORDS}
 """Every word that does not wait its turn."""
 
-COMPILE_ERROR: Final = "Compile error"
-INVALID_STATE: Final = "Task is in an invalid state"
-TOO_MANY: Final = "Too many interpreted messages"
-CLEARED_BEFORE: Final = "Cleaned up before interpretation"
-CLEARED_AT_END: Final = "Cleaned up after end"
-CLEARED: Final = "Cleaned up"
-
 REASONS: Final = (
-    Reason(COMPILE_ERROR, "It does not compile; the reason follows.", "documented"),
-    Reason(INVALID_STATE, "No program runs.", "documented"),
-    Reason(TOO_MANY, f"{QUEUE_LIMIT} statements wait already.", "documented"),
-    Reason(CLEARED_BEFORE, "It waited when a session began that clears the queue.", "documented"),
-    Reason(CLEARED_AT_END, "It waited when the session ended.", "documented"),
-    Reason(CLEARED, "It waited when `clear_interpreter()` was executed.", "documented"),
+    Reason(DiscardReason.COMPILE_ERROR, "Compile error", "It does not compile; the reason follows.", "documented"),
+    Reason(DiscardReason.INVALID_STATE, "Task is in an invalid state", "No program runs.", "documented"),
+    Reason(
+        DiscardReason.TOO_MANY,
+        "Too many interpreted messages",
+        f"{QUEUE_LIMIT} statements wait already.",
+        "documented",
+    ),
+    Reason(
+        DiscardReason.CLEARED_BEFORE,
+        "Cleaned up before interpretation",
+        "It waited when a session began that clears the queue.",
+        "documented",
+    ),
+    Reason(DiscardReason.CLEARED_AT_END, "Cleaned up after end", "It waited when the session ended.", "documented"),
+    Reason(DiscardReason.CLEARED, "Cleaned up", "It waited when `clear_interpreter()` was executed.", "documented"),
 )
+"""Why a statement is discarded."""
+_REASON_TEXTS: Final = {row.reason: row.text for row in REASONS}
 
 
-def acknowledged(number: int, statement: str) -> str:
-    """Reply to a statement that was accepted."""
-    return f"ack: {number}: {statement}"
-
-
-def discarded(reason: str, statement: str) -> str:
-    """Reply to a statement that will not be executed, for one of `REASONS`."""
-    return f"discard: {reason}: {statement}"
-
-
-def not_compiled(trace: str, statement: str) -> str:
-    """Reply to a statement that does not compile; no blank before the trace, one behind it."""
-    return f"discard: {COMPILE_ERROR}:{trace} : {statement}"
-
-
-def state_of(number: int, word: str) -> str:
-    """Reply to a word that asks for a number."""
-    return f"state: {number}: {word}"
-
-
-def session_state(is_running: bool) -> str:
-    """Reply to `state`."""
-    return f"state: 0: {'running' if is_running else 'stopped'}: state"
+def reply_text(outcome: InterpreterOutcome) -> str:
+    """Return the reply to a statement or a word."""
+    match outcome:
+        case StatementAccepted(number, text):
+            return f"ack: {number}: {text}"
+        case StatementDiscarded(DiscardReason.COMPILE_ERROR as reason, text, trace):
+            # There is no blank before the trace, but one behind it.
+            return f"discard: {_REASON_TEXTS[reason]}:{trace} : {text}"
+        case StatementDiscarded(reason, text):
+            return f"discard: {_REASON_TEXTS[reason]}: {text}"
+        case StatementNumber(word, number):
+            return f"state: {number}: {word}"
+        case SessionState(is_running):
+            return f"state: 0: {'running' if is_running else 'stopped'}: state"
 
 
 class InterpreterConnection(Connection):
@@ -153,10 +159,10 @@ class InterpreterConnection(Connection):
         """Why the block cannot be a statement."""
         self._count = 0
         self._start = f"{origin}/"
-        self._unanswered: dict[str, str] = {}
-        """Lines by origin, and the reply if nobody is left who could give one."""
+        self._unanswered: dict[str, InterpreterOutcome] = {}
+        """For each line by origin, the outcome if the robot ends before it answers."""
         self._given_up: set[str] = set()
-        """Lines that have got that reply, for the case that the new robot gives another one."""
+        """Lines that got that reply; what a new robot answers to them is not sent."""
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         """See `Connection.receive`."""
@@ -178,7 +184,7 @@ class InterpreterConnection(Connection):
                 origin = self._origin()
                 inputs.append(InterpreterWord(origin, text))
                 if WORDS[text].reply:
-                    self._unanswered[origin] = session_state(False) if text == "state" else state_of(0, text)
+                    self._unanswered[origin] = SessionState(False) if text == "state" else StatementNumber(text, 0)
         return inputs
 
     def _in_block(self, line: TextLine) -> list[Input]:
@@ -203,9 +209,9 @@ class InterpreterConnection(Connection):
         origin = self._origin()
         if problem:
             text = shown(one_line(text))
-            self._unanswered[origin] = not_compiled(problem, text)
+            self._unanswered[origin] = StatementDiscarded(DiscardReason.COMPILE_ERROR, text, problem)
             return Interpret(origin, text, problem)
-        self._unanswered[origin] = discarded(INVALID_STATE, text)
+        self._unanswered[origin] = StatementDiscarded(DiscardReason.INVALID_STATE, text)
         return Interpret(origin, text)
 
     def _origin(self) -> str:
@@ -230,11 +236,12 @@ class InterpreterConnection(Connection):
             if reply.origin in self._given_up:
                 self._given_up.discard(reply.origin)
                 continue
-            self._unanswered.pop(reply.origin, None)
-            self._say(reply.text)
+            if isinstance(reply.outcome, InterpreterOutcome):
+                self._unanswered.pop(reply.origin, None)
+                self._say(reply.outcome)
         if self._unanswered and any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
-            for text in self._unanswered.values():
-                self._say(text)
+            for outcome in self._unanswered.values():
+                self._say(outcome)
             self._given_up = set(self._unanswered)
             self._unanswered.clear()
         self._due += self._inputs(self._lines.take(output.tick))
@@ -252,5 +259,5 @@ class InterpreterConnection(Connection):
             inputs.append(self._close_block())
         return inputs
 
-    def _say(self, text: str) -> None:
-        self.send(one_line(text).encode() + b"\n")
+    def _say(self, outcome: InterpreterOutcome) -> None:
+        self.send(one_line(reply_text(outcome)).encode() + b"\n")

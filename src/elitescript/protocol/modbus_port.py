@@ -23,6 +23,7 @@ from elitescript.errors import ArgumentRangeError, ScriptError
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Do, Input
 from elitescript.messages.machine import MachineRequest, WritePortCoils, WritePortRegisters
+from elitescript.messages.outcomes import Done, Outcome, Refused, RegistersRead
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.modbus.frames.pdu import (
@@ -40,7 +41,6 @@ from elitescript.modbus.frames.pdu import (
     ModbusRequest,
     bits_read,
     exception,
-    registers_in,
     registers_read,
     request_of,
     written,
@@ -49,7 +49,6 @@ from elitescript.modbus.frames.tcp import LENGTH_MAX, TcpFrame, TcpSplitter, tcp
 from elitescript.modbus.port_image import PortImage, check_writable_coils, check_writable_registers
 from elitescript.modbus.port_map import View
 from elitescript.protocol.connection import Connection, ProtocolError
-from elitescript.protocol.outcomes import read_outcome
 from elitescript.protocol.query import RESTARTED
 
 NUMBER: Final = 502
@@ -76,13 +75,13 @@ class ModbusPort:
         clients: how many there are.
     """
 
-    __slots__ = ("_image", "_output", "_replies", "_version", "clients")
+    __slots__ = ("_image", "_outcomes", "_output", "_version", "clients")
 
     def __init__(self, description: RobotDescription) -> None:
         self._version = description.firmware
         self._image: PortImage | None = None
         self._output: Output | None = None
-        self._replies: dict[str, str] = {}
+        self._outcomes: dict[str, Outcome] = {}
         self.clients = 0
 
     @property
@@ -97,12 +96,12 @@ class ModbusPort:
             image = self._image = PortImage(View(output.snapshot, self._version))
         return image
 
-    def reply(self, output: Output, origin: str) -> str | None:
-        """Return what the robot answers in a tick to a request of an origin; None if nothing."""
+    def outcome(self, output: Output, origin: str) -> Outcome | None:
+        """Return what became of the request of an origin in a tick; None if that is not known yet."""
         if output is not self._output:
             self._output = output
-            self._replies = {reply.origin: reply.text for reply in output.replies}
-        return self._replies.get(origin)
+            self._outcomes = {reply.origin: reply.outcome for reply in output.replies}
+        return self._outcomes.get(origin)
 
 
 class _Write(NamedTuple):
@@ -219,32 +218,27 @@ class ModbusConnection(Connection):
 
     def _settle(self, write: _Write, output: Output) -> None:
         """Look for the robot's answer to a write, and pass it on."""
-        text = self._port.reply(output, write.origin)
-        if text is not None:
+        outcome = self._port.outcome(output, write.origin)
+        if outcome is not None:
             self._write = None
-            outcome = read_outcome(text)
-            if not outcome.is_done:
-                self._refuse(write.frame, ILLEGAL_VALUE)
-            elif write.request.function == READ_WRITE_REGISTERS:
-                self._answer_shown(write, outcome.detail)
-            else:
-                self._answer(write.frame, written(write.frame.pdu))
+            self._pass_on(write, outcome)
         elif any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
             self._write = None
             self._refuse(write.frame, DEVICE_FAILURE)
 
-    def _answer_shown(self, write: _Write, digits: str) -> None:
-        """Answer function 23 with what the robot has read right after it wrote."""
-        count = write.request.quantity
-        try:
-            data = bytes.fromhex(digits)
-        except ValueError:
-            data = b""
-        if len(data) == 2 * count:
-            self._answer(write.frame, registers_read(READ_WRITE_REGISTERS, registers_in(data, 0, count)))
-        else:
-            # A robot that is not to be trusted any more.
-            self._refuse(write.frame, DEVICE_FAILURE)
+    def _pass_on(self, write: _Write, outcome: Outcome) -> None:
+        """Answer a write; function 23 with the registers that the robot has read right after it wrote."""
+        is_mixed = write.request.function == READ_WRITE_REGISTERS
+        match outcome:
+            case Refused():
+                self._refuse(write.frame, ILLEGAL_VALUE)
+            case Done() if not is_mixed:
+                self._answer(write.frame, written(write.frame.pdu))
+            case RegistersRead(values) if is_mixed and len(values) == write.request.quantity:
+                self._answer(write.frame, registers_read(READ_WRITE_REGISTERS, values))
+            case _:
+                # The robot's process is not trusted: it may answer anything.
+                self._refuse(write.frame, DEVICE_FAILURE)
 
     def _values(self, request: ModbusRequest, output: Output) -> bytes:
         image, function = self._port.image(output), request.function

@@ -1,38 +1,20 @@
-"""How the robot answers a request whose result it alone knows: the text of a `Reply`.
-
-`done` or `refused`, each with a detail if there is one. The port puts it into the words of its protocol. The reply
-goes to the origin of the request as it came, exactly one for each request.
-"""
+"""Outcomes as texts of ports."""
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
-
-DONE: Final = "done"
-REFUSED: Final = "refused"
+from elitescript.messages.outcomes import Done, Outcome, Refused, RegistersRead, ShownValue
 
 
-class Outcome(NamedTuple):
-    """What became of a request."""
-
-    is_done: bool
-    detail: str
-    """A value, or the reason of a refusal."""
-
-
-def done(detail: str = "") -> str:
-    """Return the text of a reply: it is done; the detail is a value that was asked for."""
-    return f"{DONE}: {detail}" if detail else DONE
+def refusal_of(outcome: Outcome) -> str | None:
+    """Return why a request was not carried out; None if it was."""
+    match outcome:
+        case Done() | ShownValue() | RegistersRead():
+            return None
+        case Refused(reason):
+            return reason
+    return f"the robot answers with {type(outcome).__name__}"
 
 
-def refused(reason: str) -> str:
-    """Return the text of a reply: it was not done, and why."""
-    return f"{REFUSED}: {reason}"
-
-
-def read_outcome(text: str) -> Outcome:
-    """Read such a text; anything else counts as a refusal that says it."""
-    word, _, detail = text.partition(": ")
-    if word == DONE:
-        return Outcome(True, detail)
-    return Outcome(False, detail if word == REFUSED and detail else text)
+def value_text(outcome: Outcome) -> str:
+    """Return the value that was asked for, empty if none was."""
+    return outcome.text if isinstance(outcome, ShownValue) else ""

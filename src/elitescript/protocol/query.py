@@ -1,7 +1,7 @@
 """The query port, 40011: one function call a line, its value in the reply.
 
 `req ID STATEMENT` is answered by `ID success : VALUE` or `ID failure : WHY`. The statement follows the rules of
-secondary programs; the robot evaluates it and makes the reply with the functions here.
+secondary programs; the robot evaluates it.
 
 A robot that is started anew in between answers nothing that it was asked before: those requests fail.
 
@@ -15,6 +15,7 @@ from typing import Final
 
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Input, Query
+from elitescript.messages.outcomes import Outcome, QueryFailed, ShownValue
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol.connection import Connection
@@ -34,18 +35,17 @@ UNREADABLE_ID: Final = "-1"
 """Id in the answer to a request whose own cannot be read."""
 
 
-def succeeded(ident: str, value: str) -> str:
-    """Reply with the value of a statement, as `repr` writes it."""
-    return f"{ident} success : {value}"
+NOT_PARSED: Final = QueryFailed(is_compiled=False)
+NOT_EXECUTED: Final = QueryFailed(is_compiled=True)
 
 
-def not_parsed(ident: str) -> str:
-    """Reply to a statement that does not compile."""
-    return f"{ident} failure : parse failed"
-
-
-def not_executed(ident: str) -> str:
-    """Reply to a statement that raised an exception, is not allowed or took too long."""
+def reply_text(ident: str, outcome: Outcome) -> str:
+    """Return the reply to a request with that id."""
+    match outcome:
+        case ShownValue(text):
+            return f"{ident} success : {text}"
+        case QueryFailed(is_compiled=False):
+            return f"{ident} failure : parse failed"
     return f"{ident} failure : execute failed"
 
 
@@ -77,14 +77,14 @@ class QueryConnection(Connection):
                 continue
             ident, statement = read_request(line)
             if not statement:
-                self._say(not_parsed(ident))
+                self._say(ident, NOT_PARSED)
             elif len(self._waiting) >= WAITING_LIMIT:
-                self._say(not_executed(ident))
+                self._say(ident, NOT_EXECUTED)
             else:
                 self._count += 1
                 origin = f"{self.origin}/{self._count}"
                 self._waiting[origin] = ident
-                inputs.append(Query(origin, ident, statement))
+                inputs.append(Query(origin, statement))
         return inputs
 
     @property
@@ -100,11 +100,11 @@ class QueryConnection(Connection):
     def publish(self, output: Output) -> None:
         """See `Connection.publish`."""
         for reply in output.replies:
-            if self._waiting.pop(reply.origin, None) is not None:
-                self._say(reply.text)
+            if (ident := self._waiting.pop(reply.origin, None)) is not None:
+                self._say(ident, reply.outcome)
         if self._waiting and any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
             for ident in self._waiting.values():
-                self._say(not_executed(ident))
+                self._say(ident, NOT_EXECUTED)
             self._waiting.clear()
         self._due += self._inputs(self._lines.take(output.tick))
 
@@ -113,8 +113,8 @@ class QueryConnection(Connection):
         due, self._due = self._due, []
         return due
 
-    def _say(self, text: str) -> None:
-        self.send(one_line(text).encode() + b"\n")
+    def _say(self, ident: str, outcome: Outcome) -> None:
+        self.send(one_line(reply_text(ident, outcome)).encode() + b"\n")
 
 
 def read_request(line: TextLine) -> tuple[str, str]:

@@ -426,7 +426,7 @@ class ScriptHost:
 
     def _warn_secondary(self, text: str, strand: Strand, line: int | None = None) -> None:
         place = strand.line if line is None else line
-        self._machine.emit(Warned(self._machine.tick, SECONDARY_WARNING + text, strand.name, place))
+        self._machine.emit(Warned(self._machine.tick, SECONDARY_WARNING + text, strand.name, place, is_exception=True))
 
     # ---------------------------------------------------------------- what contexts ask
 

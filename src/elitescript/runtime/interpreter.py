@@ -23,6 +23,7 @@ from typing import Any, Final, NamedTuple, Protocol
 from elitescript.errors import ProgramError, ScriptStateError
 from elitescript.language.compiler import Statement, compile_statement
 from elitescript.language.text.source import SourceFile
+from elitescript.messages.enums import DiscardReason
 from elitescript.runtime.alarms import summary_of
 from elitescript.runtime.names.program_globals import ProgramGlobals
 from elitescript.runtime.threads.scheduler import Scheduler
@@ -37,14 +38,6 @@ STATEMENTS_PER_TICK: Final = 50
 FILE: Final = "<interpreter>"
 """File of a statement, as places in its code show it."""
 
-COMPILE_ERROR: Final = "compile error"
-INVALID_STATE: Final = "invalid state"
-TOO_MANY: Final = "too many"
-CLEARED_BEFORE: Final = "cleared before"
-CLEARED_AT_END: Final = "cleared at end"
-CLEARED: Final = "cleared"
-
-
 BEGUN: Final = "begun"
 DONE: Final = "done"
 FAILED: Final = "failed"
@@ -58,11 +51,11 @@ class StatementListener(Protocol):
     def accepted(self, origin: str, number: int, text: str) -> None:
         """Take notice of a statement that will run, under that number."""
 
-    def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
-        """Take notice of a statement that will not run; `reason` is one of the first six constants above."""
+    def discarded(self, origin: str, reason: DiscardReason, text: str, trace: str = "") -> None:
+        """Take notice of a statement that will not run; `trace` says why and where it does not compile."""
 
     def executed(self, number: int, step: str, text: str) -> None:
-        """Take notice of a statement that has begun or is over; `step` is one of the last five constants.
+        """Take notice of a statement that has begun or is over; `step` is one of the constants above.
 
         The text of a failure says why it failed.
         """
@@ -76,7 +69,7 @@ class NoStatementListener:
     def accepted(self, origin: str, number: int, text: str) -> None:
         """Ignore it."""
 
-    def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
+    def discarded(self, origin: str, reason: DiscardReason, text: str, trace: str = "") -> None:
         """Ignore it."""
 
     def executed(self, number: int, step: str, text: str) -> None:
@@ -161,7 +154,7 @@ class Interpreter:
             problem: why it cannot be one, whatever it says; empty if it can.
         """
         if len(self._queue) + len(self._held) >= self._limit:
-            self.answers.discarded(origin, TOO_MANY, text)
+            self.answers.discarded(origin, DiscardReason.TOO_MANY, text)
         elif self._is_clearing:
             self._held.append(_Held(origin, text, problem))
         else:
@@ -185,20 +178,20 @@ class Interpreter:
     def _accept(self, held: _Held) -> None:
         program, (origin, text, problem) = self._program, held
         if problem:
-            self.answers.discarded(origin, COMPILE_ERROR, text, problem)
+            self.answers.discarded(origin, DiscardReason.COMPILE_ERROR, text, problem)
             return
         if program is None:
-            self.answers.discarded(origin, INVALID_STATE, text)
+            self.answers.discarded(origin, DiscardReason.INVALID_STATE, text)
             return
         try:
             statement = compile_statement(SourceFile(FILE, text), program.globals.has)
         except ProgramError as error:
             first = next(found for found in error.problems if found.is_error)
             trace = f"line {first.line}, column {first.column}, {first.text}"
-            self.answers.discarded(origin, COMPILE_ERROR, text, trace)
+            self.answers.discarded(origin, DiscardReason.COMPILE_ERROR, text, trace)
             return
         if "start_thread" in statement.calls:
-            self.answers.discarded(origin, COMPILE_ERROR, text, "a statement may not start threads")
+            self.answers.discarded(origin, DiscardReason.COMPILE_ERROR, text, "a statement may not start threads")
             return
         self._is_clearing = _clears(statement)
         self.last_accepted += 1
@@ -228,7 +221,7 @@ class Interpreter:
 
     def end_program(self) -> None:
         """Discard what waits: the program is over, and so is the session."""
-        self._discard_queue(CLEARED_AT_END)
+        self._discard_queue(DiscardReason.CLEARED_AT_END)
         self.last_cleared = self.last_accepted
         self._program = None
         self.is_running = False
@@ -251,7 +244,7 @@ class Interpreter:
         if self.is_running:
             raise ScriptStateError("interpreter mode is entered already")
         if clears_queue:
-            self._discard_queue(CLEARED_BEFORE)
+            self._discard_queue(DiscardReason.CLEARED_BEFORE)
             self._release_held()
         self._is_ending = False
         self.is_running = True
@@ -279,7 +272,7 @@ class Interpreter:
         finally:
             self.is_running = False
             if clears_at_end and not is_stopped:
-                self._discard_queue(CLEARED_AT_END)
+                self._discard_queue(DiscardReason.CLEARED_AT_END)
                 self._forget(program)
 
     def end(self) -> None:
@@ -291,7 +284,7 @@ class Interpreter:
     def clear(self) -> None:
         """Throw away the statements that wait, and forget what statements have defined."""
         if self._program is not None:
-            self._discard_queue(CLEARED)
+            self._discard_queue(DiscardReason.CLEARED)
             self._forget(self._program)
 
     def _next(self) -> _Waiting | None:
@@ -337,7 +330,7 @@ class Interpreter:
             self.answers.executed(waiting.number, SKIPPED, waiting.text)
         return any(_clears(waiting.statement) for waiting in queue)
 
-    def _discard_queue(self, reason: str) -> None:
+    def _discard_queue(self, reason: DiscardReason) -> None:
         queue, self._queue = self._queue, deque()
         for waiting in queue:
             self.last_cleared = waiting.number

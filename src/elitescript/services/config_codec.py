@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from elitescript.codec.json_text import to_text
+from elitescript.codec.messages import Codec
+from elitescript.codec.values import Shape
 from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.modes import PowerTimes
 from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
 from elitescript.kernel.config import KernelConfig
-from elitescript.messages.codec import Codec, to_text
 from elitescript.messages.events import Event, MotionStarted
 from elitescript.messages.motion import MoveML
 from elitescript.messages.outputs import Output
-from elitescript.messages.shapes import Shape
 
 
 def full_codec() -> Codec:

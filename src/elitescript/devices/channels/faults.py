@@ -13,7 +13,6 @@ from typing import Any, Final, NamedTuple
 
 from elitescript.environment.line_bindings import PORTS
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.messages.machine import DisturbInput
 from elitescript.messages.signals import ANALOG_VOLTAGE_V, SIGNALS, parse_signal_name
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S, ticks_for
 
@@ -427,79 +426,18 @@ class Fault:
             _check_whole("code", self.code, low, high)
 
     def __str__(self) -> str:
-        return f"{self.kind} on {'port ' if isinstance(self.on, int) else ''}{self.on}"
+        return title_of(self.kind, self.on)
+
+
+def title_of(kind: str, on: int | str) -> str:
+    """Return a fault in words, such as `drop on port 5000`."""
+    return f"{kind} on {'port ' if isinstance(on, int) else ''}{on}"
 
 
 _DEFAULTS: Final[dict[str, Any]] = {
     field.name: field.default for field in fields(Fault) if any(field.name in row.takes for row in TABLE.values())
 }
 """Settings of certain kinds only."""
-
-_LATER: Final = frozenset(name for row in TABLE.values() if row.is_of_inputs for name in row.takes if name != "delay_s")
-
-
-def input_request(fault: Fault, tick: int | None = None) -> DisturbInput:
-    """What a robot is asked because of a fault of an input.
-
-    Args:
-        fault: its place is an input.
-        tick: the present one, if the fault is for now or later; None if its time may be over already.
-    """
-    _, name, index = place_of(fault.on)
-    begin = ticks_for(fault.at_s)
-    span_s = {"bouncing": fault.settle_s, "late": fault.delay_s}.get(fault.kind, fault.every_s)
-    value = fault.value
-    return DisturbInput(
-        fault.kind,
-        name,
-        index,
-        begin if tick is None else max(begin, tick),
-        None if fault.for_s is None else ticks_for(fault.for_s),
-        float(value) if value is not None and INPUTS[name] == ANALOG else value,
-        max(1, ticks_for(span_s)),
-        fault.bounces,
-        float(fault.per_s or fault.sigma or fault.rate_hz),
-        None if fault.bound is None else float(fault.bound),
-        0 if fault.seed is None else fault.seed,
-    )
-
-
-def fault_text(fault: Fault) -> str:
-    """A fault as one line of text, for `fault_of`.
-
-    Raises:
-        UsageError: its reply is bytes, which a text cannot hold.
-    """
-    import json
-
-    if isinstance(fault.reply, bytes):
-        raise UsageError("reply: must be a text to be sent to a served robot")
-    settings = {field.name: getattr(fault, field.name) for field in fields(Fault)}
-    # Settings of other kinds are left out, so that the text of a session does not grow with every kind that there is.
-    return json.dumps(
-        {
-            name: value
-            for name, value in settings.items()
-            if value is not None and (name not in _LATER or value != _DEFAULTS[name])
-        }
-    )
-
-
-def fault_of(text: str) -> Fault:
-    """The fault that a text says, see `fault_text`.
-
-    Raises:
-        UsageError: it says none.
-    """
-    import json
-
-    try:
-        settings = json.loads(text)
-    except ValueError as error:
-        raise UsageError(f"{text[:200]!r} is no fault: {error}") from None
-    if not isinstance(settings, dict):
-        raise UsageError(f"{text[:200]!r} is no fault: it must be an object")
-    return fault_from(settings)
 
 
 def fault_from(settings: Mapping[str, Any]) -> Fault:

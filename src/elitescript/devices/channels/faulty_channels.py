@@ -7,13 +7,13 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any, Final
 
 from elitescript.devices.agenda import Agenda
-from elitescript.devices.channels.faults import BOTH, LINE, TCP, TO_DEVICE, TO_ROBOT, Fault, place_of
+from elitescript.devices.channels.faults import BOTH, LINE, TCP, TO_DEVICE, TO_ROBOT, title_of
 from elitescript.devices.channels.seeded_draws import drawn, share
 from elitescript.devices.channels.wrong_replies import wrong_reply
 from elitescript.errors import UsageError
+from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.line import LineSettings
-from elitescript.messages.timing import ticks_for
 from elitescript.runtime.environment import Channels
 
 PAUSE_TICKS: Final = 2
@@ -31,12 +31,12 @@ class _Active:
 
     __slots__ = ("begin", "end", "fault", "has_acted", "number", "place", "seen")
 
-    def __init__(self, fault: Fault, number: int, now: int) -> None:
+    def __init__(self, fault: ChannelFault, number: int, now: int) -> None:
         self.fault = fault
         self.number = number
-        self.place = place_of(fault.on)
-        self.begin = max(ticks_for(fault.at_s), now)
-        self.end = None if fault.for_s is None else self.begin + ticks_for(fault.for_s)
+        self.place = fault.place
+        self.begin = max(fault.begin_tick, now)
+        self.end = None if fault.ticks is None else self.begin + fault.ticks
         self.seen = 0
         self.has_acted = False
 
@@ -89,7 +89,7 @@ class FaultyChannels:
         inner: carry the bytes.
         faults: from the start.
         seed: of what is drawn.
-        say: told when a fault acts for the first time.
+        say: called with a text when a fault acts for the first time.
     """
 
     __slots__ = (
@@ -108,7 +108,12 @@ class FaultyChannels:
     )
 
     def __init__(
-        self, inner: Channels, faults: Iterable[Fault] = (), *, seed: int = 0, say: Callable[[str], Any] | None = None
+        self,
+        inner: Channels,
+        faults: Iterable[ChannelFault] = (),
+        *,
+        seed: int = 0,
+        say: Callable[[str], Any] | None = None,
     ) -> None:
         self._inner = inner
         self._seed = seed
@@ -133,14 +138,14 @@ class FaultyChannels:
         """Whether one leads to a peer that lives in wall-clock time."""
         return self._inner.is_real
 
-    def add(self, fault: Fault) -> None:
+    def add(self, fault: ChannelFault) -> None:
         """One more fault, from now on or from its time on if that is later.
 
         Raises:
             UsageError: a reconnect where nothing is disconnected.
         """
         if fault.kind == "reconnect" and not any(
-            active.fault.kind == "disconnect" and active.place == place_of(fault.on) for active in self._active
+            active.fault.kind == "disconnect" and active.place == fault.place for active in self._active
         ):
             raise UsageError(f"kind: reconnect on {fault.on!r} has no disconnect before it, at that place")
         self.put(fault)
@@ -149,7 +154,7 @@ class FaultyChannels:
         """No fault acts any more."""
         self._active.clear()
 
-    def put(self, fault: Fault) -> None:
+    def put(self, fault: ChannelFault) -> None:
         """One more fault, as `add`, but of those that were looked at together."""
         active = _Active(fault, self._faults, self._agenda.tick)
         self._faults += 1
@@ -178,7 +183,7 @@ class FaultyChannels:
         if not active.has_acted:
             active.has_acted = True
             if self._say is not None:
-                self._say(f"{active.fault} acts")
+                self._say(f"{title_of(active.fault.kind, active.fault.on)} acts")
 
     def _found(self, place: tuple[str, str, int], *kinds: str) -> _Active | None:
         """A fault of some kind that is at work at a place."""
@@ -442,19 +447,19 @@ def _held_back(channel: _FaultyChannel) -> str:
 _Key = tuple[int, ...]
 
 
-def _lost(_fault: Fault, _pieces: Pieces, _request: bytes, _key: _Key, _is_continued: bool) -> Pieces:
+def _lost(_fault: ChannelFault, _pieces: Pieces, _request: bytes, _key: _Key, _is_continued: bool) -> Pieces:
     return []
 
 
-def _later(fault: Fault, pieces: Pieces, _request: bytes, _key: _Key, _is_continued: bool) -> Pieces:
-    return [(ticks + ticks_for(fault.delay_s), data) for ticks, data in pieces]
+def _later(fault: ChannelFault, pieces: Pieces, _request: bytes, _key: _Key, _is_continued: bool) -> Pieces:
+    return [(ticks + fault.delay_ticks, data) for ticks, data in pieces]
 
 
-def _twice(_fault: Fault, pieces: Pieces, _request: bytes, _key: _Key, _is_continued: bool) -> Pieces:
+def _twice(_fault: ChannelFault, pieces: Pieces, _request: bytes, _key: _Key, _is_continued: bool) -> Pieces:
     return pieces * 2
 
 
-def _corrupted(_fault: Fault, pieces: Pieces, _request: bytes, key: _Key, _is_continued: bool) -> Pieces:
+def _corrupted(_fault: ChannelFault, pieces: Pieces, _request: bytes, key: _Key, _is_continued: bool) -> Pieces:
     wrong: Pieces = []
     for number, (ticks, data) in enumerate(pieces):
         spoiled = bytearray(data)
@@ -465,7 +470,7 @@ def _corrupted(_fault: Fault, pieces: Pieces, _request: bytes, key: _Key, _is_co
     return wrong
 
 
-def _trickled(fault: Fault, pieces: Pieces, _request: bytes, _key: _Key, _is_continued: bool) -> Pieces:
+def _trickled(fault: ChannelFault, pieces: Pieces, _request: bytes, _key: _Key, _is_continued: bool) -> Pieces:
     parts: Pieces = []
     for ticks, data in pieces:
         first = max(ticks, parts[-1][0] + 1) if parts else ticks
@@ -474,13 +479,13 @@ def _trickled(fault: Fault, pieces: Pieces, _request: bytes, _key: _Key, _is_con
     return parts
 
 
-def _replaced(fault: Fault, pieces: Pieces, request: bytes, _key: _Key, is_continued: bool) -> Pieces:
+def _replaced(fault: ChannelFault, pieces: Pieces, request: bytes, _key: _Key, is_continued: bool) -> Pieces:
     if is_continued or not pieces:
         return []  # the wrong one has come in the place of the first part
     return [(pieces[0][0], wrong_reply(fault, request, pieces[0][1]))]
 
 
-_EFFECTS: Final[dict[str, Callable[[Fault, Pieces, bytes, _Key, bool], Pieces]]] = {
+_EFFECTS: Final[dict[str, Callable[[ChannelFault, Pieces, bytes, _Key, bool], Pieces]]] = {
     "silence": _lost,
     "drop": _lost,
     "delay": _later,

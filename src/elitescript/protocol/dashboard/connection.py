@@ -21,7 +21,7 @@ from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.dashboard.answers import Answer, Asked, version_text
 from elitescript.protocol.dashboard.verbs import VERBS, DashboardCommand, unknown_text, usage_text
 from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
-from elitescript.protocol.outcomes import read_outcome
+from elitescript.protocol.outcomes import refusal_of, value_text
 
 LINE_LIMIT: Final = 4096
 """Bytes of a command."""
@@ -74,10 +74,13 @@ class DashboardConnection(Connection):
 
     def _await(self, awaited: Answer, output: Output) -> None:
         own = self._own_origin
-        text = next((reply.text for reply in output.replies if reply.origin == own), None)
-        if text is not None:
-            outcome = read_outcome(one_line(text))
-            self._finish(awaited.text + outcome.detail if outcome.is_done else f"{awaited.failure}: {outcome.detail}")
+        outcome = next((reply.outcome for reply in output.replies if reply.origin == own), None)
+        if outcome is not None:
+            why_not = refusal_of(outcome)
+            if why_not is None:
+                self._finish(awaited.text + one_line(value_text(outcome)))
+            else:
+                self._finish(f"{awaited.failure}: {one_line(why_not)}")
         elif output.tick - self._asked_tick >= ANSWER_TICKS:
             self._finish(f"{awaited.failure}: the controller has not answered for {ANSWER_TICKS // TICKS_PER_S} s")
         self._work(output)

@@ -38,9 +38,6 @@ WAITING_MAX: Final = 500
 VITAL_MAX: Final = 1000
 """The same for vital ones."""
 
-SECONDARY_PREFIX: Final = "[SEC] Exception:"
-"""How warnings of secondary programs begin."""
-
 _PROJECT: Final = b"EliControl"
 
 
@@ -272,9 +269,8 @@ def _alarm(event: Alarm, terminator: bytes) -> RobotMessage:
 
 def _warned(event: Warned, terminator: bytes) -> RobotMessage:
     """Advice on a line of a program is a text: a monitor takes a robot error for a fault of the robot."""
-    is_exception = event.text.startswith(SECONDARY_PREFIX)
-    if is_exception or not (event.line or event.thread or event.code):
-        return error_note(event.tick, WARNING, event.text, terminator=terminator, is_vital=is_exception)
+    if event.is_exception or not (event.line or event.thread or event.code):
+        return error_note(event.tick, WARNING, event.text, terminator=terminator, is_vital=event.is_exception)
     place = f"line {event.line}: " if event.line else ""
     text = str(event) if event.code else f"warning: {place}{event.text}"
     return RobotMessage(TEXT.pack(event.tick, (), text, terminator=terminator), is_vital=False)

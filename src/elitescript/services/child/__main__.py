@@ -14,10 +14,10 @@ import sys
 import traceback
 from typing import Any
 
+from elitescript.codec.json_text import from_text, to_text
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.inputs import Input
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.services.child import frames

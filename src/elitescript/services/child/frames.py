@@ -11,7 +11,7 @@ import struct
 from collections.abc import Iterator
 from typing import Final
 
-from elitescript.messages.shapes import CodecError
+from elitescript.codec.values import CodecError
 
 DOWN_MAX: Final = 32 * 1024 * 1024
 UP_MAX: Final = 8 * 1024 * 1024

@@ -15,14 +15,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
+from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.values import CodecError
 from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.kernel.restart import restored_config, restored_inputs
-from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Input, Interpret, LoadTask, PlayTask, Query, RunUnit
 from elitescript.messages.outputs import Output
-from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.environment import Files, FilesRefused

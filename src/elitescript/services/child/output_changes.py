@@ -22,10 +22,11 @@ from collections.abc import Callable
 from operator import attrgetter
 from typing import Any, Final, get_args, get_origin, get_type_hints
 
+from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import Codec
+from elitescript.codec.values import CodecError, Decode, Encode, check_list
 from elitescript.errors import UsageError
-from elitescript.messages.codec import Codec, from_text, to_text
 from elitescript.messages.outputs import Output
-from elitescript.messages.shapes import CodecError, Decode, Encode, check_list
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.state import RobotState
 from elitescript.services.child import frames

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Final
 
 import elitescript
-from elitescript.messages.shapes import CodecError
+from elitescript.codec.values import CodecError
 from elitescript.services.child.frames import QUESTION, READ_BYTES, UP_MAX, FrameReader, frame
 
 COMMAND: Final = (sys.executable, "-P", "-s", "-m", "elitescript.services.child")

@@ -13,8 +13,8 @@ from contextlib import suppress
 from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase
 from typing import IO, Any, Final
 
+from elitescript.codec.values import CodecError, is_large
 from elitescript.errors import ScriptPermissionError
-from elitescript.messages.shapes import CodecError, is_large
 from elitescript.runtime.environment import Files, opened
 
 OPEN_MAX: Final = 300

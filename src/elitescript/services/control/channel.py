@@ -24,6 +24,7 @@ from typing import Any, Final
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged
+from elitescript.messages.outcomes import Outcome
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S, seconds
 from elitescript.protocol.browsers import is_web_request
@@ -196,7 +197,7 @@ class ControlChannel:
         self._expected.add(answers.finished)
         try:
             await asyncio.wait_for(answers.finished, ANSWER_TIMEOUT_S)
-            return {"ok": True, "text": outcome_text(order, answers.texts)}
+            return {"ok": True, "text": outcome_text(order, answers.outcomes)}
         except TimeoutError:
             waits = f": time waits for {station.waits_for}" if station.waits_for else ""
             return {"ok": True, "text": f"{order.text} (asked for; the robot has not answered yet{waits})"}
@@ -214,26 +215,26 @@ class OutputCollector:
         finished: done when all of them are answered.
     """
 
-    __slots__ = ("_origins", "_texts", "_ticks_left", "finished")
+    __slots__ = ("_origins", "_outcomes", "_ticks_left", "finished")
 
     def __init__(self, origins: tuple[str, ...]) -> None:
         self._origins = origins
-        self._texts: dict[str, str] = {}
+        self._outcomes: dict[str, Outcome] = {}
         self._ticks_left = REPLY_TICKS
         self.finished: asyncio.Future[None] = asyncio.get_running_loop().create_future()
 
     @property
-    def texts(self) -> list[str]:
-        """The answers in the order of the origins."""
-        return [self._texts[origin] for origin in self._origins]
+    def outcomes(self) -> list[Outcome]:
+        """What became of the requests, in the order of the origins."""
+        return [self._outcomes[origin] for origin in self._origins]
 
     def take(self, output: Output) -> bool:
         """Look at an output; whether the next one is wanted too."""
         if self.finished.done():
             return False
-        self._texts |= {reply.origin: reply.text for reply in output.replies if reply.origin in self._origins}
+        self._outcomes |= {reply.origin: reply.outcome for reply in output.replies if reply.origin in self._origins}
         self._ticks_left -= 1
-        if len(self._texts) == len(self._origins):
+        if len(self._outcomes) == len(self._origins):
             self.finished.set_result(None)
         elif not self._ticks_left:
             text = f"the robot has not answered for {REPLY_TICKS * PERIOD_S:g} s of its time; it may do it later"

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
-from elitescript.messages.inputs import AddFault, Do, Input, PlayTask
+from elitescript.messages.inputs import AddFault, Do, EndFaults, Input, PlayTask
 from elitescript.messages.machine import (
     AskSafety,
     MachineRequest,
@@ -26,12 +26,13 @@ from elitescript.messages.machine import (
     StopTask,
     WriteSignal,
 )
+from elitescript.messages.outcomes import Outcome
 from elitescript.messages.outputs import Output
 from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
 from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.protocol.dashboard.answers import Answer, Asked
 from elitescript.protocol.dashboard.connection import find_row
-from elitescript.protocol.outcomes import read_outcome
+from elitescript.protocol.outcomes import refusal_of, value_text
 
 if TYPE_CHECKING:
     from elitescript.services.served_devices import ServedDevices
@@ -91,22 +92,30 @@ class Verb(NamedTuple):
         return f"{self.name} {self.argument}".strip()
 
 
-def outcome_text(order: VerbAction, answers: Iterable[str]) -> str:
-    """What to say after the robot's own answers to an order, in the order of its inputs.
+def outcome_text(order: VerbAction, outcomes: Iterable[Outcome]) -> str:
+    """Return what to say of an order that the robot has answered.
+
+    Args:
+        order: what was asked for.
+        outcomes: of its inputs, in their order.
 
     Raises:
-        UsageError: the robot refuses one of them; the first refusal is told.
+        UsageError: the robot refuses one of them; the text is that of the first.
     """
     text = order.text
-    for answer in answers:
-        outcome = read_outcome(answer)
-        if not outcome.is_done:
-            raise UsageError(f"{order.failure}: {outcome.detail}" if order.failure else outcome.detail)
-        text += outcome.detail
+    for outcome in outcomes:
+        if (why_not := refusal_of(outcome)) is not None:
+            raise UsageError(f"{order.failure}: {why_not}" if order.failure else why_not)
+        text += value_text(outcome)
     return text
 
 
 def _dashboard_order(line: str, request: VerbRequest) -> VerbAction:
+    """Return what a dashboard command asks of the robot.
+
+    Raises:
+        UsageError: the command is refused: it asks nothing.
+    """
     found = find_row(line)
     if isinstance(found, str):
         raise UsageError(found)
@@ -114,7 +123,7 @@ def _dashboard_order(line: str, request: VerbRequest) -> VerbAction:
     if row.guard is not None and (refusal := row.guard._replace(is_remote_only=False).refusal(request.snapshot)):
         raise UsageError(refusal)
     answer: Answer = row.answer(Asked(request.origin, argument, request.snapshot, request.description))
-    if not answer.inputs and answer.text.startswith("Failed"):
+    if not answer.inputs:
         raise UsageError(answer.text)
     return VerbAction(answer.inputs, answer.text, answer.failure)
 
@@ -203,11 +212,12 @@ def _disturb(request: VerbRequest) -> VerbAction:
     """`disturb KIND on=PLACE NAME=VALUE...`, or `disturb end`."""
     from ast import literal_eval
 
-    from elitescript.devices.channels.faults import DEVICE, fault_from, fault_text, nowhere, place_of
+    from elitescript.devices.channels.faults import DEVICE, fault_from, nowhere, place_of
+    from elitescript.devices.channels.machine_faults import machine_fault
 
     kind, *words = request.arguments
     if kind == "end" and not words:
-        return VerbAction((AddFault(request.origin, ""),), "nothing goes wrong any more", failure="disturb")
+        return VerbAction((EndFaults(request.origin),), "nothing goes wrong any more", failure="disturb")
     settings: dict[str, Any] = {"kind": kind}
     for word in words:
         name, equals, text = word.partition("=")
@@ -222,7 +232,7 @@ def _disturb(request: VerbRequest) -> VerbAction:
         fault = request.world.check_fault(fault)
     elif place_of(fault.on)[0] == DEVICE:
         raise nowhere(fault.on, ())
-    return VerbAction((AddFault(request.origin, fault_text(fault)),), str(fault), failure="disturb")
+    return VerbAction((AddFault(request.origin, machine_fault(fault)),), str(fault), failure="disturb")
 
 
 def _fault_kinds() -> tuple[str, ...]:

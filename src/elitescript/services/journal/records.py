@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 from base64 import b64decode
+from collections.abc import Callable
 from typing import Any, Final
 
-from elitescript.messages.codec import Codec
+from elitescript.codec.messages import Codec
+from elitescript.codec.values import CodecError, shown
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
-from elitescript.messages.shapes import CodecError, shown
 from elitescript.messages.snapshot import Snapshot
+from elitescript.services.journal.format2 import Format2
 
 DIGEST_TICKS: Final = 250
 """Ticks between two digests, one second."""
@@ -58,13 +60,14 @@ class RecordReader:
     Args:
         codec: knows the classes.
         first_tick: of the session.
+        old: decodes inputs of a journal of format 2.
     """
 
-    __slots__ = ("_events", "_inputs", "_next_tick", "_picture", "_unmarked_tick")
+    __slots__ = ("_event", "_input", "_next_tick", "_picture", "_unmarked_tick")
 
-    def __init__(self, codec: Codec, first_tick: int) -> None:
-        self._events = codec.shape(Event)
-        self._inputs = codec.shape(Input)
+    def __init__(self, codec: Codec, first_tick: int, old: Format2 | None = None) -> None:
+        self._event: Callable[[Any], Event] = codec.shape(Event).decode if old is None else old.event
+        self._input: Callable[[Any], Input] = codec.shape(Input).decode if old is None else old.input
         self._picture = codec.shape(Snapshot)
         self._next_tick = first_tick
         self._unmarked_tick = first_tick
@@ -93,9 +96,9 @@ class RecordReader:
     def _decode(self, record: dict[str, Any]) -> None:
         for key in ("in", "lost"):
             if key in record:
-                record[key] = [self._inputs.decode(item) for item in record[key]]
+                record[key] = [self._input(item) for item in record[key]]
         if "events" in record:
-            record["events"] = [self._events.decode(item) for item in record["events"]]
+            record["events"] = [self._event(item) for item in record["events"]]
         if "state" in record:
             record["state"] = self._picture.decode(record["state"])
         if type(record.get("asked", [])) is not list:

@@ -80,8 +80,8 @@ class Replay:
         "_digest",
         "_kernel",
         "_last",
-        "_output_shape",
         "_reader",
+        "_text",
         "_until",
         "checked_ticks",
         "difference",
@@ -92,7 +92,8 @@ class Replay:
         self._reader = reader
         self._until = until_tick
         self._answers: list[Any] = []
-        self._output_shape = full_codec().shape(Output)
+        shape = full_codec().shape(Output)
+        self._text = (lambda output: output_text(shape, output)) if reader.old is None else reader.old.output_text
         self._digest = Digest()
         self._kernel = self._fresh(reader.config)
         self._last: Output | None = None
@@ -160,7 +161,7 @@ class Replay:
             last = min(last, self._until)
         while self._kernel.next_tick <= last:
             output = self._kernel.tick(inputs if self._kernel.next_tick == last else ())
-            self._digest.add(output_text(self._output_shape, output).encode())
+            self._digest.add(self._text(output).encode())
             self.last_tick, self._last = output.tick, output
             yield output
 

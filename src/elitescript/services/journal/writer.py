@@ -2,7 +2,7 @@
 
 One JSON text a line:
 
-    {"journal": 2, "version": ..., "python": ..., "hash_seed": ..., "config": [...]}
+    {"journal": 3, "version": ..., "python": ..., "hash_seed": ..., "config": [...]}
     {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
@@ -26,19 +26,22 @@ from typing import Any, Final
 from zlib import crc32
 
 from elitescript import __version__
+from elitescript.codec.json_text import to_text
+from elitescript.codec.messages import Codec
+from elitescript.codec.values import CodecError
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
-from elitescript.messages.codec import Codec, to_text
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
-from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import Snapshot
 from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.journal import format2
 from elitescript.services.journal.file import JournalFile
+from elitescript.services.journal.format2 import Format2
 from elitescript.services.journal.records import DIGEST_TICKS, RecordError, RecordReader
 
-FORMAT: Final = 2
+FORMAT: Final = 3
 """To be raised with every change of a record, of a message that is in one, or of a configuration."""
 LINE_MAX: Final = 64 * 1024 * 1024
 _NOTHING: Final = to_text([])
@@ -174,6 +177,7 @@ class JournalReader:
     Attributes:
         config: of the robot at the start.
         header: the first line.
+        old: translates what the journal has, if it is of format 2; None if it is of today's.
         note: what is wrong with the end of the file; empty if nothing is.
         place: file, line and byte of the record that was read last, for messages.
 
@@ -181,12 +185,13 @@ class JournalReader:
         UsageError: no journal, or one of another format.
     """
 
-    __slots__ = ("_codec", "_path", "config", "header", "note", "place")
+    __slots__ = ("_codec", "_path", "config", "header", "note", "old", "place")
 
     def __init__(self, path: Path) -> None:
         self._codec: Codec = full_codec()
         self._path = path
         self.note = ""
+        self.old: Format2 | None = None
         self.place = f"{path}: line 1"
         try:
             with path.open("rb") as file:
@@ -195,13 +200,17 @@ class JournalReader:
             raise UsageError(f"{path}: {error.strerror or error}") from error
         try:
             self.header: dict[str, Any] = json.loads(first)
-            if (found := self.header["journal"]) != FORMAT:
+            found = self.header["journal"]
+            if found == format2.FORMAT:
+                self.old = Format2(self._codec)
+            elif found != FORMAT:
                 version = str(self.header.get("version", "unknown"))[:20]
                 raise UsageError(
                     f"{path}: line 1: a journal of format {str(found)[:20]}, written by elitescript {version}; "
-                    f"{FORMAT} is known here: replay it with the version that wrote it"
+                    f"{format2.FORMAT} and {FORMAT} are known here: replay it with the version that wrote it"
                 )
-            self.config = self._codec.shape(KernelConfig).decode(self.header["config"])
+            data = self.header["config"]
+            self.config = self._codec.shape(KernelConfig).decode(data) if self.old is None else self.old.config(data)
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             at = getattr(error, "pos", getattr(error, "start", 0))
             raise UsageError(f"{path}: line 1, byte {at}: no journal of this program") from error
@@ -214,7 +223,7 @@ class JournalReader:
         Raises:
             UsageError: a line that makes no sense; the text names file, line and byte.
         """
-        reader = RecordReader(self._codec, self.config.first_tick)
+        reader = RecordReader(self._codec, self.config.first_tick, self.old)
         last, has_end = self.config.first_tick - 1, False
         with self._path.open("rb") as file:
             start = len(file.readline(LINE_MAX))

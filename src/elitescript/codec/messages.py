@@ -1,9 +1,8 @@
-"""Messages of the waist as JSON-able lists, and back.
+"""Encodes messages of the waist as lists that JSON can hold, and decodes them.
 
-Both ends know the classes, so a message is the list of its fields in their order. Where a field may hold one of
-several classes its list begins with the name of the class. Only classes of `REGISTRY` are made, by their own
-constructors from values whose types have been checked: nothing that arrives can name anything else. Hence one process
-can read what another writes whom it does not trust.
+Both ends know the classes, so a message is the list of its fields in their order. A field that may hold one of several
+classes is a list that begins with the name of the class. Decoding makes classes of `REGISTRY` only, by their
+constructors, from values whose types, lengths and ranges it has checked. So the sender need not be trusted.
 
     >>> codec = Codec()
     >>> codec.shape(Input).encode(PlayTask("dashboard#1"))
@@ -15,22 +14,13 @@ Bytes are base64. Floats keep every bit but for the payload of a NaN; in JSON te
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import IntEnum
 from types import NoneType, UnionType
 from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints, overload
 
-from elitescript.errors import UsageError
-from elitescript.messages import machine, motion, outputs, snapshot, state, yielding
-from elitescript.messages.enums import AnalogDomain
-from elitescript.messages.events import Event
-from elitescript.messages.inputs import Input
-from elitescript.messages.line import LineSettings
-from elitescript.messages.outputs import ChannelRequest
-from elitescript.messages.plant import PlantConfig
-from elitescript.messages.shapes import (
+from elitescript.codec.values import (
     INT_LIMIT,
     SCALARS,
     SIGNAL_IMAGE,
@@ -41,13 +31,22 @@ from elitescript.messages.shapes import (
     domain_image,
     enum_shape,
     floats,
-    number,
+    plain,
     read_text,
     shown,
-    spelled_out,
     whole,
     write_text,
 )
+from elitescript.errors import UsageError
+from elitescript.messages import machine, motion, outputs, snapshot, state, yielding
+from elitescript.messages.enums import AnalogDomain
+from elitescript.messages.events import Event
+from elitescript.messages.faults import ChannelFault
+from elitescript.messages.inputs import Input
+from elitescript.messages.line import LineSettings
+from elitescript.messages.outcomes import Outcome
+from elitescript.messages.outputs import ChannelRequest
+from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 from elitescript.messages.timing import TICK_MAX
 
@@ -58,11 +57,13 @@ REGISTRY: Final[tuple[type, ...]] = (
     *get_args(Event),
     *get_args(ChannelRequest),
     *get_args(machine.MachineRequest),
+    ChannelFault,
     *get_args(motion.MotionRequest),
     *get_args(motion.TrackRequest),
     *get_args(yielding.YieldRequest),
     motion.MicroLine,
     LineSettings,
+    *get_args(Outcome),
     outputs.Output,
     outputs.Reply,
     snapshot.RobotDescription,
@@ -73,12 +74,7 @@ REGISTRY: Final[tuple[type, ...]] = (
     state.RobotState,
     PlantConfig,
 )
-"""Every class that may be made from what arrives."""
-
-TEXT_MAX: Final = 32 * 1024 * 1024
-"""Characters of a JSON text."""
-
-_JSON: Final = json.JSONEncoder(allow_nan=False, check_circular=False, separators=(",", ":"))
+"""Every class that decoding may make."""
 
 _IMAGES: Final[dict[tuple[str, str], Shape[Any]]] = {
     ("Snapshot", "signals"): SIGNAL_IMAGE,
@@ -93,10 +89,13 @@ _BOUNDS: Final[dict[tuple[str, str], tuple[int, int]]] = {
     ("RobotState", "node"): (INT32_LOW, INT32_HIGH),
     ("LineMarked", "number"): (INT32_LOW, INT32_HIGH),
     ("OpenChannel", "port"): (0, 65535),
+    ("ChannelFault", "place"): (0, 65535),
+    ("ChannelFault", "chunk"): (1, 65536),
     ("LineSettings", "baud"): (1, 10_000_000),
     ("LineSettings", "parity"): (0, 2),
     ("LineSettings", "stop_bits"): (1, 2),
     ("LineSettings", "size"): (5, 8),
+    ("RegistersRead", "values"): (0, 2**16 - 1),
     ("RobotDescription", "type_id"): (0, INT32_HIGH),
     ("RobotDescription", "firmware"): (0, INT32_HIGH),
     ("RobotDescription", "safety_checksum"): (0, 2**32 - 1),
@@ -111,10 +110,10 @@ _WIDEST: Final = (-INT_LIMIT, INT_LIMIT - 1)
 
 
 class Codec:
-    """Shapes of the registered classes, worked out when they are first asked for.
+    """Makes the shapes of registered classes, each when it is first asked for.
 
     Args:
-        more: classes beside those of `REGISTRY`, such as a configuration.
+        more: classes besides those of `REGISTRY`, such as a configuration.
 
     Raises:
         ValueError: two classes of one name.
@@ -135,7 +134,7 @@ class Codec:
     def shape(self, kind: UnionType) -> Shape[Any]: ...
 
     def shape(self, kind: Any) -> Shape[Any]:
-        """The shape of a registered class, or of a union of them.
+        """Return the shape of a registered class, or of a union of such classes.
 
         Raises:
             TypeError: there is none for that type.
@@ -143,7 +142,7 @@ class Codec:
         return self._shape(kind, _WIDEST)
 
     def field_shapes(self, kind: type) -> dict[str, Shape[Any]]:
-        """The shape of every field of a registered class, in the order in which they are written.
+        """Return the shape of every field of a registered class, in the order in which they are written.
 
         Raises:
             TypeError: a field has a type that no message may have.
@@ -181,7 +180,7 @@ class Codec:
         raise TypeError(f"{kind!r} is not registered as a message")
 
     def _fields(self, kind: type) -> Shape[Any]:
-        """A frozen dataclass: the list of the fields that its constructor takes."""
+        """Return the shape of a frozen dataclass: the list of the fields that its constructor takes."""
         name = kind.__name__
         shapes_by_name = self.field_shapes(kind)
         names, shapes = list(shapes_by_name), list(shapes_by_name.values())
@@ -198,7 +197,7 @@ class Codec:
             if type(data) is not list or len(data) != count:
                 raise CodecError(f"{name}: {count} fields are expected, not {shown(data)}")
             try:
-                # The loop costs a microsecond, naming the field on every way a dozen.
+                # A failed loop is repeated to name the field; naming it at each step would make every message slower.
                 return kind(*[read(item) for read, item in zip(decoders, data, strict=True)])
             except CodecError:
                 blame(name, names, decoders, data)
@@ -209,14 +208,15 @@ class Codec:
         return Shape(encode, decode)
 
     def _union(self, parts: tuple[Any, ...], bounds: tuple[int, int]) -> Shape[Any]:
-        if set(parts) <= {bool, int, float}:
-            return number(parts)
         if NoneType in parts:
-            inner = self._shape(parts[0] if parts[1] is NoneType else parts[1], bounds)
+            rest = tuple(part for part in parts if part is not NoneType)
+            inner = self._shape(rest[0], bounds) if len(rest) == 1 else self._union(rest, bounds)
             return Shape(
                 lambda value: None if value is None else inner.encode(value),
                 lambda data: None if data is None else inner.decode(data),
             )
+        if set(parts) <= {bool, int, float, str}:
+            return plain(parts)
         by_class = {part: self._shape(part, bounds) for part in parts}
         by_name = {part.__name__: shape for part, shape in by_class.items()}
 
@@ -282,25 +282,3 @@ class Codec:
 
 def _bounds_of(kind: str, field: str) -> tuple[int, int]:
     return _BOUNDS.get((kind, field)) or _BOUNDS_BY_NAME.get(field, _WIDEST)
-
-
-def to_text(data: Any) -> str:
-    """Encoded data as one line of ASCII JSON."""
-    try:
-        return _JSON.encode(data)
-    except ValueError:
-        return _JSON.encode(spelled_out(data))
-
-
-def from_text(text: str | bytes, limit: int = TEXT_MAX) -> Any:
-    """The data of a JSON text.
-
-    Raises:
-        CodecError: longer than `limit`, or no JSON.
-    """
-    if len(text) > limit:
-        raise CodecError(f"a message of {len(text)} characters; at most {limit} are read")
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise CodecError(f"no JSON: {str(error)[:80]}") from None

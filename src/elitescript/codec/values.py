@@ -1,4 +1,4 @@
-"""How single values of messages are written: the parts that `codec` puts together."""
+"""Shapes of single values: texts, numbers, enumerations, signal images. `messages` composes them."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ _LEVELS: Final = bytes.maketrans(b"\0\1", b"01")
 
 
 class CodecError(PeerError):
-    """What arrived is no message; says where in it and why."""
+    """Raised for data that is no message; the text says where and why."""
 
 
 class Shape(Generic[T]):
-    """How values of one type are written.
+    """Encodes and decodes the values of one type.
 
     Attributes:
-        encode: value to lists, texts and numbers.
-        decode: back; raises `CodecError`.
+        encode: makes lists, texts and numbers of a value.
+        decode: makes the value of them; raises `CodecError`.
     """
 
     __slots__ = ("decode", "encode")
@@ -42,19 +42,13 @@ class Shape(Generic[T]):
         self.decode = decode
 
 
-def spelled_out(data: Any) -> Any:
-    """Encoded data in which a text stands for every float that JSON does not have."""
-    if type(data) is float and not isfinite(data):
-        return "NaN" if data != data else "Infinity" if data > 0 else "-Infinity"
-    if type(data) is list:
-        return [spelled_out(item) for item in data]
-    if type(data) is dict:
-        return {key: spelled_out(item) for key, item in data.items()}
-    return data
+def float_word(value: float) -> str:
+    """Return the word for an infinity or NaN, which JSON does not have."""
+    return "NaN" if value != value else "Infinity" if value > 0 else "-Infinity"
 
 
 def shown(data: Any) -> str:
-    """What arrived, in few characters."""
+    """Return at most some 50 characters that name the data."""
     if isinstance(data, list | dict):
         return f"a {type(data).__name__} of {len(data)}"
     if is_large(data):
@@ -63,12 +57,12 @@ def shown(data: Any) -> str:
 
 
 def is_large(data: Any) -> bool:
-    """Whether it is a whole number that no message holds."""
+    """Return True for a whole number outside of 64 bits, which no message holds."""
     return type(data) is int and not -INT_LIMIT <= data < INT_LIMIT
 
 
 def blame(name: str, names: list[str], decoders: list[Decode], data: list[Any]) -> None:
-    """Raise with the name of the first field that is wrong."""
+    """Raise `CodecError` with the name of the first field that does not decode."""
     for field, read, item in zip(names, decoders, data, strict=True):
         try:
             read(item)
@@ -77,20 +71,20 @@ def blame(name: str, names: list[str], decoders: list[Decode], data: list[Any]) 
 
 
 def check_list(data: Any, count: int) -> None:
-    """Refuse what is no list, or has another length unless `count` is negative."""
+    """Raise `CodecError` unless the data is a list of `count` items, of any length if `count` is negative."""
     if type(data) is not list or (count >= 0 and len(data) != count):
         expected = "a list" if count < 0 else f"a list of {count}"
         raise CodecError(f"{expected} is expected, not {shown(data)}")
 
 
 def write_text(value: str) -> str:
-    """A text without halves of surrogate pairs."""
+    """Return a text with `?` for each half of a surrogate pair."""
     value = str.__str__(value)
     return value if value.isascii() else value.encode("utf-8", "replace").decode("utf-8")
 
 
 def read_text(data: Any) -> str:
-    """A text."""
+    """Return a text, or raise `CodecError`."""
     if type(data) is not str:
         raise CodecError(f"a text is expected, not {shown(data)}")
     if not data.isascii():
@@ -125,7 +119,7 @@ def _read_bytes(data: Any) -> bytes:
 
 
 def _write_any(value: Any, depth: int = 0) -> Any:
-    """Details of an alarm: plain values; lists say what they were."""
+    """Encode the details of an alarm: plain values; a list begins with its type, `list` or `tuple`."""
     if value is None or type(value) is bool:
         return value
     if isinstance(value, str):
@@ -133,7 +127,7 @@ def _write_any(value: Any, depth: int = 0) -> Any:
     if isinstance(value, int) and not is_large(int(value)):
         return int(value)
     if isinstance(value, float):
-        return float(value) if isfinite(value) else ["float", spelled_out(float(value))]
+        return float(value) if isfinite(value) else ["float", float_word(value)]
     if depth < _DEPTH_MAX and type(value) in (list, tuple):
         return [type(value).__name__, *(_write_any(item, depth + 1) for item in value)]
     if depth < _DEPTH_MAX and type(value) is dict and all(isinstance(key, str) for key in value):
@@ -161,7 +155,7 @@ def _read_any(data: Any, depth: int = 0) -> Any:
 
 
 def whole(low: int, high: int) -> Shape[int]:
-    """Whole numbers of a range."""
+    """Return the shape of whole numbers in a range."""
 
     def decode(data: Any) -> int:
         if type(data) is not int:
@@ -173,22 +167,23 @@ def whole(low: int, high: int) -> Shape[int]:
     return Shape(int, decode)
 
 
-def number(parts: tuple[type, ...]) -> Shape[Any]:
-    """Numbers that keep their kind."""
+def plain(parts: tuple[type, ...]) -> Shape[Any]:
+    """Return the shape of numbers, or of texts and whole numbers, that keep their type."""
     allowed = frozenset(parts)
 
     def decode(data: Any) -> Any:
-        if type(data) in allowed and not is_large(data):
-            return data
-        if float in allowed and type(data) is str:
-            return _read_float(data)
-        raise CodecError(f"a number is expected, not {shown(data)}")
+        if type(data) is str:
+            return _read_float(data) if float in allowed else read_text(data) if str in allowed else refuse(data)
+        return data if type(data) in allowed and not is_large(data) else refuse(data)
 
-    return Shape(lambda value: value, decode)
+    def refuse(data: Any) -> Any:
+        raise CodecError(f"one of {', '.join(part.__name__ for part in parts)} is expected, not {shown(data)}")
+
+    return Shape(lambda value: write_text(value) if isinstance(value, str) else value, decode)
 
 
 def enum_shape(kind: type[IntEnum]) -> Shape[Any]:
-    """Members of an enumeration, as their numbers."""
+    """Return the shape of an enumeration: members as their numbers."""
     members = {int(member): member for member in kind}
 
     def decode(data: Any) -> Any:
@@ -200,7 +195,7 @@ def enum_shape(kind: type[IntEnum]) -> Shape[Any]:
 
 
 def domain_image(kind: type[IntEnum]) -> Shape[dict[str, tuple[Any, ...]]]:
-    """The domains of the analog signals: a member for each point of each family that has one."""
+    """Return the shape of the domains of analog signals: a member for each point of each family that has one."""
     one = enum_shape(kind)
     sizes = {row.name: row.size for row in SIGNALS.values() if row.has_domain}
 
@@ -218,7 +213,7 @@ def domain_image(kind: type[IntEnum]) -> Shape[dict[str, tuple[Any, ...]]]:
 
 
 def floats(count: int) -> Shape[tuple[float, ...]]:
-    """`count` floats; any number of them if it is negative."""
+    """Return the shape of `count` floats, of any number of them if `count` is negative."""
     only_floats = {float}
 
     def encode(value: tuple[float, ...]) -> list[float]:
@@ -236,7 +231,7 @@ def floats(count: int) -> Shape[tuple[float, ...]]:
 
 
 def _signals() -> Shape[Any]:
-    """The signal image: a list of families in the order of their table; levels as a text of 0 and 1."""
+    """Return the shape of the signal image: a list of families in the order of their table, digital ones as 0 and 1."""
     rows = tuple(SIGNALS.values())
     writers = [(row.name, row.size, _family_writer(row)) for row in rows]
     readers = [(row.name, _family_reader(row)) for row in rows]

@@ -11,10 +11,13 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 import pytest
 
-from elitescript.messages import events, inputs, machine, motion, outputs, snapshot, state, yielding
-from elitescript.messages.codec import REGISTRY, Codec, CodecError, from_text, to_text
+from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import REGISTRY, Codec
+from elitescript.codec.values import CodecError
+from elitescript.messages import events, faults, inputs, machine, motion, outcomes, outputs, snapshot, state, yielding
 from elitescript.messages.enums import AnalogDomain, RobotMode
 from elitescript.messages.events import Alarm, Event, Printed, SignalChanged
+from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import ChannelData, Do, Input, PlayTask, RunUnit
 from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import MachineRequest, SetTcp, WriteSignal
@@ -26,7 +29,7 @@ from tests.protocol.snapshots import output
 
 CODEC = Codec()
 IMAGE = [field.name for field in fields(Snapshot)].index("signals")
-MODULES = (events, inputs, machine, motion, outputs, snapshot, state, yielding)
+MODULES = (events, faults, inputs, machine, motion, outcomes, outputs, snapshot, state, yielding)
 
 
 class Maker:
@@ -84,6 +87,8 @@ class Maker:
             values["signals"] = {
                 name: tuple(self.level(row, kinds[row.kind]) for _ in range(row.size)) for name, row in SIGNALS.items()
             }
+        if kind is ChannelFault:
+            values["chunk"] = self.random.randrange(1, 9)
         if kind is RunUnit:
             values["kind"] = self.random.choice(inputs.UNIT_KINDS)
         return kind(**values)
@@ -122,7 +127,9 @@ class TestRoundTrip:
     def test_gives_the_same_message(self, kind):
         for seed in range(10):
             value = Maker(seed).message(kind)
-            assert there_and_back(value, kind) == value
+            back = there_and_back(value, kind)
+            assert back == value
+            assert repr(back) == repr(value)
 
     def test_a_member_of_a_union_keeps_its_class(self):
         for value in (PlayTask("a"), Do("b", WriteSignal("flag", 3, True)), ChannelData(1, b"\0\xff")):

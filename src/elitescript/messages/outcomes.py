@@ -1,0 +1,93 @@
+"""What became of a request that the robot answers: the outcome in a `Reply`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from elitescript.messages.enums import DiscardReason
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """The request was carried out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """The request was not carried out."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class ShownValue:
+    """The value that was asked for."""
+
+    text: str
+    """As `repr` writes it."""
+
+
+@dataclass(frozen=True, slots=True)
+class RegistersRead:
+    """Registers, read right after the request has written others."""
+
+    values: tuple[int, ...]
+    """0 to 65535 each."""
+
+
+@dataclass(frozen=True, slots=True)
+class StatementAccepted:
+    """A statement of interpreter mode will run."""
+
+    number: int
+    """From 1 in each program."""
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class StatementDiscarded:
+    """A statement of interpreter mode will not run."""
+
+    reason: DiscardReason
+    text: str
+    trace: str = ""
+    """Why and where it does not compile."""
+
+
+@dataclass(frozen=True, slots=True)
+class StatementNumber:
+    """The number that a word of interpreter mode asks for."""
+
+    word: str
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class SessionState:
+    """Whether a session of interpreter mode runs."""
+
+    is_running: bool
+
+
+@dataclass(frozen=True, slots=True)
+class QueryFailed:
+    """A query has no value."""
+
+    is_compiled: bool
+    """False if it does not compile; True if it raised an exception, is not allowed or took too long."""
+
+
+InterpreterOutcome = StatementAccepted | StatementDiscarded | StatementNumber | SessionState
+"""What becomes of a line of interpreter mode."""
+
+Outcome = (
+    Done
+    | Refused
+    | ShownValue
+    | RegistersRead
+    | StatementAccepted
+    | StatementDiscarded
+    | StatementNumber
+    | SessionState
+    | QueryFailed
+)

@@ -1,0 +1,147 @@
+"""Journals of format 2, in which faults and replies were texts: read, and compared with what the robot gives today."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any, Final
+
+from elitescript.codec.json_text import to_text
+from elitescript.codec.messages import Codec
+from elitescript.codec.values import CodecError, write_text
+from elitescript.devices.channels.faults import fault_from
+from elitescript.devices.channels.machine_faults import machine_fault
+from elitescript.errors import UsageError
+from elitescript.kernel import KernelConfig
+from elitescript.messages.events import Event
+from elitescript.messages.faults import ChannelFault
+from elitescript.messages.inputs import AddFault, EndFaults, Input, Query
+from elitescript.messages.machine import DisturbInput
+from elitescript.messages.outcomes import InterpreterOutcome, Refused, RegistersRead, ShownValue
+from elitescript.messages.outputs import Output, Reply
+from elitescript.protocol import interpreter, query
+from elitescript.services.config_codec import without_points
+
+FORMAT: Final = 2
+
+_CONFIG: Final = [
+    "model",
+    "model_text",
+    "firmware",
+    "seed",
+    "first_tick",
+    "epoch_s",
+    "joints",
+    "speed",
+    "power_on",
+    "power_times",
+    "remote",
+    "robot_id",
+    "serial_number",
+    "configuration",
+    "contact",
+    "safety",
+    "plant",
+    "signals",
+    "faults",
+    "work_per_tick",
+    "rpc_timeout_s",
+    "strict",
+]
+"""Fields of a configuration, in the order of that format."""
+_FAULTS: Final = "faults"
+_EVENTS, _REPLIES = map(list(Output.__dataclass_fields__).index, ("events", "replies"))
+_WARNED: Final = 1 + len(("tick", "text", "thread", "line", "code", "hint", "column", "severity"))
+"""Items of a `Warned` with its name."""
+
+
+class Format2:
+    """Translates one journal.
+
+    Args:
+        codec: of today's messages.
+    """
+
+    __slots__ = ("_codec", "_events", "_idents", "_inputs", "_output")
+
+    def __init__(self, codec: Codec) -> None:
+        self._codec = codec
+        self._events = codec.shape(Event)
+        self._inputs = codec.shape(Input)
+        self._output = codec.shape(Output)
+        self._idents: dict[str, str] = {}
+        """Ids of queries by their origin: replies had them."""
+
+    def config(self, data: Any) -> KernelConfig:
+        """Return the configuration of the first line.
+
+        Raises:
+            CodecError: it is none.
+        """
+        if type(data) is not list or len(data) != len(_CONFIG):
+            raise CodecError(f"a configuration of format {FORMAT} has {len(_CONFIG)} fields")
+        values = dict(zip(_CONFIG, data, strict=True))
+        faults = tuple(_fault(text) for text in values.pop(_FAULTS))
+        shapes = self._codec.field_shapes(KernelConfig)
+        return KernelConfig(**{name: shapes[name].decode(value) for name, value in values.items()}, faults=faults)
+
+    def input(self, data: Any) -> Input:
+        """Return an input of a tick.
+
+        Raises:
+            CodecError: it is none.
+        """
+        match data:
+            case ["AddFault", str(origin), ""]:
+                return EndFaults(origin)
+            case ["AddFault", str(origin), text]:
+                return AddFault(origin, _fault(text))
+            case ["Query", str(origin), str(ident), str(text)]:
+                self._idents[origin] = ident
+                return Query(origin, text)
+        item: Input = self._inputs.decode(data)
+        return item
+
+    def event(self, data: Any) -> Event:
+        """Return an event that clients were told of while there was no robot.
+
+        Raises:
+            CodecError: it is none.
+        """
+        match data:
+            case ["Warned", *fields] if len(data) == _WARNED:
+                data = ["Warned", *fields, False]
+        item: Event = self._events.decode(data)
+        return item
+
+    def output_text(self, output: Output) -> str:
+        """Return an output as digests of that format cover it."""
+        data = self._output.encode(without_points(replace(output, replies=())))
+        data[_EVENTS] = [event[:_WARNED] if event[0] == "Warned" else event for event in data[_EVENTS]]
+        data[_REPLIES] = [[write_text(reply.origin), write_text(self._reply_text(reply))] for reply in output.replies]
+        return to_text(data)
+
+    def _reply_text(self, reply: Reply) -> str:
+        ident = self._idents.get(reply.origin)
+        if ident is not None:
+            return query.reply_text(ident, reply.outcome)
+        match reply.outcome:
+            case Refused(reason):
+                return f"refused: {reason}"
+            case ShownValue(text):
+                return f"done: {text}"
+            case RegistersRead(values):
+                return f"done: {''.join(f'{value:04x}' for value in values)}"
+            case outcome if isinstance(outcome, InterpreterOutcome):
+                return interpreter.reply_text(outcome)
+        return "done"
+
+
+def _fault(text: Any) -> ChannelFault | DisturbInput:
+    try:
+        settings = json.loads(text)
+        if type(settings) is dict:
+            return machine_fault(fault_from(settings))
+    except (ValueError, TypeError, RecursionError, UsageError) as error:
+        raise CodecError(f"no fault: {error}") from None
+    raise CodecError("no fault: it must be an object")
