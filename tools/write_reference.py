@@ -19,6 +19,7 @@ from elitescript.controller import safety
 from elitescript.lint import explanations
 from elitescript.messages.signals import SIGNALS, Signal
 from tools.api_page import api_page
+from tools.command_line_page import command_line_page
 from tools.commands_pages import COMMAND_PAGES
 from tools.devices_page import devices_page
 from tools.events_page import events_page
@@ -224,6 +225,7 @@ def _range(signal: Signal) -> str:
 
 PAGES: Final[dict[str, Callable[[], str]]] = {
     "api.md": api_page,
+    "command-line.md": command_line_page,
     **COMMAND_PAGES,
     "dashboard.md": dashboard_page,
     "devices.md": devices_page,
