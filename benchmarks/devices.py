@@ -81,14 +81,14 @@ def _slave() -> Iterator[list[int]]:
 
 
 class Sockets:
-    """The TCP connections of a run, as `worlds.real_channels` has them, looked at whenever the benchmark wants."""
+    """The TCP connections of a run, as `environment.local_channels` has them, polled by the benchmark."""
 
     def __init__(self) -> None:
         self.open_channels: dict[int, Any] = {}
         self.sent = 0
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
-        from elitescript.worlds.tcp_channel import TcpChannel
+        from elitescript.environment.tcp_channel import TcpChannel
 
         number = len(self.open_channels) + 1
         self.open_channels[number] = TcpChannel(number, address, port)
@@ -111,14 +111,14 @@ class Sockets:
 def _ours(ports: list[int]) -> tuple[float, int, list[float], float]:
     """Requests per second, missed cycles, times of the cycles and the share of a core."""
     from elitescript.messages.inputs import ChannelData
-    from elitescript.modbus.master import Master
-    from elitescript.modbus.signals import Kind
+    from elitescript.modbus.master.master import Master
+    from elitescript.modbus.master.signals import SignalKind
 
     sockets, listeners = Sockets(), dict[int, Any]()
     master = Master(sockets, listeners, print, tick=-1)
     for index in range(SIGNALS):
         name = str(index)
-        master.add("127.0.0.1", ports[index % len(ports)], name, Kind.REGISTER_OUTPUT, 255, index, 1)
+        master.add("127.0.0.1", ports[index % len(ports)], name, SignalKind.REGISTER_OUTPUT, 255, index, 1)
         master.retime(name, 250)
     done_s: list[float] = []
     events: list[Any] = []

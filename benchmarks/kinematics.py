@@ -8,10 +8,10 @@ from math import pi
 from timeit import repeat
 from typing import Any
 
-from elitescript.kinematics.dynamics import Body, joint_torques
+from elitescript.kinematics.dynamics import RigidBody, joint_torques
 from elitescript.kinematics.inverse import solutions, solve_branch
 from elitescript.kinematics.jacobian import jacobian
-from elitescript.models.model import Link, RobotModel, load_model
+from elitescript.models.model import LinkMass, RobotModel, load_model
 
 Q = (0.3, -1.2, -1.5, -1.1, 1.4, 0.2)
 """A pose with eight solutions, far from singularities, rad."""
@@ -55,8 +55,8 @@ def main() -> None:
 def _our_calls(model: RobotModel) -> Calls:
     arm = model.arm
     T = arm.forward(Q)
-    links = [Body(link.mass, link.com, link.inertia) for link in model.links]
-    load = Body(LOAD_KG, LOAD_COG)
+    links = [RigidBody(link.mass, link.com, link.inertia) for link in model.links]
+    load = RigidBody(LOAD_KG, LOAD_COG)
     if len(solutions(arm, T)) != 8 or solve_branch(arm, T, OWN_BRANCH) is None:
         raise RuntimeError("the pose of this benchmark has to have eight solutions")
     return {
@@ -108,7 +108,7 @@ def _toolbox(model: RobotModel) -> Calls:
     }
 
 
-def _toolbox_inertia(link: Link) -> list[list[float]]:
+def _toolbox_inertia(link: LinkMass) -> list[list[float]]:
     ixx, iyy, izz, ixy, ixz, iyz = link.inertia
     return [[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]]
 

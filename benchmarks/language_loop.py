@@ -13,9 +13,9 @@ from time import perf_counter
 from typing import Any
 
 from elitescript.language.compiler import compile_unit
-from elitescript.language.dialect import translate
 from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, MAIN, STOP, TICK
-from elitescript.language.source import SourceFile
+from elitescript.language.text.dialect import translate
+from elitescript.language.text.source import SourceFile
 
 RUNS = 15
 FUEL = 10_000

@@ -26,9 +26,9 @@ from elitescript.motion.limits import MotionLimits
 from elitescript.motion.microline import plan_moveml
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.servo import begun, followed
-from elitescript.motion.speed import Obstacle, accelerated
-from elitescript.motion.twist import ToolMotion, TwistState
+from elitescript.motion.streaming.servo import begun, followed
+from elitescript.motion.streaming.speed import Obstacle, accelerated
+from elitescript.motion.streaming.twist import ToolMotion, TwistState
 
 Q_START: Six = (0.3, -1.5, -1.6, -1.5, 1.5, 0.2)
 Q_END: Six = (1.0, -1.0, -1.2, -1.6, 1.2, 0.3)

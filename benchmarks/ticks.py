@@ -59,10 +59,10 @@ def _parts(what: str, program: bytes) -> Row:
     from elitescript.kernel import Kernel, KernelConfig
     from elitescript.messages.inputs import Input, RunUnit
     from elitescript.messages.outputs import Output
-    from elitescript.protocol.rtsi import RtsiConnection
-    from elitescript.protocol.rtsi_recipes import RtsiPort
+    from elitescript.protocol.rtsi.connection import RtsiConnection
+    from elitescript.protocol.rtsi.recipes import RtsiPort
+    from elitescript.services.child.output_changes import OutputReader, OutputWriter
     from elitescript.services.config_codec import full_codec
-    from elitescript.services.output_changes import OutputReader, OutputWriter
 
     kernel = Kernel(KernelConfig(power_on=True))
     begin: list[Input] = [RunUnit("primary#1", "program", program.decode())] if program else []
@@ -109,7 +109,7 @@ def _each_us(step: Callable[[], object]) -> float:
 
 
 def _served(what: str, count: int, program: bytes, *options: str) -> Row:
-    from elitescript.services.child_process import processor_time_s
+    from elitescript.services.child.process import processor_time_s
 
     with served(*options) as (ports, pid):
         pids = [pid, *map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split())]

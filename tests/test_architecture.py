@@ -51,7 +51,8 @@ class TestImports:
         contracts = {contract["id"]: contract for contract in config["tool"]["importlinter"]["contracts"]}
         layers = contracts["layers"]["layers"]
         below = layers[layers.index("robot") + 1 :]
-        pure = {f"elitescript.{name.strip()}" for row in below for name in row.split("|")} - {"elitescript.worlds"}
+        pure = {f"elitescript.{name.strip()}" for row in below for name in row.split("|")}
+        pure -= {"elitescript.environment", "elitescript.devices"}
         assert set(contracts["pure"]["source_modules"]) == pure
 
 
@@ -207,7 +208,7 @@ class TestStartUp:
         assert self.modules_after("import elitescript.robot") & slow == set()
 
     def test_a_robot_without_connections_loads_nothing_of_them(self):
-        outside = {"elitescript.messages.inputs", "elitescript.modbus", "elitescript.worlds.virtual", "xmlrpc"}
+        outside = {"elitescript.messages.inputs", "elitescript.modbus", "elitescript.devices.world", "xmlrpc"}
         statement = "from elitescript.robot import VirtualRobot; VirtualRobot().run('textmsg(1)')"
         assert self.modules_after(statement) & outside == set()
 

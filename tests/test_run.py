@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from elitescript.language.compiler import compile_unit
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import TextMessage
 from elitescript.run import RECORDS_MAX, Run
 

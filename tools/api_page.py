@@ -13,8 +13,8 @@ from tools.markdown import NOTICE, anchor
 PUBLIC: Final[dict[str, tuple[str, ...]]] = {
     "elitescript": (),
     "elitescript.testing.world": (),
-    "elitescript.controller.contact": ("ContactConfig", "Plane"),
-    "elitescript.controller.safety_limits": ("SafetyLimits", "SafetyBounds", "SafetyPlane", "ToolDirection"),
+    "elitescript.controller.force.contact": ("ContactConfig", "Plane"),
+    "elitescript.controller.safety.limits": ("SafetyLimits", "SafetyBounds", "SafetyPlane", "ToolDirection"),
 }
 """The public names of each module; all of its `__all__` where none are given."""
 
@@ -44,8 +44,8 @@ INTRODUCTIONS: Final[dict[str, str]] = {
     "elitescript": "`from elitescript import VirtualRobot`: run programs and look at what they did.",
     "elitescript.testing.world": "What is around the robot in a test: devices, wires, schedules, faults. "
     "[Devices beside the robot](../how-to/devices.md) shows them at work.",
-    "elitescript.controller.contact": "What the TCP can touch; `VirtualRobot(contact=...)`.",
-    "elitescript.controller.safety_limits": "What the safety system watches; `VirtualRobot(safety=...)`.",
+    "elitescript.controller.force.contact": "What the TCP can touch; `VirtualRobot(contact=...)`.",
+    "elitescript.controller.safety.limits": "What the safety system watches; `VirtualRobot(safety=...)`.",
 }
 
 _HEADINGS: Final = {

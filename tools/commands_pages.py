@@ -7,8 +7,8 @@ from functools import partial
 from typing import Final
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.page import CHAPTERS, chapters, kind_of, source_of
-from elitescript.commands.registry import Command, Param
+from elitescript.commands.definition.page import CHAPTERS, chapters, kind_of, source_of
+from elitescript.commands.definition.registry import Command, Param
 from tools.markdown import NOTICE, cell
 
 INDEX: Final = "commands/index.md"

@@ -7,9 +7,9 @@ import re
 from importlib import import_module
 from typing import Any
 
-from elitescript.worlds.virtual.device import setting_names
-from elitescript.worlds.virtual.faults import FORMS, INPUTS, TABLE, Effect, Fault
-from elitescript.worlds.virtual.scenario import KINDS
+from elitescript.devices.channels.faults import FORMS, INPUTS, TABLE, Fault, FaultEffect
+from elitescript.devices.device import setting_names
+from elitescript.devices.scenario import KINDS
 from tools.markdown import NOTICE, cell
 
 
@@ -61,11 +61,11 @@ def devices_page() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _row(name: str, tcp: Effect, line: Effect, takes: tuple[str, ...]) -> str:
+def _row(name: str, tcp: FaultEffect, line: FaultEffect, takes: tuple[str, ...]) -> str:
     return f"| `{name}` | {_effect(tcp)} | {_effect(line)} | {', '.join(f'`{key}`' for key in takes)} |"
 
 
-def _effect(effect: Effect) -> str:
+def _effect(effect: FaultEffect) -> str:
     return cell(effect.text) if effect.is_possible else f"refused: {cell(effect.text)}"
 
 

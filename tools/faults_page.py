@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.page import CHAPTERS
-from elitescript.worlds.virtual.faults import FORMS, TABLE, Effect
+from elitescript.commands.definition.page import CHAPTERS
+from elitescript.devices.channels.faults import FORMS, TABLE, FaultEffect
 from tests.faults.table import Row, load
 from tools.markdown import NOTICE, cell
 
@@ -111,7 +111,7 @@ def _fault_row(name: str, settings: dict[str, Any]) -> str:
     return f"| {name} | `{cell(shown)}` | {_effect(effects.tcp)} | {_effect(effects.line)} |"
 
 
-def _effect(effect: Effect) -> str:
+def _effect(effect: FaultEffect) -> str:
     return cell(effect.text) if effect.is_possible else f"refused: {cell(effect.text)}"
 
 

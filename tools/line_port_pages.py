@@ -16,8 +16,11 @@ from elitescript.kernel.interpreter_logs import (
 )
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.protocol import dashboard, dashboard_answers, dashboard_guards, interpreter, query
-from elitescript.protocol.dashboard_verbs import VERBS
+from elitescript.protocol import interpreter, query
+from elitescript.protocol.dashboard import answers as dashboard_answers
+from elitescript.protocol.dashboard import connection as dashboard
+from elitescript.protocol.dashboard import guards as dashboard_guards
+from elitescript.protocol.dashboard.verbs import VERBS
 from tools.markdown import NOTICE, cell, code
 
 WIDTH = 118

@@ -7,7 +7,7 @@ from functools import cache
 from typing import Final
 
 from elitescript import VirtualRobot
-from elitescript.controller.trace import TraceRow
+from elitescript.controller.views.trace import TraceRow
 from elitescript.models.model import load_model
 from elitescript.plotting.curves import accelerations
 from tools.motion_runs import (

@@ -11,7 +11,7 @@ from math import atan2, cos, hypot, pi, sin
 from typing import Final
 
 from elitescript import VirtualRobot
-from elitescript.controller.trace import TraceRow
+from elitescript.controller.views.trace import TraceRow
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import IDENTITY

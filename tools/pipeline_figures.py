@@ -8,11 +8,11 @@ from math import cos, pi, sin, sqrt
 from typing import Final
 
 from elitescript import PlantConfig, VirtualRobot
-from elitescript.controller.contact import ContactConfig, Plane
-from elitescript.controller.trace import TraceRow
+from elitescript.controller.force.contact import ContactConfig, Plane
+from elitescript.controller.views.trace import TraceRow
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.models.model import load_model
 from elitescript.plotting.curves import tcp_speeds
-from elitescript.worlds.memory import MemoryWorld
 from tools.motion_runs import HOME, MODEL, program, times_of, traced
 from tools.svg_chart import Curve, Panel, drawing
 
@@ -63,7 +63,7 @@ def points() -> str:
     times = [POINTS_INTERVAL_S * index for index in range(count + 1)]
     angles = [0.8 * (1.0 - cos(pi * time / POINT_FILE_S)) for time in times]
     text = "".join(f"{angle} {' '.join(map(str, HOME[1:]))}\n" for angle in angles)
-    robot = VirtualRobot(MODEL, joints=HOME, world=MemoryWorld({"turn.txt": text.encode()}))
+    robot = VirtualRobot(MODEL, joints=HOME, world=MemoryEnvironment({"turn.txt": text.encode()}))
     rows = traced(program('line = load_micro_line_file("turn.txt", 20)', "moveml(line)", "sleep(0.1)"), robot=robot)
     asked = [0.8 * pi / POINT_FILE_S * sin(pi * time / POINT_FILE_S) for time in times]
     limit = load_model(MODEL).joints[0].qd_max

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.services import binding, listener, liveness, shares, ssh_commands, tcp
-from elitescript.services.broker import CHANNELS_MAX
-from elitescript.services.connect_policy import DEFAULT_TEXT
-from elitescript.services.control_verbs import VERBS
-from elitescript.services.cycle import CATCH_UP_TICKS
-from elitescript.services.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
-from elitescript.services.lockstep import UNANSWERING_S
+from elitescript.services.channels.broker import CHANNELS_MAX
+from elitescript.services.channels.connect_policy import DEFAULT_TEXT
+from elitescript.services.clients import binding, listener, liveness, shares, tcp
+from elitescript.services.control.verbs import VERBS
+from elitescript.services.ssh import commands as ssh_commands
 from elitescript.services.table import PORTS_PER_INSTANCE, SERVICES, SSH
+from elitescript.services.time.cycle import CATCH_UP_TICKS
+from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
+from elitescript.services.time.lockstep import UNANSWERING_S
 from tools.markdown import NOTICE, cell
 
 _PAGES = {
@@ -62,7 +63,8 @@ def ports_page() -> str:
         f"  {backlog} KiB wait for it. It is cut off when {most} KiB wait, or when it has taken nothing for",
         f"  {stalled_s} s. Nobody else waits.",
         f"- Of what one client sends, so much is read in a tick as takes {shares.SHARE_NS / 1e6:g} ms, of all clients",
-        f"  together {shares.TICK_NS / 1e6:g} ms; the rest stays in the sockets. Who sends little is read first.",
+        f"  together {shares.READ_BUDGET_NS / 1e6:g} ms; the rest stays in the sockets. Clients that send little",
+        "  are read first.",
         "- More requests than the robot can do in a tick wait: in the order of each client, in turns",
         "  between clients.",
         "- What cannot be understood as the protocol of the port closes that one connection.",

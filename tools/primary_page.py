@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from elitescript.protocol import primary, primary_messages
 from elitescript.protocol.binary import Field
-from elitescript.protocol.primary_commands import COMMANDS
-from elitescript.protocol.primary_messages import HEAD, KINDS, MAX_TEXT_BYTES, MessageKind
-from elitescript.protocol.primary_packets import STATE_SIZE, SUB_MESSAGES, SubMessage
+from elitescript.protocol.primary import connection as primary
+from elitescript.protocol.primary import messages as primary_messages
+from elitescript.protocol.primary.commands import COMMANDS
+from elitescript.protocol.primary.messages import HEAD, KINDS, MAX_TEXT_BYTES, MessageKind
+from elitescript.protocol.primary.packets import STATE_SIZE, SUB_MESSAGES, SubMessage
 from tools.markdown import NOTICE, anchor, cell
 
 

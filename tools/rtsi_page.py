@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from elitescript.protocol import rtsi, rtsi_recipes
-from elitescript.protocol.rtsi_inputs import INPUT_ROWS, InputVariable
-from elitescript.protocol.rtsi_variables import OUTPUT_ROWS, OutputVariable
+from elitescript.protocol.rtsi import connection as rtsi
+from elitescript.protocol.rtsi import recipes as rtsi_recipes
+from elitescript.protocol.rtsi.inputs import INPUT_ROWS, InputVariable
+from elitescript.protocol.rtsi.variables import OUTPUT_ROWS, OutputVariable
 from tools.markdown import NOTICE, cell
 
 

@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "src"))
 
 from elitescript import errors
-from elitescript.controller import safety
+from elitescript.controller.safety import states as safety
 from elitescript.lint import explanations
 from elitescript.messages.signals import SIGNALS, Signal
 from tools.api_page import api_page

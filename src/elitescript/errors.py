@@ -78,7 +78,7 @@ _ROWS: Final = (
     Code("W219", "warning", "result that is not used", is_tolerated=True),
     Code("W220", "warning", "`return` that is missing on one path", is_tolerated=True),
     Code("W221", "warning", "reading that a secondary program does not wait for", is_tolerated=True),
-    # What is legal, but hardly meant: units and targets; see `commands.plausibility`.
+    # What is legal, but hardly meant: units and targets; see `commands.definition.plausibility`.
     Code("W230", "warning", "angle that looks like degrees", is_tolerated=True),
     Code("W231", "warning", "length that looks like millimetres", is_tolerated=True),
     Code("W232", "warning", "speed or acceleration that looks like degrees or millimetres", is_tolerated=True),

@@ -10,16 +10,22 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from elitescript.controller.contact import ContactConfig
-from elitescript.controller.safety_limits import SafetyLimits
-from elitescript.controller.signal_view import Signals, signal_write
-from elitescript.controller.trace import Trace
-from elitescript.controller.trace_signals import SignalRecord, TraceSignals
-from elitescript.controller.warning_limit import WarningLimit
+from elitescript.controller.force.contact import ContactConfig
+from elitescript.controller.safety.limits import SafetyLimits
+from elitescript.controller.signals.by_name import Signals, signal_write
+from elitescript.controller.views.trace import Trace
+from elitescript.controller.views.trace_signals import SignalRecord, TraceSignals
+from elitescript.controller.views.warning_limit import WarningLimit
+from elitescript.devices.drain import DRAIN_S, Drain
+from elitescript.devices.outside import Outside
+from elitescript.devices.surroundings import Surroundings
+from elitescript.environment.allowance import TASK_DIR_BYTES
+from elitescript.environment.interrupts import interrupts_passed_to
+from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
 from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
 from elitescript.language.options import SECONDARY
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import UNDELIVERED, Alarm, Event, SignalChanged, Warned
 from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
@@ -31,18 +37,12 @@ from elitescript.messages.state import RobotState
 from elitescript.messages.timing import RPC_TIMEOUT_S, seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run
-from elitescript.runtime.scheduler import WORK_PER_TICK
-from elitescript.runtime.world import World
-from elitescript.wiring import EPOCH_S, Fittings, assemble, checked_presets
-from elitescript.worlds.allowance import TASK_DIR_BYTES
-from elitescript.worlds.drain import DRAIN_S, Drain
-from elitescript.worlds.interrupts import interrupts_passed_to
-from elitescript.worlds.outside import Outside
-from elitescript.worlds.program_file import source_of
-from elitescript.worlds.surroundings import Surroundings
+from elitescript.runtime.environment import ProgramEnvironment
+from elitescript.runtime.threads.scheduler import WORK_PER_TICK
+from elitescript.wiring import EPOCH_S, RobotOptions, assemble, checked_presets
 
 if TYPE_CHECKING:
-    from elitescript.worlds.state_file import StateFile
+    from elitescript.environment.state_file import StateFile
 
 IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
@@ -55,7 +55,7 @@ Watch = Callable[["VirtualRobot"], None]
 
 
 def _state_file(path: str | Path) -> StateFile:
-    from elitescript.worlds.state_file import StateFile
+    from elitescript.environment.state_file import StateFile
 
     return StateFile(path)
 
@@ -104,7 +104,7 @@ class VirtualRobot:
         speed: float = 1.0,
         task_dir: str | Path | None = None,
         task_dir_limit: int = TASK_DIR_BYTES,
-        world: World | Surroundings | str | Path | None = None,
+        world: ProgramEnvironment | Surroundings | str | Path | None = None,
         lines: Mapping[str, str] | None = None,
         strict: bool = False,
         epoch_s: float = EPOCH_S,
@@ -123,7 +123,7 @@ class VirtualRobot:
         self._on_event = on_event
         self._outside = Outside(world, task_dir, lines, task_dir_limit)
         cell = self._outside.cell
-        fittings = Fittings(
+        fittings = RobotOptions(
             epoch_s=epoch_s,
             seed=seed,
             joints=joints,
@@ -277,7 +277,7 @@ class VirtualRobot:
 
         Then time goes by until everything that the program gave away has arrived: bytes of sockets and serial ports,
         MODBUS outputs and requests; and until no device has something to do in the next tick, within limits (see
-        `worlds.drain`). The record says when and where the program ended; its events and signals are those at the
+        `devices.drain`). The record says when and where the program ended; its events and signals are those at the
         end of that.
 
         Args:

@@ -7,8 +7,8 @@ import sys
 from collections.abc import Callable
 from typing import Any, Final, Literal, NamedTuple, TypeVar
 
-from elitescript.controller.trace import TraceRow
-from elitescript.controller.trace_signals import SignalRecord
+from elitescript.controller.views.trace import TraceRow
+from elitescript.controller.views.trace_signals import SignalRecord
 from elitescript.errors import AlarmError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import UNDELIVERED, Alarm, DeviceNoted, Event, Printed, TextMessage, Warned

@@ -8,10 +8,10 @@ from keyword import iskeyword
 from math import isfinite
 from typing import Final
 
-from elitescript.controller.contact import ContactConfig
 from elitescript.controller.controller import Controller
+from elitescript.controller.force.contact import ContactConfig
 from elitescript.controller.modes import AT_ONCE, PowerTimes
-from elitescript.controller.safety_limits import SafetyLimits
+from elitescript.controller.safety.limits import SafetyLimits
 from elitescript.errors import UsageError
 from elitescript.messages.events import Event
 from elitescript.messages.motion import Six
@@ -19,16 +19,16 @@ from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import Profile
 from elitescript.messages.timing import RPC_TIMEOUT_S
 from elitescript.models.model import RobotModel
+from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import ScriptHost
-from elitescript.runtime.scheduler import WORK_PER_TICK
-from elitescript.runtime.world import World
+from elitescript.runtime.threads.scheduler import WORK_PER_TICK
 
 EPOCH_S: Final = 1_704_067_200.0
 """2024-01-01T00:00:00Z: where the clock of a free run begins, so that every run is the same."""
 
 
 @dataclass(frozen=True, slots=True)
-class Fittings:
+class RobotOptions:
     """What a robot is made with, besides its model; see `VirtualRobot`."""
 
     epoch_s: float = EPOCH_S
@@ -48,11 +48,11 @@ class Fittings:
 def assemble(
     model: RobotModel,
     profile: Profile,
-    fittings: Fittings,
+    fittings: RobotOptions,
     *,
     on_event: Callable[[Event], None],
     on_end: Callable[[str], None] = lambda state: None,
-    world: World | None = None,
+    world: ProgramEnvironment | None = None,
 ) -> tuple[Controller, ScriptHost]:
     """Make a controller with a host for programs.
 
@@ -112,7 +112,7 @@ def assemble(
 
 def _is_rtsi_input(name: str) -> bool:
     # Few programs watch one; the others need not pay for the import.
-    from elitescript.protocol.rtsi_inputs import INPUTS
+    from elitescript.protocol.rtsi.inputs import INPUTS
 
     return name in INPUTS
 

@@ -5,7 +5,7 @@ import pytest
 
 from elitescript.cli import doctor
 from elitescript.cli.main import main
-from elitescript.services.jail import Layer
+from elitescript.services.child.jail import Layer
 
 
 @pytest.fixture

@@ -6,8 +6,8 @@ from typing import get_args
 
 import pytest
 
-from elitescript.cli.event_records import RECORDS, record_of
-from elitescript.cli.report import TextReport, parse_logs
+from elitescript.cli.output.event_records import RECORDS, record_of
+from elitescript.cli.output.report import TextRunReport, parse_logs
 from elitescript.errors import UsageError
 from elitescript.messages import events
 from elitescript.messages.events import ChannelActivity, Event, SignalChanged, Warned
@@ -96,7 +96,7 @@ def test_a_warning_says_its_code_and_hint_if_it_has_them():
 )
 def test_lines_for_people_have_them_when_asked(logs, lines):
     out = io.StringIO()
-    report = TextReport(out, out, parse_logs(logs or None))
+    report = TextRunReport(out, out, parse_logs(logs or None))
     for event in (
         SignalChanged(25, "flag[1]", True, "program", 7),
         ChannelActivity(25, "cam", "socket", "sent", "go\n", 8, "main"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from elitescript.cli.main import main
-from elitescript.cli.remedies import with_verbs
+from elitescript.cli.output.remedies import with_verbs
 
 PROGRAM = "global speed\nspeed = 1\n"
 

@@ -4,12 +4,12 @@ import random
 import pytest
 
 from elitescript.cli.main import main
+from elitescript.devices.memory import MemoryFiles
 from elitescript.kernel import KernelConfig
 from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.machine import WriteSignal
-from elitescript.services.journal import Journal
-from elitescript.services.replay import RecordedRobot
-from elitescript.worlds.memory import MemoryFiles
+from elitescript.services.journal.replay import RecordedRobot
+from elitescript.services.journal.writer import Journal
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from elitescript.cli.main import main
-from elitescript.controller.trace import TRACE_COLUMNS
+from elitescript.controller.views.trace import TRACE_COLUMNS
 
 SOURCE = Path(__file__).resolve().parent.parent.parent / "src"
 

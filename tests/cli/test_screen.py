@@ -8,9 +8,9 @@ from select import select
 
 import pytest
 
-from elitescript.cli import screen
 from elitescript.cli.main import main
-from elitescript.cli.screen import (
+from elitescript.cli.output import screen
+from elitescript.cli.output.screen import (
     CALLS,
     ERASE,
     Palette,
@@ -25,7 +25,7 @@ from elitescript.cli.screen import (
     understands_escapes,
 )
 from elitescript.language.diagnostics import Severity, diagnostic
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 
 XTERM = {"TERM": "xterm"}
 SPEED = "\N{MULTIPLICATION SIGN} real time"

@@ -17,7 +17,7 @@ from elitescript.cli.main import main
 from elitescript.cli.serve import line_bindings
 from elitescript.errors import UsageError
 from tests.cli.test_serve import line_with, ports_in, start, stop
-from tests.worlds.terminal import Terminal
+from tests.environment.terminal import Terminal
 
 pytest.importorskip("serial")
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")

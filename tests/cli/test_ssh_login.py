@@ -121,7 +121,7 @@ class TestServed:
 def test_serving_without_it_does_not_load_the_library() -> None:
     code = (
         "import sys, elitescript.cli.serve, elitescript.cli.doctor; sys.exit('asyncssh' in sys.modules "
-        "or 'elitescript.services.ssh_desk' in sys.modules)"
+        "or 'elitescript.services.ssh.desk' in sys.modules)"
     )
     environment = {**os.environ, "PYTHONPATH": str(SOURCE)}
     assert subprocess.run([sys.executable, "-c", code], env=environment, check=False).returncode == 0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import threading
 
+from elitescript.cli.output.terminal import WAITING_MAX, PatientStream
 from elitescript.cli.serve import told_to_programs
-from elitescript.cli.terminal import WAITING_MAX, PatientStream
 
 
 class SlowTerminal:

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.context import Rule
-from elitescript.commands.plausibility import mistaken
+from elitescript.commands.definition.context import Rule
+from elitescript.commands.definition.plausibility import mistaken
 from elitescript.errors import InvalidValueError, ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import compose, pose_from_transform, transform_from_pose

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.page import CHAPTERS
-from elitescript.commands.registry import Command
-from elitescript.commands.reserved import RESERVED
+from elitescript.commands.definition.page import CHAPTERS
+from elitescript.commands.definition.registry import Command
+from elitescript.commands.definition.reserved import RESERVED
 from tests.commands.facts import COMMANDS, good_arguments
 
 BY_NAME = {facts["name"]: facts for facts in COMMANDS}

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from elitescript.commands.docstring import read_docstring
+from elitescript.commands.definition.docstring import read_docstring
 
 TEXT = """Do a thing: at once.
 

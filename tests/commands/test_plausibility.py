@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.commands.plausibility import JUDGES, PAYLOAD_MOST_KG, mistaken
+from elitescript.commands.definition.plausibility import JUDGES, PAYLOAD_MOST_KG, mistaken
 from elitescript.errors import MotionError
 from elitescript.models.model import load_model, model_names
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from elitescript.commands.quantities import (
+from elitescript.commands.definition.quantities import (
     JOINTS,
     Anything,
     Boolean,

@@ -5,8 +5,8 @@ from typing import Annotated, Any
 
 import pytest
 
-from elitescript.commands.quantities import Integer, Number, Optionally, Real, Str
-from elitescript.commands.registry import REQUIRED, Catalogue, Command, describe_call
+from elitescript.commands.definition.quantities import Integer, Number, Optionally, Real, Str
+from elitescript.commands.definition.registry import REQUIRED, Catalogue, Command, describe_call
 from elitescript.errors import (
     ArgumentCountError,
     ArgumentRangeError,

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from elitescript.controller.arm_dynamics import ArmDynamics
+from elitescript.controller.arm.dynamics import ArmDynamics
 from elitescript.controller.controller import Controller
-from elitescript.kinematics.dynamics import Body, joint_torques
+from elitescript.kinematics.dynamics import RigidBody, joint_torques
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.messages.machine import SetGravity, SetPayload, SetSpeedScale
 from elitescript.messages.motion import MoveJ, MoveL, Six
@@ -18,7 +18,7 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 
 MODEL = load_model("CS66")
-LINKS = tuple(Body(link.mass, link.com, link.inertia) for link in MODEL.links)
+LINKS = tuple(RigidBody(link.mass, link.com, link.inertia) for link in MODEL.links)
 TARGET: Six = (0.5, -1.2, -1.8, -1.4, 1.5, 0.3)
 RATED = SetPayload(6.0, (0.0, 0.0, 0.0))
 PART = SetPayload(2.0, (0.03, -0.02, 0.08), (0.004, 0.005, 0.006, 0.0003, -0.0002, 0.0001))
@@ -44,7 +44,7 @@ def run(controller: Controller, ticks: int, *, leap: bool = False) -> None:
 
 
 def share_of(load: SetPayload, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float] = UP) -> list[float]:
-    body = Body(load.mass_kg, load.cog, load.inertia)
+    body = RigidBody(load.mass_kg, load.cog, load.inertia)
     bare, loaded = (joint_torques(MODEL.arm, LINKS, q, qd, qdd, gravity, payload) for payload in (None, body))
     return [b - a for a, b in zip(bare, loaded, strict=True)]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.controller.arm_state import ArmState
-from elitescript.controller.model_limits import motion_limits
-from elitescript.controller.motion_control import MotionControl
+from elitescript.controller.arm.model_limits import motion_limits
+from elitescript.controller.arm.state import ArmState
+from elitescript.controller.motion.control import MotionControl
 from elitescript.kinematics.transforms import IDENTITY
 from elitescript.messages.motion import MoveJ, Six
 from elitescript.messages.state import ZERO_SIX, JointState

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from elitescript.controller.contact import ContactConfig, Plane
+from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.errors import UsageError
 
 UP = (0.0, 0.0, 2.0)

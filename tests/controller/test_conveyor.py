@@ -8,7 +8,7 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.controller.controller import Controller
-from elitescript.controller.encoders import RANGES
+from elitescript.controller.motion.conveyor_encoders import RANGES
 from elitescript.controller.tasks import NoProgram
 from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.transforms import pose_from_transform, transform_from_pose
@@ -27,7 +27,7 @@ from elitescript.messages.motion import MoveJ, MoveL, SpeedL, StopTracking, Trac
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
-from elitescript.motion.conveyor import StraightConveyor, Turntable
+from elitescript.motion.corrections.conveyor import StraightConveyor, Turntable
 from elitescript.motion.segment import Setpoint
 
 MODEL = load_model("CS66")

@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from elitescript.controller.encoders import GAP_TICKS, RANGES, CountLine, Encoder, Encoders
+from elitescript.controller.motion.conveyor_encoders import GAP_TICKS, RANGES, CountLine, Encoder, Encoders
 from elitescript.errors import ArgumentRangeError, ScriptStateError
 from elitescript.messages.enums import PulseDecoder
 from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount

@@ -6,9 +6,9 @@ from random import Random
 
 import pytest
 
-from elitescript.controller.contact import ContactConfig, Plane
+from elitescript.controller.arm.model_limits import motion_limits
 from elitescript.controller.controller import Controller
-from elitescript.controller.model_limits import motion_limits
+from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.errors import MotionError
 from elitescript.messages.events import Warned, YieldingChanged
 from elitescript.messages.machine import (

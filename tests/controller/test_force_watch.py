@@ -2,13 +2,13 @@
 
 import pytest
 
-from elitescript.controller.contact import ContactConfig
-from elitescript.controller.force_watch import ForceWatch
-from elitescript.controller.io import SignalImage
-from elitescript.controller.safety_limits import SafetyLimits
-from elitescript.controller.safety_monitor import SafetyMonitor
-from elitescript.controller.setup import Setup
-from elitescript.controller.wrench_sensor import WrenchSensor
+from elitescript.controller.force.contact import ContactConfig
+from elitescript.controller.force.wrench_sensor import WrenchSensor
+from elitescript.controller.safety.force_watch import ForceWatch
+from elitescript.controller.safety.limits import SafetyLimits
+from elitescript.controller.safety.monitor import SafetyMonitor
+from elitescript.controller.signals.image import SignalImage
+from elitescript.controller.tool_setup import Setup
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.state import ZERO_SIX

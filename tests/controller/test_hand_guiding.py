@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from elitescript.controller.hand_guiding import FRICTION_N_S_M, MASS_KG
+from elitescript.controller.force.hand_guiding import FRICTION_N_S_M, MASS_KG
 from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.rotations import rotate, rotation_from_rpy, transpose
 from elitescript.messages.enums import RobotMode

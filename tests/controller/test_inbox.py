@@ -1,7 +1,7 @@
 import pytest
 
-from elitescript.controller import inbox as inbox_module
-from elitescript.controller.inbox import Inbox
+from elitescript.controller import request_queue as inbox_module
+from elitescript.controller.request_queue import RequestQueue
 from elitescript.errors import UsageError
 from elitescript.messages.machine import SetSpeedScale
 
@@ -13,7 +13,7 @@ def delivered(inbox, tick):
 
 
 def test_entries_come_out_at_their_tick_in_the_order_of_arrival():
-    inbox = Inbox()
+    inbox = RequestQueue()
     for tick, fraction in ((5, 0.1), (2, 0.2), (5, 0.3), (2, 0.4)):
         inbox.put(tick, SetSpeedScale(fraction), f"source of {fraction}")
     assert inbox.next_tick == 2
@@ -25,7 +25,7 @@ def test_entries_come_out_at_their_tick_in_the_order_of_arrival():
 
 def test_a_full_inbox_refuses_the_newcomer(monkeypatch):
     monkeypatch.setattr(inbox_module, "CAPACITY", 2)
-    inbox = Inbox()
+    inbox = RequestQueue()
     inbox.put(0, SetSpeedScale(0.1), "client")
     inbox.put(0, SetSpeedScale(0.2), "client")
     with pytest.raises(UsageError, match="full"):

@@ -1,6 +1,6 @@
 import pytest
 
-from elitescript.controller.io import SignalImage
+from elitescript.controller.signals.image import SignalImage
 from elitescript.errors import ArgumentRangeError, ScriptStateError
 from elitescript.messages.enums import AnalogDomain, RunstateChoice, ToolPinMode
 from elitescript.messages.machine import (

@@ -7,7 +7,7 @@ from statistics import fmean, pstdev
 
 import pytest
 
-from elitescript.controller.joint_encoders import JointEncoders
+from elitescript.controller.arm.joint_encoders import JointEncoders
 from elitescript.messages.motion import Six
 from elitescript.messages.state import JointState
 from elitescript.messages.timing import PERIOD_S

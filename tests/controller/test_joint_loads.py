@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from elitescript.controller.arm_dynamics import ArmDynamics
+from elitescript.controller.arm.dynamics import ArmDynamics
 from elitescript.controller.controller import Controller
 from elitescript.messages.machine import SetPayload
 from elitescript.messages.motion import MoveJ, Six, SpeedJ

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from elitescript.controller.modes import PowerTimes
-from elitescript.controller.picture import Pictures, elbow_velocity
+from elitescript.controller.views.snapshots import SnapshotBuilder, elbow_velocity
 from elitescript.errors import UsageError
 from elitescript.messages.enums import AnalogDomain, RobotMode
 from elitescript.messages.machine import PauseTask, PowerOff, SetAnalogDomain, SetTcp, WriteSignal
@@ -24,7 +24,7 @@ MOVE = "movej([0.5, -1.2, -1.5, -1.4, 1.5, 0.2], v=0.3)"
 class Cell:
     def __init__(self, program: str = "", **options) -> None:
         self.robot = VirtualRobot(**options)
-        self.pictures = Pictures(self.robot.controller)
+        self.pictures = SnapshotBuilder(self.robot.controller)
         if program:
             self.robot.start(program)
 

@@ -7,7 +7,7 @@ from math import exp
 
 import pytest
 
-from elitescript.controller.plant import SETTLING_LAGS, LaggingJoints, friction_torques
+from elitescript.controller.arm.plant import SETTLING_LAGS, LaggingJoints, friction_torques
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.state import JointState

@@ -2,12 +2,12 @@
 
 import pytest
 
-from elitescript.controller.model_limits import motion_limits
-from elitescript.controller.motion_control import MotionControl
-from elitescript.controller.reduced_speed import MARGIN, ReducedSpeed
-from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits
-from elitescript.controller.safety_monitor import SafetyMonitor
-from elitescript.controller.setup import Setup
+from elitescript.controller.arm.model_limits import motion_limits
+from elitescript.controller.motion.control import MotionControl
+from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits
+from elitescript.controller.safety.monitor import SafetyMonitor
+from elitescript.controller.safety.reduced_speed import MARGIN, ReducedSpeed
+from elitescript.controller.tool_setup import Setup
 from elitescript.kinematics.transforms import IDENTITY
 from elitescript.messages.motion import MoveJ, SpeedJ, SpeedL
 from elitescript.models.model import load_model

@@ -4,8 +4,8 @@ import itertools
 
 import pytest
 
-from elitescript.controller import safety
-from elitescript.controller.safety import ACTIONS, EFFECTS, MODES, REFUSALS, TRANSITIONS, Inputs, Safety
+from elitescript.controller.safety import states as safety
+from elitescript.controller.safety.states import ACTIONS, EFFECTS, MODES, REFUSALS, TRANSITIONS, Safety, SafetyInputs
 from elitescript.errors import CODES, ScriptStateError
 from elitescript.messages.enums import SafetyMode
 
@@ -17,7 +17,7 @@ def machine(mode, inputs=None):
     seen = []
     state = Safety(lambda before, after: seen.append((before, after)))
     state.mode = mode
-    state.inputs = inputs or Inputs()
+    state.inputs = inputs or SafetyInputs()
     return state, seen
 
 
@@ -28,7 +28,7 @@ def test_every_state_has_a_row_for_every_action():
 
 @pytest.mark.parametrize(("mode", "action"), EVERY)
 def test_every_action_leads_where_the_table_says(mode, action):
-    inputs = Inputs(safeguard_stop=True)
+    inputs = SafetyInputs(safeguard_stop=True)
     state, seen = machine(mode, inputs)
     if (mode, action) in REFUSALS:
         with pytest.raises(ScriptStateError) as caught:
@@ -63,12 +63,12 @@ def test_nothing_but_an_unlock_a_restart_or_the_end_of_its_cause_leads_out_of_a_
 @pytest.mark.parametrize(
     ("inputs", "wanted"),
     [
-        (Inputs(), SafetyMode.NORMAL),
-        (Inputs(reduced_mode=True), SafetyMode.REDUCED),
-        (Inputs(reduced_mode=True, is_outside=True), SafetyMode.RECOVERY),
-        (Inputs(safeguard_stop=True, is_outside=True), SafetyMode.SAFEGUARD_STOP),
-        (Inputs(system_emergency_stop=True, safeguard_stop=True), SafetyMode.SYSTEM_EMERGENCY_STOP),
-        (Inputs(emergency_stop=True, system_emergency_stop=True), SafetyMode.ROBOT_EMERGENCY_STOP),
+        (SafetyInputs(), SafetyMode.NORMAL),
+        (SafetyInputs(reduced_mode=True), SafetyMode.REDUCED),
+        (SafetyInputs(reduced_mode=True, is_outside=True), SafetyMode.RECOVERY),
+        (SafetyInputs(safeguard_stop=True, is_outside=True), SafetyMode.SAFEGUARD_STOP),
+        (SafetyInputs(system_emergency_stop=True, safeguard_stop=True), SafetyMode.SYSTEM_EMERGENCY_STOP),
+        (SafetyInputs(emergency_stop=True, system_emergency_stop=True), SafetyMode.ROBOT_EMERGENCY_STOP),
     ],
 )
 def test_a_state_without_a_cause_of_its_own_gives_way_to_the_strongest_input(inputs, wanted):

@@ -5,8 +5,8 @@ import itertools
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.controller.contact import ContactConfig, Plane
-from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, SafetyPlane
+from elitescript.controller.force.contact import ContactConfig, Plane
+from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane
 from elitescript.errors import ScriptStateError, UsageError
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.events import MotionEnded, RobotModeChanged, SafetyModeChanged, TaskStateChanged

@@ -4,7 +4,7 @@ from math import pi, radians
 
 import pytest
 
-from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
+from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
 from elitescript.errors import UsageError
 from elitescript.kinematics.transforms import IDENTITY
 from elitescript.messages.enums import SafetyMode

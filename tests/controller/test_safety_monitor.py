@@ -4,8 +4,8 @@ from math import dist, radians
 
 import pytest
 
-from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
-from elitescript.controller.safety_monitor import SafetyMonitor
+from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
+from elitescript.controller.safety.monitor import SafetyMonitor
 from elitescript.kinematics.transforms import IDENTITY, transform_from_pose
 from elitescript.messages.enums import SafetyMode
 from elitescript.models.model import load_model

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.controller import modes, safety, safety_limits, tasks
-from elitescript.controller.safety import Inputs, Safety
-from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits
+from elitescript.controller import modes, tasks
+from elitescript.controller.safety import limits as safety_limits
+from elitescript.controller.safety import states as safety
+from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits
+from elitescript.controller.safety.states import Safety, SafetyInputs
 from elitescript.errors import ScriptStateError
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from tests.tables import rows
@@ -222,7 +224,7 @@ def test_safety(letter: str, action: str, after: str) -> None:
     state = Safety(lambda old, new: seen.append((old.name, new.name)))
     state.mode = SafetyMode[before]
     # No stop leads into recovery by itself, so an arm that is outside shows that the inputs were asked.
-    state.inputs = Inputs(is_outside=True, reduced_mode=True)
+    state.inputs = SafetyInputs(is_outside=True, reduced_mode=True)
     if after == "-":
         with pytest.raises(ScriptStateError) as caught:
             state.apply(action, LATE)

@@ -3,7 +3,7 @@ import pickle
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.controller.trace_signals import TraceSignals
+from elitescript.controller.views.trace_signals import TraceSignals
 from elitescript.errors import UsageError
 from elitescript.messages.signals import SIGNALS
 

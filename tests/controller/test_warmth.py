@@ -7,8 +7,8 @@ from math import exp
 
 import pytest
 
-from elitescript.controller.arm_dynamics import ArmDynamics
-from elitescript.controller.warmth import LOOK_TICKS, PENDING_MAX, Load, Warmth
+from elitescript.controller.arm.dynamics import ArmDynamics
+from elitescript.controller.arm.thermal_model import LOOK_TICKS, PENDING_MAX, ThermalLoad, ThermalModel
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX, Payload
 from elitescript.messages.timing import TICKS_PER_S
@@ -21,12 +21,12 @@ STRETCHED: Six = (0.0, 0.0, 0.0, 0.0, 1.5707963, 0.0)
 HOUR = 3600 * TICKS_PER_S
 
 
-def load(q: Six = MODEL.home, speed: float = 0.0, mass: float = 0.0) -> Load:
-    return Load(q, (speed, 0.0, 0.0, 0.0, 0.0, 0.0), ZERO_SIX, UP, Payload(mass))
+def load(q: Six = MODEL.home, speed: float = 0.0, mass: float = 0.0) -> ThermalLoad:
+    return ThermalLoad(q, (speed, 0.0, 0.0, 0.0, 0.0, 0.0), ZERO_SIX, UP, Payload(mass))
 
 
-def warmth() -> Warmth:
-    return Warmth(MODEL, DYNAMICS)
+def warmth() -> ThermalModel:
+    return ThermalModel(MODEL, DYNAMICS)
 
 
 def test_it_begins_without_load() -> None:
@@ -100,7 +100,7 @@ def test_asking_does_not_change_the_answer() -> None:
 
 def test_a_slower_arm_is_another_model() -> None:
     slow = replace(MODEL, thermal=replace(MODEL.thermal, time_constant_s=12000.0))
-    box, other = Warmth(slow, DYNAMICS), warmth()
+    box, other = ThermalModel(slow, DYNAMICS), warmth()
     for each in (box, other):
         each.look(load(STRETCHED), HOUR)
     assert 30.0 < box.temperatures(HOUR)[0][1] < other.temperatures(HOUR)[0][1]

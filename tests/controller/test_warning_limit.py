@@ -1,4 +1,4 @@
-from elitescript.controller.warning_limit import WarningLimit
+from elitescript.controller.views.warning_limit import WarningLimit
 from elitescript.messages.events import DeviceNoted, TextMessage, Warned
 
 

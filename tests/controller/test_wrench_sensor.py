@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from elitescript.controller.contact import ContactConfig
-from elitescript.controller.io import SignalImage
-from elitescript.controller.setup import Setup
-from elitescript.controller.wrench_sensor import WrenchSensor
+from elitescript.controller.force.contact import ContactConfig
+from elitescript.controller.force.wrench_sensor import WrenchSensor
+from elitescript.controller.signals.image import SignalImage
+from elitescript.controller.tool_setup import Setup
 from elitescript.messages.state import ZERO_SIX, Payload
 from elitescript.models.model import load_model
 

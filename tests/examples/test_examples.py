@@ -6,7 +6,7 @@ import difflib
 
 import pytest
 
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import PROFILES, profile

@@ -9,7 +9,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 
-from elitescript.worlds.virtual.network import Link, Peer, VirtualNetwork
+from elitescript.devices.channels.network import DeviceLink, Peer, VirtualNetwork
 
 REVERSE, TRAJECTORY, COMMANDS = 50001, 50003, 50004
 STOPPED, IDLE, SERVOJ, SPEEDJ, TRAJECTORY_MODE, SPEEDL, POSE, FREEDRIVE = -2, 0, 1, 2, 3, 4, 5, 6
@@ -19,7 +19,7 @@ ZEROS = (0.0,) * 6
 
 
 class _Accepted(Peer):
-    def __init__(self, link: Link, pc: Pc, port: int) -> None:
+    def __init__(self, link: DeviceLink, pc: Pc, port: int) -> None:
         super().__init__(link)
         self.pc = pc
         self.port = port
@@ -49,7 +49,7 @@ class Pc:
 
     def __init__(self) -> None:
         ports = (REVERSE, TRAJECTORY, COMMANDS)
-        self.links: dict[int, Link] = {}
+        self.links: dict[int, DeviceLink] = {}
         self.accepted: list[int] = []
         self.closed: list[tuple[int, float]] = []
         self.results: list[int] = []

@@ -6,9 +6,9 @@ from math import dist
 
 import pytest
 
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.messages.events import Alarm, Popup, TextMessage
 from elitescript.robot import VirtualRobot
-from elitescript.worlds.memory import MemoryWorld
 from tests.external_control.control import PROGRAM
 from tests.external_control.pc import (
     COMMANDS,
@@ -32,7 +32,7 @@ class Session:
     def __init__(self, program=PROGRAM):
         self.pc = Pc()
         self.events = []
-        self.robot = VirtualRobot(world=MemoryWorld(channels=self.pc.channels), on_event=self.events.append)
+        self.robot = VirtualRobot(world=MemoryEnvironment(channels=self.pc.channels), on_event=self.events.append)
         self.run = self.robot.start(program)
         self.wait(0.05)
 

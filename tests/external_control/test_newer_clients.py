@@ -9,16 +9,16 @@ from math import cos, pi, sin
 
 import pytest
 
+from elitescript.devices.channels.network import Peer, VirtualNetwork
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import Do
 from elitescript.messages.machine import AskSafety
 from elitescript.messages.outputs import OpenChannel
-from elitescript.protocol.dashboard import DashboardConnection
-from elitescript.protocol.primary import PrimaryConnection
+from elitescript.protocol.dashboard.connection import DashboardConnection
+from elitescript.protocol.primary.connection import PrimaryConnection
 from elitescript.robot import VirtualRobot
-from elitescript.worlds.memory import MemoryWorld
-from elitescript.worlds.virtual.network import Peer, VirtualNetwork
 from tests.external_control.newer_control import PROGRAM
 from tests.protocol import primary_client
 
@@ -170,7 +170,7 @@ class Pc:
         self.links = {}
         self.sent = dict.fromkeys((REVERSE, TRAJECTORY, COMMANDS), b"")
         self.channels = VirtualNetwork({port: self._server(port) for port in self.sent})
-        self.robot = VirtualRobot(world=MemoryWorld(channels=self.channels))
+        self.robot = VirtualRobot(world=MemoryEnvironment(channels=self.channels))
         self.run = self.robot.start(PROGRAM)
         self.robot.advance(0.05)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.language.units import UnitSplitter
+from elitescript.language.text.units import UnitSplitter
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.machine import PowerOff, StopTask

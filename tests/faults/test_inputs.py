@@ -11,8 +11,9 @@ from typing import Any
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.controller.input_faults import EFFECTS
-from elitescript.controller.signal_view import signal_write
+from elitescript.controller.signals.by_name import signal_write
+from elitescript.controller.signals.input_faults import EFFECTS
+from elitescript.devices.channels.faults import ANALOG, DIGITAL, TABLE, fault_of, fault_text
 from elitescript.errors import UsageError
 from elitescript.kernel.config import KernelConfig
 from elitescript.kernel.kernel import Kernel
@@ -21,7 +22,6 @@ from elitescript.messages.events import SignalChanged
 from elitescript.messages.inputs import AddFault, Do
 from elitescript.messages.machine import SetAnalogDomain
 from elitescript.testing.world import Device, Fault, Schedule, TcpServer, Wire, World
-from elitescript.worlds.virtual.faults import ANALOG, DIGITAL, TABLE, fault_of, fault_text
 
 CASES: dict[str, dict[str, Any]] = tomllib.loads(Path(__file__).with_name("inputs.toml").read_text("utf-8"))
 WAIT = "def wait():\n  sleep({:.3f})\nend\n"

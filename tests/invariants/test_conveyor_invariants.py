@@ -10,7 +10,7 @@ from elitescript.messages.events import Warned
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
-from elitescript.runtime.world import NoWorld
+from elitescript.runtime.environment import EmptyEnvironment
 from tests.invariants.cases import CASES
 
 COUNT = CASES // 10
@@ -72,7 +72,7 @@ def random_program(generator):
 def outcome(seed, pace):
     generator = Random(seed)
     program = random_program(generator)
-    robot = VirtualRobot("CS66", world=NoWorld())
+    robot = VirtualRobot("CS66", world=EmptyEnvironment())
     for _ in range(generator.randrange(1, 5)):
         robot.at(generator.uniform(0.0, 2.0), "encoder_speed[0]", generator.uniform(-250.0, 250.0))
     if generator.random() < 0.4:

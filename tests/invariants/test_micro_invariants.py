@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import pytest
 
 from elitescript import VirtualRobot
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.kinematics.transforms import pose_from_transform, transform_from_pose
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
-from elitescript.worlds.memory import MemoryWorld
 from tests.invariants.cases import CASES
 
 COUNT = CASES // 6
@@ -73,7 +73,7 @@ def outcome(seed: int, pace: Any, *, is_disturbed: bool) -> Outcome:
     first = chance.choice((0, 0, 1, len(rows) // 3))
     last = chance.choice((0, 0, len(rows), max(first, 1, len(rows) // 2)))
     program = program_of(is_cartesian, chance.choice((2, 4, 7, 20)), first, last)
-    robot = VirtualRobot("CS66", seed=seed, world=MemoryWorld({"p.txt": data}), joints=START)
+    robot = VirtualRobot("CS66", seed=seed, world=MemoryEnvironment({"p.txt": data}), joints=START)
     if is_disturbed:
         for _ in range(chance.randrange(1, 4)):
             robot.controller.put(chance.randrange(0, 200), SetSpeedScale(chance.choice((0.05, 0.4, 0.7, 1.0))))

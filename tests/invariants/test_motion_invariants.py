@@ -30,9 +30,9 @@ from elitescript.kinematics.transforms import (
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, Six
 from elitescript.models.model import load_model
 from elitescript.motion.limits import MotionLimits
-from elitescript.motion.planner import NoteKind, Plan, plan_movec, plan_movej, plan_movel
+from elitescript.motion.planner import MoveNoteKind, Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import Segment
-from elitescript.motion.timescale import TimeScale, stop_ramp
+from elitescript.motion.timing.timescale import TimeScale, stop_ramp
 from tests.findings import Finding
 from tests.invariants.cases import CASES
 from tests.motion.moves import limits_of, six
@@ -355,7 +355,7 @@ def check_refusal(error: MotionError) -> str:
 
 def how_often(outcomes: Counter[str]) -> str:
     """How many moves were tried, and what became of them."""
-    slowed = outcomes[NoteKind.SPEED_LOWERED_NEAR_SINGULARITY]
+    slowed = outcomes[MoveNoteKind.SPEED_LOWERED_NEAR_SINGULARITY]
     return f"{COUNT} moves of three arms: {outcomes['accepted']} accepted, {slowed} of them slowed near a singularity"
 
 
@@ -364,7 +364,7 @@ def check_variety(outcomes: Counter[str]) -> None:
     assert outcomes["accepted"] > 0.1 * COUNT
     if COUNT >= 300:
         assert outcomes["R110"] and outcomes["R111"]
-        assert outcomes[NoteKind.SPEED_LOWERED_NEAR_SINGULARITY]
+        assert outcomes[MoveNoteKind.SPEED_LOWERED_NEAR_SINGULARITY]
 
 
 def axes(T: Transform) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:

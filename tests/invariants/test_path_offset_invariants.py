@@ -10,7 +10,7 @@ from elitescript.messages.events import Warned
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
-from elitescript.runtime.world import NoWorld
+from elitescript.runtime.environment import EmptyEnvironment
 from tests.invariants.cases import CASES
 from tests.invariants.random_programs import random_program
 
@@ -58,7 +58,7 @@ def outcome(seed, pace):
     generator = Random(seed)
     head, *body = random_program(generator).rstrip("\n").split("\n")
     program = "\n".join([head, *shifting(generator), *body]) + "\n"
-    robot = VirtualRobot("CS66", world=NoWorld())
+    robot = VirtualRobot("CS66", world=EmptyEnvironment())
     if generator.random() < 0.4:
         tick = generator.randrange(0, 600)
         robot.controller.put(tick, PauseTask())

@@ -14,14 +14,14 @@ from random import Random
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.controller.trace import TraceRow
+from elitescript.controller.views.trace import TraceRow
 from elitescript.kinematics.transforms import compose, pose_from_transform, transform_from_pose
 from elitescript.messages.events import Alarm, Event, MotionEnded, MotionStarted
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.motion import MoveJ, MoveL
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import RobotModel
-from elitescript.runtime.world import NoWorld
+from elitescript.runtime.environment import EmptyEnvironment
 from tests.findings import Finding
 from tests.invariants.cases import CASES
 from tests.invariants.random_programs import random_program
@@ -100,7 +100,7 @@ class Extremes:
 def disturbed_run(seed: int) -> tuple[VirtualRobot, list[TraceRow], list[Event], str]:
     """A random program with whatever may happen to it from outside."""
     chance = Random(f"program {seed}")
-    robot = VirtualRobot("CS66", seed=seed, world=NoWorld())
+    robot = VirtualRobot("CS66", seed=seed, world=EmptyEnvironment())
     for _ in range(chance.randrange(0, 4)):
         robot.at(chance.uniform(0.0, 4.0), f"standard_digital_in[{chance.randrange(4)}]", chance.random() < 0.7)
     for _ in range(chance.randrange(0, 4)):
@@ -148,7 +148,7 @@ def test_single_moves_last_as_the_trapezoid_law_says(finding: Finding) -> None:
     chance = Random("single moves")
     worst, lawful = 0.0, 0
     for _ in range(COUNT):
-        robot = VirtualRobot(chance.choice(("CS63", "CS66", "CS620")), world=NoWorld())
+        robot = VirtualRobot(chance.choice(("CS63", "CS66", "CS620")), world=EmptyEnvironment())
         kind = chance.choice(("movej", "movel", "movec"))
         a, v = 10 ** chance.uniform(-0.5, 0.6), 10 ** chance.uniform(-1.3, 0.2)
         home = robot.model.home

@@ -10,13 +10,13 @@ from random import Random
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
+from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.events import Alarm, SafetyModeChanged, TaskStateChanged
 from elitescript.messages.machine import AskSafety
 from elitescript.messages.plant import PlantConfig
 from elitescript.models.model import load_model
-from elitescript.runtime.world import NoWorld
+from elitescript.runtime.environment import EmptyEnvironment
 from tests.invariants.cases import CASES
 from tests.invariants.random_programs import random_program
 
@@ -59,7 +59,9 @@ def outcome(seed, pace):
     limits = random_limits(chance) if chance.random() < 0.5 else None
     everything = []
     plant = PlantConfig(lag_s=0.03, noise_rad=1e-5, coulomb_friction=0.002) if chance.random() < 0.2 else None
-    robot = VirtualRobot("CS66", seed=seed, world=NoWorld(), safety=limits, plant=plant, on_event=everything.append)
+    robot = VirtualRobot(
+        "CS66", seed=seed, world=EmptyEnvironment(), safety=limits, plant=plant, on_event=everything.append
+    )
     for name in ("safeguard_stop", "reduced_mode", "configurable_digital_in[0]", "configurable_digital_in[1]"):
         if chance.random() < 0.5:
             time_s = chance.uniform(0.0, 3.0)
@@ -185,7 +187,7 @@ def test_reduced_mode_keeps_its_speeds_after_the_grace(seed):
     chance = Random(f"reduced {seed}")
     limit = chance.uniform(0.05, 0.4)
     robot = VirtualRobot(
-        "CS66", seed=seed, world=NoWorld(), safety=SafetyLimits(reduced=SafetyBounds(tcp_speed_max=limit))
+        "CS66", seed=seed, world=EmptyEnvironment(), safety=SafetyLimits(reduced=SafetyBounds(tcp_speed_max=limit))
     )
     begin_s = chance.uniform(0.0, 2.0)
     robot.at(begin_s, "reduced_mode", True)

@@ -7,7 +7,7 @@ import pytest
 from elitescript import PlantConfig, VirtualRobot
 from elitescript.messages.events import Alarm
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale
-from elitescript.runtime.world import NoWorld
+from elitescript.runtime.environment import EmptyEnvironment
 from tests.invariants.cases import CASES
 from tests.invariants.random_programs import random_program
 
@@ -23,7 +23,7 @@ PLANTS = (
 def outcome(seed, pace):
     generator = Random(seed)
     program = random_program(generator)
-    robot = VirtualRobot("CS66", seed=seed, world=NoWorld(), plant=PLANTS[seed % len(PLANTS)])
+    robot = VirtualRobot("CS66", seed=seed, world=EmptyEnvironment(), plant=PLANTS[seed % len(PLANTS)])
     for _ in range(generator.randrange(0, 6)):
         name = f"standard_digital_in[{generator.randrange(4)}]"
         robot.at(generator.uniform(0.0, 4.0), name, generator.random() < 0.7)

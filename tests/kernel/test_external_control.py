@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.kernel.external_control import CONNECT_S, FETCH_TICKS, REQUEST, SILENCE_TICKS
 from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Do, LoadTask, PlayTask, Reboot
 from elitescript.messages.machine import PowerOff, StopTask, WriteSignal
 from elitescript.messages.outputs import CloseChannel, CreditChannel, OpenChannel, Reply, SendChannel
-from elitescript.worlds.memory import MemoryWorld
 from tests.kernel.machine import READY, Session, program
 
 FILES = {
@@ -25,7 +25,7 @@ PLAY = PlayTask("dashboard#1/2")
 
 @pytest.fixture
 def session() -> Session:
-    session = Session(READY, MemoryWorld(FILES))
+    session = Session(READY, MemoryEnvironment(FILES))
     session.send(LoadTask("dashboard#1/1", "control.task"))
     return session
 

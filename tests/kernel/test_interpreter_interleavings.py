@@ -9,13 +9,13 @@ from itertools import pairwise
 
 import pytest
 
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.kernel import Kernel
 from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import ClosePopup, Do, Input, Query, RunUnit
 from elitescript.messages.machine import PauseTask, ResumeTask, StopTask
 from elitescript.messages.outputs import Output
 from elitescript.protocol.interpreter import WORDS, InterpreterConnection
-from elitescript.worlds.memory import MemoryWorld
 from tests.kernel.machine import READY, program
 
 SEEDS = range(12)
@@ -92,7 +92,7 @@ class Play:
     def __init__(self, seed: int, *, in_bytes: bool = False) -> None:
         self.chance = random.Random(seed)
         self.in_bytes = in_bytes
-        self.kernel = Kernel(READY, MemoryWorld({}))
+        self.kernel = Kernel(READY, MemoryEnvironment({}))
         self.output = self.kernel.tick()
         self.said: list[str] = []
         self.clients: list[Client] = []

@@ -6,6 +6,7 @@ from io import BytesIO
 
 import pytest
 
+from elitescript.devices.memory import MemoryEnvironment, MemoryFiles
 from elitescript.kernel.interpreter_logs import (
     DELAY_TICKS,
     EXECUTION_NAME,
@@ -17,7 +18,6 @@ from elitescript.kernel.interpreter_logs import (
 from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Interpret, InterpreterWord
 from elitescript.messages.machine import StopTask
-from elitescript.worlds.memory import MemoryFiles, MemoryWorld
 from tests.kernel.machine import READY, Session
 
 
@@ -25,7 +25,7 @@ class Talk(Session):
     """A session in interpreter mode with a task folder."""
 
     def __init__(self, files: dict[str, bytes] | None = None) -> None:
-        self.world = MemoryWorld(files or {})
+        self.world = MemoryEnvironment(files or {})
         super().__init__(READY, self.world)
         self.start("interpreter_mode()")
 

@@ -9,7 +9,7 @@ import pytest
 
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.kernel.kernel import HANDLERS
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Popup, RobotModeChanged, TextMessage, Warned

@@ -8,8 +8,8 @@ from elitescript.kernel.config import KernelConfig
 from elitescript.kernel.kernel import Kernel
 from elitescript.messages.inputs import ChannelOpened, RunUnit
 from elitescript.messages.outputs import CloseChannel, OpenChannel, SendChannel
-from elitescript.modbus import pdu
-from elitescript.modbus.tcp_frames import tcp_frame
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.tcp import tcp_frame
 
 
 def requests(kernel, text, ticks=60):

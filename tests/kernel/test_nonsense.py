@@ -1,7 +1,7 @@
 """Lines that are no script: told one by one as long as they are few."""
 
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.kernel.nonsense import BURST_TICKS, REPORT_TICKS, TOLD_MAX
+from elitescript.kernel.invalid_lines import BURST_TICKS, REPORT_TICKS, TOLD_MAX
 from elitescript.messages.events import Alarm, Event, Warned
 from elitescript.messages.inputs import RunUnit
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import GetVariable, LoadConfiguration, LoadTask, PlayTask, Reboot, SetVariable
 from elitescript.messages.machine import AskSafety, PauseTask, StopTask
-from elitescript.worlds.memory import MemoryWorld
 from tests.kernel.machine import FOREVER, READY, Session
 
 FILES = {
@@ -26,7 +26,7 @@ FILES = {
 
 @pytest.fixture
 def session() -> Session:
-    return Session(READY, MemoryWorld(FILES))
+    return Session(READY, MemoryEnvironment(FILES))
 
 
 def answer(session: Session, item) -> str:
@@ -108,7 +108,7 @@ class TestPlaying:
         assert play(session) == "refused: no task is loaded"
 
     def test_the_arm_needs_its_power(self):
-        session = Session(world=MemoryWorld(FILES))
+        session = Session(world=MemoryEnvironment(FILES))
         load(session, "beside.task")
         assert play(session) == (
             "refused: the arm cannot move: the arm is switched off; power on and release the brakes"

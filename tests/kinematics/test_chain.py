@@ -8,7 +8,7 @@ from math import hypot, pi
 import pytest
 
 from elitescript.kinematics.arm import Arm
-from elitescript.kinematics.chain import Chain, refine, solve_linear
+from elitescript.kinematics.chain import CalibratedChain, refine, solve_linear
 from elitescript.kinematics.inverse import branch_of, solutions, solve_branch
 from elitescript.kinematics.jacobian import singularity
 from elitescript.kinematics.limits import wrap_to_pi
@@ -27,7 +27,7 @@ def measured(rng: random.Random) -> Arm:
     )
 
 
-def chain_of(arm: Arm) -> Chain:
+def chain_of(arm: Arm) -> CalibratedChain:
     assert arm.calibration is not None
     return arm.calibration
 

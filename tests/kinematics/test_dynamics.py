@@ -13,14 +13,16 @@ import pytest
 from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm, SixFloats
 from elitescript.kinematics.chain import solve_linear
-from elitescript.kinematics.dynamics import Body, joint_torques, mass_matrix
+from elitescript.kinematics.dynamics import RigidBody, joint_torques, mass_matrix
 from elitescript.kinematics.transforms import IDENTITY, Transform, apply, compose
 from elitescript.models.model import load_model, model_names
 
 DATA = json.loads((Path(__file__).parents[1] / "data" / "dynamics_vectors.json").read_text(encoding="utf-8"))["models"]
 VECTORS = [(name.upper(), vector) for name, data in DATA.items() for vector in data["vectors"]]
 MODELS = {name: load_model(name) for name in model_names()}
-LINKS = {name: tuple(Body(link.mass, link.com, link.inertia) for link in model.links) for name, model in MODELS.items()}
+LINKS = {
+    name: tuple(RigidBody(link.mass, link.com, link.inertia) for link in model.links) for name, model in MODELS.items()
+}
 ARMS = {name: model.arm for name, model in MODELS.items()}
 MEASURED = ARMS["CS66"].calibrated(
     a=(1e-4, -2e-4, -0.4272, -0.3903, 1e-4, -1e-4),
@@ -32,7 +34,7 @@ CASES = {name: (ARMS[name], LINKS[name]) for name in ARMS} | {"measured": (MEASU
 UP = (0.0, 0.0, 9.82)
 WEIGHTLESS = (0.0, 0.0, 0.0)
 REST = (0.0,) * 6
-LOAD = Body(2.5, (0.02, -0.015, 0.09), (0.004, 0.005, 0.006, 0.0003, -0.0002, 0.0001))
+LOAD = RigidBody(2.5, (0.02, -0.015, 0.09), (0.004, 0.005, 0.006, 0.0003, -0.0002, 0.0001))
 UNITS = [tuple(float(i == joint) for i in range(6)) for joint in range(6)]
 
 STRETCHED = (0.0, 0.0, 0.0, 0.0, pi / 2, 0.0)
@@ -75,7 +77,7 @@ WORST_SHARE = {
 
 
 @pytest.fixture(params=CASES)
-def case(request: pytest.FixtureRequest) -> tuple[Arm, tuple[Body, ...], random.Random]:
+def case(request: pytest.FixtureRequest) -> tuple[Arm, tuple[RigidBody, ...], random.Random]:
     arm, links = CASES[request.param]
     return arm, links, random.Random(request.param)
 
@@ -84,9 +86,9 @@ def numbers(rng: random.Random, span: float) -> tuple[float, ...]:
     return tuple(rng.uniform(-span, span) for _ in range(6))
 
 
-def payload_of(vector: dict[str, Any]) -> Body | None:
+def payload_of(vector: dict[str, Any]) -> RigidBody | None:
     given = vector["payload"]
-    return None if given is None else Body(given["mass"], tuple(given["cog"]), tuple(given["inertia"]))
+    return None if given is None else RigidBody(given["mass"], tuple(given["cog"]), tuple(given["inertia"]))
 
 
 def modified_link(q: float, a: float, d: float, alpha: float) -> Transform:
@@ -102,7 +104,7 @@ def frames(arm: Arm, q: tuple[float, ...]) -> list[Transform]:
     return found
 
 
-def potential_energy(arm: Arm, links: tuple[Body, ...], q: tuple[float, ...], gravity: tuple[float, ...]) -> float:
+def potential_energy(arm: Arm, links: tuple[RigidBody, ...], q: tuple[float, ...], gravity: tuple[float, ...]) -> float:
     places = frames(arm, q)
     energy = 0.0
     for T, body in [*zip(places, links, strict=True), (places[-1], LOAD)]:
@@ -110,12 +112,12 @@ def potential_energy(arm: Arm, links: tuple[Body, ...], q: tuple[float, ...], gr
     return energy
 
 
-def kinetic_energy(arm: Arm, links: tuple[Body, ...], q: tuple[float, ...], qd: tuple[float, ...]) -> float:
+def kinetic_energy(arm: Arm, links: tuple[RigidBody, ...], q: tuple[float, ...], qd: tuple[float, ...]) -> float:
     rows = mass_matrix(arm, links, q, LOAD)
     return 0.5 * sum(qd[i] * rows[i][j] * qd[j] for i in range(6) for j in range(6))
 
 
-def point_energy(arm: Arm, body: Body, joint: int, q: tuple[float, ...], qd: tuple[float, ...]) -> float:
+def point_energy(arm: Arm, body: RigidBody, joint: int, q: tuple[float, ...], qd: tuple[float, ...]) -> float:
     """Kinetic energy of a body without inertia of its own, from the way of its centre of mass."""
     step = 1e-5
     after, before = (
@@ -146,7 +148,7 @@ def test_mass_matrix_meets_the_reference(name: str) -> None:
 
 @pytest.mark.parametrize(("name", "q", "mass", "torques"), STATIC)
 def test_static_torques(name: str, q: SixFloats, mass: float, torques: tuple[float, ...]) -> None:
-    found = joint_torques(ARMS[name], LINKS[name], q, REST, REST, UP, Body(mass))
+    found = joint_torques(ARMS[name], LINKS[name], q, REST, REST, UP, RigidBody(mass))
     assert found[1:4] == pytest.approx(torques, abs=0.0051)
     if mass == 0.0:
         assert (found[0], found[4], found[5]) == pytest.approx((0.0, 0.0, 0.0), abs=0.011)
@@ -155,7 +157,7 @@ def test_static_torques(name: str, q: SixFloats, mass: float, torques: tuple[flo
 @pytest.mark.parametrize("name", WORST_SHARE)
 def test_every_arm_can_just_hold_its_rated_payload(name: str) -> None:
     model, rng = MODELS[name], random.Random(3)
-    load = Body(model.payload_max_kg)
+    load = RigidBody(model.payload_max_kg)
     largest = [0.0, 0.0]
     for _ in range(600):
         torques = joint_torques(model.arm, LINKS[name], numbers(rng, pi), REST, REST, UP, load)
@@ -197,7 +199,7 @@ def test_power_of_the_joints_is_the_change_of_energy(case: Any) -> None:
 
 def test_kinetic_energy_of_point_masses_is_that_of_their_speeds(case: Any) -> None:
     arm, links, rng = case
-    points = tuple(Body(body.mass, body.com) for body in links)
+    points = tuple(RigidBody(body.mass, body.com) for body in links)
     for _ in range(4):
         q, qd = numbers(rng, pi), numbers(rng, 2.0)
         rows = mass_matrix(arm, points, q)
@@ -269,22 +271,22 @@ def test_velocity_torques_grow_with_the_square_of_the_speed(case: Any) -> None:
 def test_a_payload_adds_to_the_last_link_as_a_part_of_it_would() -> None:
     rng = random.Random(12)
     arm, links = ARMS["CS66"], LINKS["CS66"]
-    half = Body(1.5, (0.03, 0.01, 0.05), (0.001, 0.002, 0.003, 1e-4, 2e-4, 3e-4))
-    twice = Body(3.0, half.com, tuple(2.0 * element for element in half.inertia))  # type: ignore[arg-type]
+    half = RigidBody(1.5, (0.03, 0.01, 0.05), (0.001, 0.002, 0.003, 1e-4, 2e-4, 3e-4))
+    twice = RigidBody(3.0, half.com, tuple(2.0 * element for element in half.inertia))  # type: ignore[arg-type]
     state = numbers(rng, pi), numbers(rng, 2.0), numbers(rng, 8.0)
     bare, one, two = (joint_torques(arm, links, *state, UP, load) for load in (None, half, twice))
     assert [b - a for a, b in zip(one, two, strict=True)] == pytest.approx(
         [b - a for a, b in zip(bare, one, strict=True)], abs=1e-10
     )
-    assert joint_torques(arm, links, *state, UP, Body(0.0)) == bare
+    assert joint_torques(arm, links, *state, UP, RigidBody(0.0)) == bare
 
 
 def test_two_point_masses_are_a_dumbbell() -> None:
     rng = random.Random(13)
     arm, links = ARMS["CS63"], LINKS["CS63"]
-    weightless = (*(Body(0.0),) * 5,)
-    ends = Body(0.5, (0.1, 0.2, 0.35)), Body(0.5, (0.1, 0.2, 0.05))
-    dumbbell = Body(1.0, (0.1, 0.2, 0.2), (0.0225, 0.0225, 0.0, 0.0, 0.0, 0.0))
+    weightless = (*(RigidBody(0.0),) * 5,)
+    ends = RigidBody(0.5, (0.1, 0.2, 0.35)), RigidBody(0.5, (0.1, 0.2, 0.05))
+    dumbbell = RigidBody(1.0, (0.1, 0.2, 0.2), (0.0225, 0.0225, 0.0, 0.0, 0.0, 0.0))
     state = numbers(rng, pi), numbers(rng, 2.0), numbers(rng, 8.0)
     halves = [joint_torques(arm, (*weightless, end), *state, UP) for end in ends]
     assert joint_torques(arm, (*weightless, dumbbell), *state, UP) == pytest.approx(
@@ -306,4 +308,4 @@ def test_two_point_masses_are_a_dumbbell() -> None:
 )
 def test_senseless_bodies_are_refused(mass: float, com: Any, inertia: Any, message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        Body(mass, com, inertia)
+        RigidBody(mass, com, inertia)

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from elitescript.kinematics.arm import Arm
-from elitescript.kinematics.dynamics import Body, joint_torques, mass_matrix
+from elitescript.kinematics.dynamics import RigidBody, joint_torques, mass_matrix
 from elitescript.kinematics.inverse import solutions
 from elitescript.kinematics.jacobian import jacobian, singularity
 from elitescript.kinematics.limits import wrap_to_pi
@@ -88,7 +88,7 @@ def test_roboticstoolbox_finds_the_same_torques(finding: Finding) -> None:
     for link, a, d, alpha in zip(model.links, *model.arm.modified_dh, strict=True):
         ixx, iyy, izz, ixy, ixz, iyz = link.inertia
         tensor = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
-        links.append(Body(link.mass, link.com, link.inertia))
+        links.append(RigidBody(link.mass, link.com, link.inertia))
         peers.append(toolbox.RevoluteMDH(a=a, d=d, alpha=alpha, m=link.mass, r=list(link.com), I=tensor, Jm=0.0, G=1.0))
     # The toolbox takes the vector along which things fall.
     robot = toolbox.DHRobot(peers, gravity=[-g for g in model.gravity])
@@ -103,13 +103,13 @@ def test_roboticstoolbox_finds_the_same_torques(finding: Finding) -> None:
     finding("torques of the CS66 without a load", peer, f"{torques:.1e} N m")
 
 
-def pinocchio_body(pinocchio: Any, np: Any, body: Body) -> Any:
+def pinocchio_body(pinocchio: Any, np: Any, body: RigidBody) -> Any:
     ixx, iyy, izz, ixy, ixz, iyz = body.inertia
     tensor = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
     return pinocchio.Inertia(body.mass, np.array(body.com), tensor)
 
 
-def pinocchio_arm(pinocchio: Any, np: Any, model: RobotModel, load: Body) -> Any:
+def pinocchio_arm(pinocchio: Any, np: Any, model: RobotModel, load: RigidBody) -> Any:
     """The arm with its load as Pinocchio sees it, from the link frames alone."""
     arm = pinocchio.Model()
     parent = 0
@@ -117,7 +117,7 @@ def pinocchio_arm(pinocchio: Any, np: Any, model: RobotModel, load: Body) -> Any
         turn = pinocchio.utils.rotate("x", alpha)
         place = pinocchio.SE3(turn, np.array([a, 0.0, 0.0]) + turn @ np.array([0.0, 0.0, d]))
         parent = arm.addJoint(parent, pinocchio.JointModelRZ(), place, f"joint {number}")
-        body = pinocchio_body(pinocchio, np, Body(link.mass, link.com, link.inertia))
+        body = pinocchio_body(pinocchio, np, RigidBody(link.mass, link.com, link.inertia))
         arm.appendBodyToJoint(parent, body, pinocchio.SE3.Identity())
     arm.appendBodyToJoint(parent, pinocchio_body(pinocchio, np, load), pinocchio.SE3.Identity())
     return arm
@@ -130,11 +130,11 @@ def test_pinocchio_finds_the_same_torques_with_any_load_and_mounting(finding: Fi
     largest_torque = torques = masses = 0.0
     for name in model_names():
         model = load_model(name)
-        links = [Body(link.mass, link.com, link.inertia) for link in model.links]
+        links = [RigidBody(link.mass, link.com, link.inertia) for link in model.links]
         for _ in range(50):
             # A box, its axes parallel to the flange, with a product of inertia that a body may have.
             x, y, z = (rng.uniform(0.001, 0.05) for _ in range(3))
-            load = Body(
+            load = RigidBody(
                 rng.uniform(0.0, model.payload_max_kg),
                 tuple(rng.uniform(-0.2, 0.2) for _ in range(3)),  # type: ignore[arg-type]
                 (y + z, x + z, x + y, 0.3 * min(x, y), 0.0, 0.0),

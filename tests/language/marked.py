@@ -5,7 +5,7 @@ from __future__ import annotations
 from elitescript.language.compiler import check_unit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import Options
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 
 Range = tuple[int, int, int, int]
 

@@ -9,7 +9,7 @@ from typing import Any
 from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, MAIN, STOP, TICK
 from elitescript.language.options import DEFAULT, Options
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 
 
 class Stopped(BaseException):

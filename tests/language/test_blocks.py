@@ -4,7 +4,7 @@ import pytest
 
 from elitescript.language.compiler import check_unit
 from elitescript.language.diagnostics import apply_fix
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from tests.language.marked import check_marks, codes, findings
 from tests.language.stage import output
 

@@ -23,7 +23,7 @@ from elitescript.language.compiler import (
     compile_unit,
 )
 from elitescript.language.parser import parse
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from tests.language.marked import check_marks, codes
 from tests.language.stage import Stage
 
@@ -305,7 +305,7 @@ class TestCost:
             "warnings",
         }
         assert "elitescript.language.symbols" not in result.stdout
-        assert "elitescript.language.units" not in result.stdout
+        assert "elitescript.language.text.units" not in result.stdout
 
 
 def test_a_text_can_be_analysed_before_it_is_compiled():

@@ -15,7 +15,7 @@ from elitescript.language.diagnostics import (
     render,
     to_json,
 )
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 
 
 @pytest.mark.parametrize("code", ["E104", "W210", "E301"])

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from elitescript.language.dialect import translate
 from elitescript.language.options import LINE, Options
-from elitescript.language.source import SourceFile
+from elitescript.language.text.dialect import translate
+from elitescript.language.text.source import SourceFile
 from tests.language.marked import check_marks, codes
 from tests.language.stage import Stage, output
 

@@ -5,7 +5,7 @@ import pytest
 from elitescript.language.compiler import check_unit
 from elitescript.language.diagnostics import apply_fix
 from elitescript.language.parser import parse
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 
 FLAT = """def job():
 # wait for the part

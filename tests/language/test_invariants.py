@@ -16,11 +16,11 @@ from hypothesis import strategies as st
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import check_unit, compile_unit
 from elitescript.language.diagnostics import apply_fix, render
-from elitescript.language.dialect import translate
 from elitescript.language.options import KINDS, Options
 from elitescript.language.parser import parse
-from elitescript.language.source import SourceFile
 from elitescript.language.symbols import Resolution, Symbols
+from elitescript.language.text.dialect import translate
+from elitescript.language.text.source import SourceFile
 from tests.language.random_programs import random_program
 from tests.language.stage import Stage
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from elitescript.language.lexer import indentation_width, lex
+from elitescript.language.text.lexer import indentation_width, lex
 
 
 def code_lines(text):

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.language.masked import header_colon, operand_before, top_level
+from elitescript.language.text.masked import header_colon, operand_before, top_level
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 
 from elitescript.language.options import LINE, PROGRAM, SCRIPT, SECONDARY, Options
 from elitescript.language.parser import MAX_SYNTAX_ERRORS, parse, parse_without
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from tests.language.marked import check_marks, codes, findings, unmarked
 
 

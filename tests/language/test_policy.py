@@ -19,7 +19,7 @@ from elitescript.language.policy import (
     is_dunder,
     review,
 )
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from tests.language.marked import check_marks, codes, findings, unmarked
 from tests.language.stage import output
 

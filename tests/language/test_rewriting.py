@@ -2,10 +2,10 @@ from __future__ import annotations
 
 import random
 
-from elitescript.language.lexer import lex
 from elitescript.language.options import DEFAULT
-from elitescript.language.rewriting import Draft, Unfolding
-from elitescript.language.source import SourceFile
+from elitescript.language.text.lexer import lex
+from elitescript.language.text.rewriting import Draft, Unfolding
+from elitescript.language.text.source import SourceFile
 
 
 def draft_of(text, unfolding=None):

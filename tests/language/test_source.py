@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.errors import ProgramError
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 
 
 @pytest.mark.parametrize("text", ["a\nb\n", "a\r\nb\r\n", "a\rb\r", "a\r\nb\r", "\ufeffa\nb\n"])

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.language.strings import formatted_end, prefix_start, string_end_pattern
+from elitescript.language.text.strings import formatted_end, prefix_start, string_end_pattern
 
 
 @pytest.mark.parametrize(

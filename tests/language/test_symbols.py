@@ -6,8 +6,8 @@ import symtable
 import pytest
 
 from elitescript.language.parser import parse
-from elitescript.language.source import SourceFile
 from elitescript.language.symbols import Resolution, Symbols
+from elitescript.language.text.source import SourceFile
 
 LOCAL, CELL, GLOBAL, BUILTIN = Resolution.LOCAL, Resolution.CELL, Resolution.GLOBAL, Resolution.BUILTIN
 

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from elitescript.language import units
 from elitescript.language.options import LINE, PROGRAM, SECONDARY
-from elitescript.language.units import MAX_UNIT_BYTES, SILENT_LINE_MAX, Refusal, Unit, UnitSplitter
+from elitescript.language.text import units
+from elitescript.language.text.units import MAX_UNIT_BYTES, SILENT_LINE_MAX, DiscardedText, Unit, UnitSplitter
 
 
 def said(parts):
@@ -223,7 +223,7 @@ class TestLimits:
         (unit,) = splitter.receive(b"def a():\n" + body + b"\nend\n")
         assert isinstance(unit, Unit)
         (refusal,) = splitter.receive(b"def a():\n" + body + b" " * 1100 + b"\nend\n")
-        assert isinstance(refusal, Refusal)
+        assert isinstance(refusal, DiscardedText)
 
 
 @settings(max_examples=200)
@@ -274,7 +274,7 @@ def test_programs_in_pieces_make_no_difference(lines, size):
 
 def test_refusals_and_units_are_values():
     assert Unit(LINE, "x", 1) == Unit(LINE, "x", 1)
-    assert Refusal((), 1) == Refusal((), 1)
+    assert DiscardedText((), 1) == DiscardedText((), 1)
 
 
 def test_a_line_that_is_not_complete_can_be_dropped():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from textwrap import dedent
 
 from elitescript.language.diagnostics import Diagnostic, apply_fix
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import profile
 

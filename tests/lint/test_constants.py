@@ -6,8 +6,8 @@ import math
 import pytest
 
 from elitescript.language.parser import parse
-from elitescript.language.source import SourceFile
 from elitescript.language.symbols import Symbols
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.constants import Constants, Unknown
 from tests.lint.checking import source
 

@@ -7,11 +7,11 @@ from math import ceil
 from typing import Any
 
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
-from elitescript.modbus.master import Master
-from elitescript.modbus.pdu import WRITE_COIL, WRITE_COILS, WRITE_REGISTER, WRITE_REGISTERS
-from elitescript.modbus.signals import Kind
+from elitescript.modbus.frames.pdu import WRITE_COIL, WRITE_COILS, WRITE_REGISTER, WRITE_REGISTERS
+from elitescript.modbus.frames.tcp import TcpFrame, TcpSplitter, tcp_frame
+from elitescript.modbus.master.master import Master
+from elitescript.modbus.master.signals import SignalKind
 from elitescript.modbus.slave import MemoryTables, Slave
-from elitescript.modbus.tcp_frames import TcpFrame, TcpSplitter, tcp_frame
 
 HOST = "10.0.0.9"
 WRITES = (WRITE_COIL, WRITE_REGISTER, WRITE_COILS, WRITE_REGISTERS, 23)
@@ -50,7 +50,7 @@ class Device:
 
 
 class Network:
-    """Implements `runtime.world.Channels`; one device for each port, others refuse."""
+    """Implements `runtime.environment.Channels`; one device for each port, others refuse."""
 
     is_real = False
 
@@ -144,7 +144,9 @@ class Bench:
         self.visited = 0
         self._leaps = leaps
 
-    def add(self, name: str, kind: Kind = Kind.REGISTER_OUTPUT, first: int = 0, count: int = 1, **more: Any) -> None:
+    def add(
+        self, name: str, kind: SignalKind = SignalKind.REGISTER_OUTPUT, first: int = 0, count: int = 1, **more: Any
+    ) -> None:
         """Add a signal of slave 255 at the usual device."""
         port, unit = more.pop("port", 502), more.pop("unit", 255)
         frequency = more.pop("hertz", None)

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from elitescript.messages.inputs import ChannelClosed, ChannelData
-from elitescript.modbus import pdu
-from elitescript.modbus.exchange import WINDOW_MAX
-from elitescript.modbus.signals import Kind
-from elitescript.modbus.tcp_frames import TcpFrame, tcp_frame
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.tcp import TcpFrame, tcp_frame
+from elitescript.modbus.master.exchange import WINDOW_MAX
+from elitescript.modbus.master.signals import SignalKind
 from tests.modbus.bench import HOST, Bench
 
 S = 250
@@ -44,7 +44,7 @@ def history(seed: int, ticks: int) -> list[Any]:
     faults = _faults(chance)
     seen: list[Any] = []
     for number in range(chance.randint(1, 40)):
-        kind = Kind(chance.randint(0, 4))
+        kind = SignalKind(chance.randint(0, 4))
         bench.add(
             str(number),
             kind,

@@ -6,9 +6,9 @@ import pytest
 
 from elitescript.messages.inputs import ChannelClosed, ChannelData
 from elitescript.messages.outputs import CHANNEL_WINDOW
-from elitescript.modbus import pdu
-from elitescript.modbus.signals import Kind
-from elitescript.modbus.tcp_frames import TcpFrame, tcp_frame
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.tcp import TcpFrame, tcp_frame
+from elitescript.modbus.master.signals import SignalKind
 from tests.modbus.bench import HOST, Bench, Device
 
 S = 250
@@ -448,7 +448,7 @@ def test_a_broadcast_and_other_requests_do_not_meet_in_one_segment_of_a_single_d
 def test_no_more_is_sent_than_the_channel_takes_and_what_is_read_is_credited() -> None:
     bench = Bench()
     for number in range(60):
-        bench.add(str(number), Kind.REGISTER_OUTPUT, 100, 123, hertz=250)
+        bench.add(str(number), SignalKind.REGISTER_OUTPUT, 100, 123, hertz=250)
     bench.run(2 * S)
     answers = len(bench.device.requests) * (9 + 246)
     assert 0 <= answers - bench.network.credited < 2 * CHANNEL_WINDOW // 4

@@ -8,9 +8,9 @@ from itertools import pairwise
 import pytest
 
 from elitescript.errors import InvalidValueError, ScriptStateError
-from elitescript.modbus import pdu
-from elitescript.modbus.master import SIGNALS_MAX
-from elitescript.modbus.signals import Kind
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.master.master import SIGNALS_MAX
+from elitescript.modbus.master.signals import SignalKind
 from tests.modbus.bench import HOST, Bench, Device
 
 S = 250
@@ -19,14 +19,14 @@ S = 250
 @pytest.mark.parametrize(
     ("kind", "count", "request_bytes", "values"),
     [
-        (Kind.DIGITAL_INPUT, 1, pdu.read(2, 3, 1), (0,)),
-        (Kind.DIGITAL_OUTPUT, 2, pdu.read(1, 3, 2), (0, 0)),
-        (Kind.REGISTER_INPUT, 1, pdu.read(4, 3, 1), (3,)),
-        (Kind.REGISTER_OUTPUT, 3, pdu.read(3, 3, 3), (103, 104, 105)),
+        (SignalKind.DIGITAL_INPUT, 1, pdu.read(2, 3, 1), (0,)),
+        (SignalKind.DIGITAL_OUTPUT, 2, pdu.read(1, 3, 2), (0, 0)),
+        (SignalKind.REGISTER_INPUT, 1, pdu.read(4, 3, 1), (3,)),
+        (SignalKind.REGISTER_OUTPUT, 3, pdu.read(3, 3, 3), (103, 104, 105)),
     ],
 )
 def test_each_type_reads_with_its_function(
-    kind: Kind, count: int, request_bytes: bytes, values: tuple[int, ...]
+    kind: SignalKind, count: int, request_bytes: bytes, values: tuple[int, ...]
 ) -> None:
     bench = Bench()
     bench.add("x", kind, 3, count)
@@ -40,14 +40,14 @@ def test_each_type_reads_with_its_function(
 @pytest.mark.parametrize(
     ("kind", "count", "values", "request_bytes"),
     [
-        (Kind.DIGITAL_OUTPUT, 1, [1], pdu.write_coil(3, 1)),
-        (Kind.DIGITAL_OUTPUT, 3, [1, 0, 1], pdu.write_coils(3, [1, 0, 1])),
-        (Kind.REGISTER_OUTPUT, 1, [77], pdu.write_register(3, 77)),
-        (Kind.REGISTER_OUTPUT, 2, [77, 78], pdu.write_registers(3, [77, 78])),
+        (SignalKind.DIGITAL_OUTPUT, 1, [1], pdu.write_coil(3, 1)),
+        (SignalKind.DIGITAL_OUTPUT, 3, [1, 0, 1], pdu.write_coils(3, [1, 0, 1])),
+        (SignalKind.REGISTER_OUTPUT, 1, [77], pdu.write_register(3, 77)),
+        (SignalKind.REGISTER_OUTPUT, 2, [77, 78], pdu.write_registers(3, [77, 78])),
     ],
 )
 def test_an_output_is_read_until_it_is_set_and_written_from_then_on(
-    kind: Kind, count: int, values: list[int], request_bytes: bytes
+    kind: SignalKind, count: int, values: list[int], request_bytes: bytes
 ) -> None:
     bench = Bench()
     bench.add("x", kind, 3, count)
@@ -61,7 +61,7 @@ def test_an_output_is_read_until_it_is_set_and_written_from_then_on(
 
 def test_what_a_short_list_leaves_out_keeps_what_was_read() -> None:
     bench = Bench()
-    bench.add("x", Kind.REGISTER_OUTPUT, 3, 3)
+    bench.add("x", SignalKind.REGISTER_OUTPUT, 3, 3)
     bench.run(10)
     bench.master.set("x", [7])
     bench.run(S // 10)
@@ -73,7 +73,7 @@ def test_what_a_short_list_leaves_out_keeps_what_was_read() -> None:
 
 def test_what_a_short_list_leaves_out_is_not_touched_before_it_was_ever_read() -> None:
     bench = Bench()
-    bench.add("x", Kind.REGISTER_OUTPUT, 3, 3)
+    bench.add("x", SignalKind.REGISTER_OUTPUT, 3, 3)
     bench.master.set("x", [7])
     bench.run(S)
     assert bench.device.tables.holding_registers[3:6] == [7, 104, 105]
@@ -82,7 +82,7 @@ def test_what_a_short_list_leaves_out_is_not_touched_before_it_was_ever_read() -
 
 def test_what_a_short_list_leaves_out_may_change_in_the_device() -> None:
     bench = Bench()
-    bench.add("x", Kind.DIGITAL_OUTPUT, 3, 3)
+    bench.add("x", SignalKind.DIGITAL_OUTPUT, 3, 3)
     bench.run(10)
     bench.master.set("x", [1])
     bench.device.tables.coils[4] = 1
@@ -92,7 +92,7 @@ def test_what_a_short_list_leaves_out_may_change_in_the_device() -> None:
 
 def test_a_read_write_signal_reads_with_3_and_then_with_23() -> None:
     bench = Bench()
-    bench.add("x", Kind.READ_WRITE, 0, 3, write_first=1, write_count=2)
+    bench.add("x", SignalKind.READ_WRITE, 0, 3, write_first=1, write_count=2)
     bench.run(10)
     assert bench.device.requests[-1][2] == pdu.read(3, 0, 3)
     bench.master.set("x", [9])
@@ -293,7 +293,7 @@ def test_single_requests_do_not_pile_up() -> None:
 )
 def test_a_choice_ties_an_output_to_the_program(choice: int, running: int, stopped: int) -> None:
     bench = Bench()
-    bench.add("x", Kind.DIGITAL_OUTPUT, 4)
+    bench.add("x", SignalKind.DIGITAL_OUTPUT, 4)
     bench.master.set("x", [running])
     bench.master.choose("x", choice)
     bench.run(S)
@@ -308,7 +308,7 @@ def test_a_choice_ties_an_output_to_the_program(choice: int, running: int, stopp
 
 def test_an_output_that_was_never_set_is_only_read_while_a_program_runs() -> None:
     bench = Bench()
-    bench.add("x", Kind.DIGITAL_OUTPUT, 4, 2)
+    bench.add("x", SignalKind.DIGITAL_OUTPUT, 4, 2)
     bench.master.choose("x", 2)
     bench.run(S)
     assert bench.device.writes() == []
@@ -319,7 +319,7 @@ def test_an_output_that_was_never_set_is_only_read_while_a_program_runs() -> Non
 
 def test_a_tied_output_without_a_frequency_is_written_when_the_program_ends() -> None:
     bench = Bench()
-    bench.add("x", Kind.DIGITAL_OUTPUT, 4, hertz=0)
+    bench.add("x", SignalKind.DIGITAL_OUTPUT, 4, hertz=0)
     bench.master.set("x", [1])
     bench.master.choose("x", 1)
     bench.run(S)
@@ -330,8 +330,8 @@ def test_a_tied_output_without_a_frequency_is_written_when_the_program_ends() ->
 
 def test_closing_tells_tied_outputs_and_forgets_everything() -> None:
     bench = Bench()
-    bench.add("x", Kind.DIGITAL_OUTPUT, 4)
-    bench.add("y", Kind.DIGITAL_OUTPUT, 5)
+    bench.add("x", SignalKind.DIGITAL_OUTPUT, 4)
+    bench.add("y", SignalKind.DIGITAL_OUTPUT, 5)
     bench.master.set("x", [1])
     bench.master.set("y", [1])
     bench.master.choose("x", 1)
@@ -362,7 +362,7 @@ def test_leaping_is_the_same_as_stepping() -> None:
             bench.device.per_segment = chance.choice([None, None, 1, 3])
             bench.network.dead.add(504)
             for number in range(chance.randint(1, 30)):
-                kind = Kind(chance.randint(0, 3))
+                kind = SignalKind(chance.randint(0, 3))
                 bench.add(
                     str(number),
                     kind,

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from elitescript.errors import UsageError
-from elitescript.modbus import pdu
+from elitescript.modbus.frames import pdu
 
 ADDRESS = st.integers(0, 65535)
 WORD = st.integers(0, 65535)
@@ -124,7 +124,7 @@ def test_bits_that_were_read_arrive(function: int, levels: list[bool]) -> None:
 def test_any_bytes_are_a_request_or_refused_with_a_code(data: bytes) -> None:
     try:
         request = pdu.request_of(data)
-    except pdu.DeviceError as error:
+    except pdu.ExceptionResponse as error:
         assert error.code in (1, 2, 3)
     else:
         assert request.address + request.quantity <= 65536
@@ -157,14 +157,14 @@ def test_any_bytes_are_a_request_or_refused_with_a_code(data: bytes) -> None:
     ],
 )
 def test_bad_requests_have_the_exception_of_the_specification(wire: str, code: int) -> None:
-    with pytest.raises(pdu.DeviceError) as caught:
+    with pytest.raises(pdu.ExceptionResponse) as caught:
         pdu.request_of(bytes.fromhex(wire))
     assert caught.value.code == code
 
 
 @pytest.mark.parametrize("code", [1, 2, 3, 4, 5, 6, 7, 8, 10, 11, 77])
 def test_a_refusal_carries_its_code(code: int) -> None:
-    with pytest.raises(pdu.DeviceError, match=f"exception {code}: ") as caught:
+    with pytest.raises(pdu.ExceptionResponse, match=f"exception {code}: ") as caught:
         pdu.values_of(pdu.read(3, 0, 1), pdu.exception(3, code))
     assert (caught.value.code, caught.value.function) == (code, 3)
 

@@ -18,10 +18,10 @@ from typing import Any
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.modbus import pdu
-from elitescript.modbus.rtu_frames import RtuSplitter, rtu_frame
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.rtu import RtuSplitter, rtu_frame
+from elitescript.modbus.frames.tcp import TcpSplitter, tcp_frame
 from elitescript.modbus.slave import MemoryTables, Slave, TcpSlave
-from elitescript.modbus.tcp_frames import TcpSplitter, tcp_frame
 
 pymodbus = pytest.importorskip("pymodbus")
 # pymodbus's server leaves a task behind for each connection that ends.

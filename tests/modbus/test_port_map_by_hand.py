@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.modbus import pdu
+from elitescript.modbus.frames import pdu
 from elitescript.modbus.port_map import COILS, REGISTERS
 from tests.tables import rows
 

@@ -6,10 +6,10 @@ import random
 
 import pytest
 
-from elitescript.modbus import pdu
-from elitescript.modbus.pdu import DeviceError
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.pdu import ExceptionResponse
+from elitescript.modbus.frames.rtu import rtu_frame
 from elitescript.modbus.rtu_exchange import RtuExchange, gap_s
-from elitescript.modbus.rtu_frames import rtu_frame
 
 EXCHANGES = [
     (pdu.read(1, 3, 9), pdu.bits_read(1, [1] * 9), (1,) * 9),
@@ -41,7 +41,7 @@ def test_the_answer_is_found_as_soon_as_it_is_complete(request_pdu, answer, valu
 
 @exchanges
 def test_a_refusal_is_found(request_pdu, answer, values):
-    with pytest.raises(DeviceError, match="exception 4"):
+    with pytest.raises(ExceptionResponse, match="exception 4"):
         RtuExchange(17, request_pdu).answer(rtu_frame(17, pdu.exception(request_pdu[0], 4)))
 
 

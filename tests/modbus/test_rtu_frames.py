@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from elitescript.modbus import pdu
-from elitescript.modbus.rtu_frames import (
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.rtu import (
     UNKNOWN,
     RtuSplitter,
     answer_length,

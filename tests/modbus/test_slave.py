@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from elitescript.errors import UsageError
-from elitescript.modbus import pdu
-from elitescript.modbus.rtu_frames import rtu_frame
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.rtu import rtu_frame
+from elitescript.modbus.frames.tcp import tcp_frame
 from elitescript.modbus.slave import MemoryTables, RtuSlave, Slave, TcpSlave
-from elitescript.modbus.tcp_frames import tcp_frame
 
 
 def small() -> tuple[Slave, MemoryTables]:
@@ -86,7 +86,7 @@ class Stubborn(MemoryTables):
     code = 6
 
     def read_registers(self, table: int, address: int, count: int) -> list[int]:
-        raise pdu.DeviceError(self.code)
+        raise pdu.ExceptionResponse(self.code)
 
 
 @pytest.mark.parametrize("code", [1, 2, 3, 4, 5, 6, 7, 8, 10, 11])

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from elitescript.modbus.pdu import read
-from elitescript.modbus.tcp_frames import TcpSplitter, tcp_frame
+from elitescript.modbus.frames.pdu import read
+from elitescript.modbus.frames.tcp import TcpSplitter, tcp_frame
 
 FRAMES = st.lists(st.tuples(st.integers(0, 65535), st.integers(0, 255), st.binary(min_size=1, max_size=253)))
 

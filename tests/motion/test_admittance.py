@@ -7,7 +7,7 @@ import pytest
 from elitescript.kinematics.rotations import IDENTITY_ROTATION, rotation_from_rpy
 from elitescript.kinematics.transforms import IDENTITY, rotation_of, transform_from_pose
 from elitescript.messages.timing import PERIOD_S
-from elitescript.motion.admittance import FIRM, GAIN, ForceFrame, ForceLaw, along_axes, in_base, selected
+from elitescript.motion.corrections.admittance import FIRM, GAIN, ForceFrame, ForceLaw, along_axes, in_base, selected
 
 X = (True, False, False, False, False, False)
 NONE = (0.0,) * 6

@@ -4,15 +4,15 @@ from random import Random
 
 import pytest
 
-from elitescript.controller.model_limits import motion_limits
+from elitescript.controller.arm.model_limits import motion_limits
 from elitescript.kinematics.jacobian import joint_speeds, tcp_twist
 from elitescript.kinematics.transforms import transform_from_pose
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
-from elitescript.motion.compliance import Compliance, after_way, solved_near, way_between
+from elitescript.motion.corrections.compliance import Compliance, after_way, solved_near, way_between
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import Obstacle
-from elitescript.motion.twist import ToolMotion
+from elitescript.motion.streaming.speed import Obstacle
+from elitescript.motion.streaming.twist import ToolMotion
 
 MODEL = load_model("CS66")
 LIMITS = motion_limits(MODEL)

@@ -13,7 +13,7 @@ from elitescript.kinematics.transforms import (
     rotation_of,
     transform_from_pose,
 )
-from elitescript.motion.conveyor import StraightConveyor, Turntable
+from elitescript.motion.corrections.conveyor import StraightConveyor, Turntable
 
 POSE = (0.4, -0.2, 0.15, 3.0, 0.1, -1.2)
 CENTER = (0.5, 0.1, 0.05, 0.2, -0.3, 0.4)

@@ -6,10 +6,10 @@ import pytest
 
 from elitescript.kinematics.transforms import compose, inverse, position_of
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveRequest
-from elitescript.motion.corner import Corner, JointCorner
+from elitescript.motion.paths.corner import Corner, JointCorner
+from elitescript.motion.paths.track import JointTrack, follow
 from elitescript.motion.planner import plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import JointPath
-from elitescript.motion.track import JointTrack, follow
 from tests.motion.moves import ARM, LIMITS, Q_WORK, T_FLANGE_TCP, largest_difference, line_by, shifted, six
 
 FIRST: dict[str, MoveRequest] = {

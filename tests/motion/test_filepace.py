@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from elitescript.motion.filepace import Pace, paced
 from elitescript.motion.limits import MotionLimits
-from elitescript.motion.spline import JointSpline
+from elitescript.motion.paths.spline import JointSpline
+from elitescript.motion.timing.point_timing import PointTiming, paced
 from tests.motion.moves import limits_of
 
 H = 0.004
@@ -21,7 +21,7 @@ def spline_of(function: Any, count: int, h: float = H) -> JointSpline:
     return JointSpline([[(1.0 - 0.1 * joint) * function(k * h) for k in range(count)] for joint in range(6)], h)
 
 
-def check_limits(spline: JointSpline, pace: Pace, limits: MotionLimits = LIMITS) -> tuple[float, float]:
+def check_limits(spline: JointSpline, pace: PointTiming, limits: MotionLimits = LIMITS) -> tuple[float, float]:
     """Check speeds and accelerations between all samples; return the largest shares of the limits."""
     profile = pace.profile
     steps = 4000

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.kinematics.jacobian import tcp_twist
-from elitescript.motion.jointline import JointLine
+from elitescript.motion.paths.joint_line import JointLine
 from tests.motion.moves import ARM, Q_WORK, T_FLANGE_TCP, six
 
 Q_END = (0.8, -1.0, -1.6, -2.9, 1.4, 0.3)

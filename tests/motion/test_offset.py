@@ -8,9 +8,9 @@ from elitescript.kinematics.rotations import IDENTITY_ROTATION, rotation_from_ro
 from elitescript.kinematics.transforms import IDENTITY, pose_from_transform, transform_from_pose
 from elitescript.messages.path_offset import OffsetFrame
 from elitescript.messages.timing import PERIOD_S
-from elitescript.motion.offset import (
+from elitescript.motion.corrections.offset import (
     Excess,
-    Pace,
+    FollowingRate,
     along_axes,
     axes_of,
     bounded,
@@ -84,13 +84,13 @@ class TestFilter:
 
 class TestPace:
     def test_half_of_the_slowest_joints_speed_and_a_third_of_its_acceleration(self):
-        assert pace((0.1, 0.0, -0.2, 0.0, 0.0, 0.05), (2.0,) * 6, (40.0,) * 6) == Pace(5.0, 70.0)
+        assert pace((0.1, 0.0, -0.2, 0.0, 0.0, 0.05), (2.0,) * 6, (40.0,) * 6) == FollowingRate(5.0, 70.0)
 
     def test_a_lag_ends_at_rest_without_an_overshoot(self):
         # 0.01 m at 5 m/s^2 and at most 0.1 m/s: the bounds of the law, one period at a time.
         lag, speed, ticks = 0.01, 0.0, 0
         while lag:
-            rate = closing_rate(Pace(0.1 / lag, 5.0 / lag))
+            rate = closing_rate(FollowingRate(0.1 / lag, 5.0 / lag))
             wanted = lag / PERIOD_S if rate is None else rate * lag
             speed = min(wanted, speed + 5.0 * PERIOD_S)
             assert speed <= 0.1 + 1e-12

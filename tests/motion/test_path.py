@@ -18,7 +18,7 @@ from elitescript.kinematics.transforms import (
     rotation_of,
     transform_from_pose,
 )
-from elitescript.motion.path import ArcPath, CartesianPath, LinePath, arc, line
+from elitescript.motion.paths.cartesian import ArcPath, CartesianPath, LinePath, arc, line
 from tests.motion.moves import T_FLANGE_TCP, largest_difference
 
 RADIUS = 0.25

@@ -17,12 +17,12 @@ import pytest
 from elitescript.messages.motion import MoveJ, Six
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.planner import plan_movej
-from elitescript.motion.profile import trapezoid
-from elitescript.motion.pursuit import CatchUp
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.servo import begun, followed
-from elitescript.motion.speed import accelerated, braked_apart, obstacle_time
-from elitescript.motion.timescale import TimeScale, stop_ramp
+from elitescript.motion.streaming.servo import begun, followed
+from elitescript.motion.streaming.speed import accelerated, braked_apart, obstacle_time
+from elitescript.motion.timing.profile import trapezoid
+from elitescript.motion.timing.pursuit import CatchUp
+from elitescript.motion.timing.timescale import TimeScale, stop_ramp
 from tests.findings import Finding
 from tests.motion.moves import ARM, LIMITS, limits_of, six
 

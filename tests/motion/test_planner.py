@@ -18,7 +18,7 @@ from elitescript.kinematics.transforms import (
     transform_from_pose,
 )
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, Six
-from elitescript.motion.planner import NoteKind, Plan, plan_movec, plan_movej, plan_movel
+from elitescript.motion.planner import MoveNoteKind, Plan, plan_movec, plan_movej, plan_movel
 from tests.motion.moves import (
     ARM,
     LIMITS,
@@ -92,7 +92,7 @@ class TestMoveJ:
         v, a = LIMITS.qd_max[2], LIMITS.qdd_max[2]
         assert plan.segment.duration_s == pytest.approx(1.5 / v + v / a)
         (note,) = plan.notes
-        assert note.kind is NoteKind.T_TOO_SHORT == "t_too_short"
+        assert note.kind is MoveNoteKind.T_TOO_SHORT == "t_too_short"
         assert "t = 0.1 s is too short" in note.text
         assert f"{plan.segment.duration_s:.4f} s" in note.text
 
@@ -164,7 +164,7 @@ class TestMoveL:
         plan = movel(line_by(Q_WORK, 0.001, 0.0, 0.0, 0.0, 0.0, 1.5))
         assert plan.segment.path.unit == "m"
         (note,) = plan.notes
-        assert note.kind is NoteKind.SPEED_LOWERED_FOR_JOINT_LIMITS
+        assert note.kind is MoveNoteKind.SPEED_LOWERED_FOR_JOINT_LIMITS
         assert plan.segment.duration_s > 1.5 / max(LIMITS.qd_max)
 
     def test_tool_limits_lower_speed_and_acceleration(self) -> None:
@@ -192,7 +192,7 @@ class TestMoveL:
     def test_duration_that_is_too_short_gives_the_shortest_and_a_note(self) -> None:
         plan = movel(line_by(Q_WORK, 0.1, 0.15, -0.08, t_s=0.01))
         (note,) = plan.notes
-        assert note.kind is NoteKind.T_TOO_SHORT
+        assert note.kind is MoveNoteKind.T_TOO_SHORT
         assert plan.segment.duration_s > 0.01
         fastest = movel(line_by(Q_WORK, 0.1, 0.15, -0.08, a=1e9, v=1e9)).segment.duration_s
         assert plan.segment.duration_s == pytest.approx(fastest)
@@ -200,7 +200,7 @@ class TestMoveL:
     def test_slow_passage_near_a_singularity_is_noted_with_joint_place_and_numbers(self) -> None:
         plan = movel(line_by(Q_NEAR_WRIST, 0.05, 0.2, -0.05, v=0.5), Q_NEAR_WRIST)
         (note,) = plan.notes
-        assert note.kind is NoteKind.SPEED_LOWERED_NEAR_SINGULARITY
+        assert note.kind is MoveNoteKind.SPEED_LOWERED_NEAR_SINGULARITY
         assert "the wrist singularity is near" in note.text
         assert "joint wrist1 (4.014 rad/s, 40 rad/s^2)" in note.text
         assert "m from the start of the line" in note.text
@@ -358,7 +358,7 @@ def test_an_arc_that_keeps_its_orientation_says_how_far_it_ends_from_the_one_tha
     rotation = multiply(rotation_of(kept), rotation_from_rotvec((0.0, 0.0, turn)))
     asked = pose_from_transform((*rotation, *kept[9:]))
     notes = plan_movec(ARM, LIMITS, Q_WORK, T_FLANGE_TCP, MoveC(via, asked, 1.2, 0.1)).notes
-    assert [note.kind for note in notes] == [NoteKind.ORIENTATION_NOT_USED] * is_told
+    assert [note.kind for note in notes] == [MoveNoteKind.ORIENTATION_NOT_USED] * is_told
     if is_told:
         assert f"{degrees(turn):.3g} deg" in notes[0].text
         assert "mode=1" in notes[0].text

@@ -11,19 +11,19 @@ from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import position_of
 from elitescript.messages.motion import MoveL, Six
 from elitescript.messages.timing import PERIOD_S
+from elitescript.motion.paths.polyline import DEVIATION_M, LINKS_MAX, Chained, ChainLine, begun, extended
+from elitescript.motion.paths.track import JointTrack
 from elitescript.motion.planner import plan_movel
-from elitescript.motion.polyline import DEVIATION_M, LINKS_MAX, Chained, Link, begun, extended
-from elitescript.motion.track import JointTrack
 from tests.motion.moves import ARM, LIMITS, Q_WORK, T_FLANGE_TCP, largest_difference, tcp_pose
 
 A = 1.2
 
 
-def link(q: Six, pose: Six, v: float, r: float = 0.0) -> Link:
+def link(q: Six, pose: Six, v: float, r: float = 0.0) -> ChainLine:
     plan = plan_movel(ARM, LIMITS, q, T_FLANGE_TCP, MoveL(pose, A, v), is_entered=True)
     track = plan.segment.path
     assert isinstance(track, JointTrack)
-    return Link(track, plan.law, r)
+    return ChainLine(track, plan.law, r)
 
 
 class Ride:

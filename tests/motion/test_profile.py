@@ -8,10 +8,10 @@ from math import sqrt
 import pytest
 
 from elitescript.errors import InternalError
-from elitescript.motion.profile import (
+from elitescript.motion.timing.profile import (
     RAMP_SHARE,
     Law,
-    Profile,
+    TimeLaw,
     trapezoid,
     trapezoid_lasting,
     trapezoid_of,
@@ -64,7 +64,7 @@ def test_prescribed_duration_is_kept_exactly_or_impossible(length: float, v: flo
         assert trapezoid_lasting(length, fastest * factor, v, a) is None
 
 
-def check_motion(profile: Profile, length: float, v: float, a: float) -> None:
+def check_motion(profile: TimeLaw, length: float, v: float, a: float) -> None:
     assert profile.at(0.0) == (0.0, 0.0)
     assert profile.at(profile.duration_s) == (length, 0.0)
     steps = 60

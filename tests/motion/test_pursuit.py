@@ -6,7 +6,7 @@ from random import Random
 
 import pytest
 
-from elitescript.motion.pursuit import CatchUp, Coast, caught_up
+from elitescript.motion.timing.pursuit import CatchUp, Coast, caught_up
 
 A, V = 1.2, 0.25
 

@@ -5,7 +5,7 @@ from random import Random
 
 import pytest
 
-from elitescript.motion.pursuit import CatchUp
+from elitescript.motion.timing.pursuit import CatchUp
 
 ruckig = pytest.importorskip("ruckig")
 pytestmark = pytest.mark.peers

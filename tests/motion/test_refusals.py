@@ -9,7 +9,7 @@ import pytest
 from elitescript.kinematics.inverse import branch_of
 from elitescript.kinematics.jacobian import Singularity
 from elitescript.kinematics.transforms import compose, transform_from_pose
-from elitescript.motion.path import LinePath, line
+from elitescript.motion.paths.cartesian import LinePath, line
 from elitescript.motion.refusals import jump, leaves_reach, out_of_range, out_of_reach, singular
 from tests.motion.moves import ARM, LIMITS, Q_WORK, T_FLANGE_TCP, shifted, six
 

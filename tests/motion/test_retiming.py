@@ -7,11 +7,11 @@ import pytest
 from elitescript.kinematics.transforms import compose, transform_from_pose
 from elitescript.messages.motion import Six
 from elitescript.motion.limits import MotionLimits
-from elitescript.motion.path import line
-from elitescript.motion.profile import Law, Profile, trapezoid, trapezoid_lasting, trapezoid_of
-from elitescript.motion.retiming import entered, keeps_limits, retimed
+from elitescript.motion.paths.cartesian import line
+from elitescript.motion.paths.track import JointTrack, follow
 from elitescript.motion.segment import RunningSegment
-from elitescript.motion.track import JointTrack, follow
+from elitescript.motion.timing.profile import Law, TimeLaw, trapezoid, trapezoid_lasting, trapezoid_of
+from elitescript.motion.timing.retiming import entered, keeps_limits, retimed
 from tests.motion.moves import (
     ARM,
     LIMITS,
@@ -35,7 +35,7 @@ def track_by(q_start: Six, limits: MotionLimits, v: float, a: float, *offset: fl
     return follow(ARM, limits, path, q_start, v, a)
 
 
-def worst_shares(track: JointTrack, limits: MotionLimits, profile: Profile) -> tuple[float, float]:
+def worst_shares(track: JointTrack, limits: MotionLimits, profile: TimeLaw) -> tuple[float, float]:
     """Largest share of the speed and of the acceleration limits that any joint uses."""
     speed_share = acceleration_share = 0.0
     h = 1e-6 * track.length
@@ -132,7 +132,7 @@ def test_finer_grid_hardly_changes_the_duration(monkeypatch: pytest.MonkeyPatch)
     track = track_by(Q_NEAR_WRIST, WEAK, 0.5, 4.0, *PASSING)
     wanted = trapezoid(track.length, 0.5, 4.0)
     duration_s = retimed(track, WEAK, wanted).profile.duration_s
-    monkeypatch.setattr("elitescript.motion.retiming.SUBDIVISION", 40)
+    monkeypatch.setattr("elitescript.motion.timing.retiming.SUBDIVISION", 40)
     assert retimed(track, WEAK, wanted).profile.duration_s == pytest.approx(duration_s, rel=0.01)
 
 

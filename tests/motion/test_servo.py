@@ -8,7 +8,7 @@ import pytest
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.servo import begun, followed, held
+from elitescript.motion.streaming.servo import begun, followed, held
 from tests.motion.moves import limits_of
 
 MODEL = load_model("CS66")

@@ -6,7 +6,7 @@ from random import Random
 import pytest
 
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import (
+from elitescript.motion.streaming.speed import (
     accelerated,
     braked,
     braked_apart,

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from elitescript.motion.spline import JointSpline
+from elitescript.motion.paths.spline import JointSpline
 
 H = 0.008
 

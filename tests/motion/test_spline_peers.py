@@ -7,7 +7,7 @@ from importlib.metadata import version
 
 import pytest
 
-from elitescript.motion.spline import JointSpline
+from elitescript.motion.paths.spline import JointSpline
 from tests.findings import Finding
 
 interpolate = pytest.importorskip("scipy.interpolate")

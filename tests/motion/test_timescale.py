@@ -12,7 +12,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.motion import MoveJ
 from elitescript.motion.planner import plan_movej, plan_movel
 from elitescript.motion.segment import Segment
-from elitescript.motion.timescale import TimeScale, change_ramp, stop_ramp, stop_ramp_tool
+from elitescript.motion.timing.timescale import TimeScale, change_ramp, stop_ramp, stop_ramp_tool
 from tests.motion.moves import ARM, LIMITS, Q_NEAR_WRIST, Q_WORK, T_FLANGE_TCP, line_by
 
 ROUNDING_S = 1e-12

@@ -14,8 +14,8 @@ from elitescript.kinematics.jacobian import singularity
 from elitescript.kinematics.transforms import compose, transform_from_pose
 from elitescript.messages.motion import Six
 from elitescript.motion.limits import JOINT_NAMES
-from elitescript.motion.path import LinePath, line
-from elitescript.motion.track import JointTrack, follow
+from elitescript.motion.paths.cartesian import LinePath, line
+from elitescript.motion.paths.track import JointTrack, follow
 from tests.motion.moves import (
     ARM,
     FULL_TURN,

@@ -11,8 +11,8 @@ from elitescript.kinematics.transforms import IDENTITY, position_of, transform_f
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import Obstacle
-from elitescript.motion.twist import ToolMotion
+from elitescript.motion.streaming.speed import Obstacle
+from elitescript.motion.streaming.twist import ToolMotion
 from tests.motion.moves import limits_of
 
 MODEL = load_model("CS66")

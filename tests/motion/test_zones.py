@@ -8,8 +8,8 @@ import pytest
 
 from elitescript.kinematics.transforms import position_of
 from elitescript.messages.motion import MoveC, MoveJ, MoveL
+from elitescript.motion.paths.zones import way_within, zone_before
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
-from elitescript.motion.zones import way_within, zone_before
 from tests.motion.moves import ARM, LIMITS, Q_WORK, T_FLANGE_TCP, line_by, shifted, six
 
 JOINTS = six(q + d for q, d in zip(Q_WORK, (0.4, 0.2, -0.3, 0.1, 0.2, 0.4), strict=True))

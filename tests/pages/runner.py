@@ -22,7 +22,7 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.cli import main as command_line
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.events import Warned
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -71,3 +72,19 @@ def test_every_page_has_one_title_in_its_first_line() -> None:
         titles = [line for _, _, line in page.prose if line.startswith("# ")]
         assert len(titles) == 1, by_name(path)
         assert page.text.startswith("# "), by_name(path)
+
+
+def test_every_page_that_a_text_of_the_program_names_is_there() -> None:
+    files = [
+        *(ROOT / "src").rglob("*.py"),
+        *(ROOT / "tools").rglob("*.py"),
+        *(ROOT / "examples").iterdir(),
+        ROOT / "Makefile",
+    ]
+    named = {
+        (by_name(path), name)
+        for path in files
+        for name in re.findall(r"\bdocs/[\w/-]+\.md\b", path.read_text(encoding="utf-8"))
+    }
+    assert len(named) > 5
+    assert sorted(f"{path}: {name}" for path, name in named if not (ROOT / name).exists()) == []

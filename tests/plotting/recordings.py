@@ -3,9 +3,9 @@
 from random import Random
 
 from elitescript import VirtualRobot
-from elitescript.controller.trace import TraceRow
-from elitescript.controller.trace_signals import NO_SIGNALS
-from elitescript.language.source import SourceFile
+from elitescript.controller.views.trace import TraceRow
+from elitescript.controller.views.trace_signals import NO_SIGNALS
+from elitescript.language.text.source import SourceFile
 from elitescript.models.model import load_model
 from elitescript.plotting.page import Recording
 

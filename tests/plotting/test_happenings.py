@@ -2,7 +2,7 @@
 
 from elitescript.messages.events import Alarm, DeviceNoted, MotionEnded, MotionStarted, TextMessage, Warned
 from elitescript.messages.motion import MoveJ
-from elitescript.plotting.happenings import MARKS_MAX, MOVES_MAX, marks, moves
+from elitescript.plotting.events import MARKS_MAX, MOVES_MAX, marks, moves
 
 Q = (0.0,) * 6
 

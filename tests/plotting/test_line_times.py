@@ -4,13 +4,13 @@ from itertools import pairwise
 
 import pytest
 
-from elitescript.plotting.line_times import LineTime, Stretch, ThreadLines, line_times, merged, stretches
+from elitescript.plotting.line_times import LineStretch, LineTime, ThreadLines, line_times, merged, stretches
 from tests.plotting.recordings import recorded, restless, row
 
 
 def test_stretches_follow_each_other():
     rows = [row(0.0, 3), row(0.004, 3), row(0.008, 5), row(0.012, 3), row(0.016, 0)]
-    assert stretches(rows) == [Stretch(0.0, 0.008, 3), Stretch(0.008, 0.012, 5), Stretch(0.012, 0.016, 3)]
+    assert stretches(rows) == [LineStretch(0.0, 0.008, 3), LineStretch(0.008, 0.012, 5), LineStretch(0.012, 0.016, 3)]
 
 
 def test_time_is_moving_when_a_joint_goes_on_and_standing_when_not():
@@ -64,6 +64,6 @@ def test_the_lines_of_a_thread_begin_and_end_with_it():
     lines.record(2.0, [("camera", 5), ("plc", 9)])
     lines.record(3.0, [("plc", 9)])
     assert lines.stretches(4.0) == {
-        "camera": [Stretch(1.0, 2.0, 4), Stretch(2.0, 3.0, 5), Stretch(3.0, 4.0, 0)],
-        "plc": [Stretch(1.5, 4.0, 9)],
+        "camera": [LineStretch(1.0, 2.0, 4), LineStretch(2.0, 3.0, 5), LineStretch(3.0, 4.0, 0)],
+        "plc": [LineStretch(1.5, 4.0, 9)],
     }

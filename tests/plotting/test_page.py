@@ -8,7 +8,7 @@ import pytest
 
 from elitescript import PlantConfig
 from elitescript.messages.events import ChannelActivity, SignalChanged
-from elitescript.plotting.line_times import Stretch
+from elitescript.plotting.line_times import LineStretch
 from elitescript.plotting.packing import undo_deltas
 from elitescript.plotting.page import SOURCE_MAX, page, page_data
 from tests.plotting.recordings import PROGRAM, of_rows, recorded, restless, row
@@ -73,7 +73,7 @@ def test_what_hides_in_a_text_is_written_out():
 
 
 def test_the_lines_of_other_threads_are_on_the_page():
-    spans = {"camera": [Stretch(0.1, 0.5, 4), Stretch(0.5, 0.9, 6)], "never": []}
+    spans = {"camera": [LineStretch(0.1, 0.5, 4), LineStretch(0.5, 0.9, 6)], "never": []}
     (thread,) = page_data(replace(recorded(), thread_lines=spans))["threads"]
     assert (thread["name"], undo_deltas(thread["t"]), thread["line"]) == ("camera", [100, 500, 900], [4, 6])
 

@@ -2,7 +2,7 @@
 
 from math import inf
 
-from elitescript.controller.trace_signals import SignalLevels
+from elitescript.controller.views.trace_signals import SignalLevels
 from elitescript.messages.events import SignalChanged
 from elitescript.plotting.packing import undo_deltas
 from elitescript.plotting.signal_lanes import (

@@ -6,8 +6,8 @@ import pytest
 
 from elitescript import PlantConfig
 from elitescript.cli.main import main
-from elitescript.cli.trace_file import TraceFile
-from elitescript.controller.trace import TRACE_COLUMNS
+from elitescript.cli.output.trace_file import TraceFile
+from elitescript.controller.views.trace import TRACE_COLUMNS
 from elitescript.errors import UsageError
 from elitescript.plotting.trace_reader import read_trace
 from tests.plotting.recordings import PROGRAM, recorded

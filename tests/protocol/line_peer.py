@@ -9,7 +9,7 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, Reply
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.protocol.connection import Connection
-from elitescript.protocol.dashboard import SETTLING_TICKS
+from elitescript.protocol.dashboard.connection import SETTLING_TICKS
 from tests.protocol.snapshots import description, output
 
 TASK = TaskPicture("test.task", "", "default.configuration", is_saved=True, is_configuration_modified=False)

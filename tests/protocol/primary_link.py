@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from elitescript.protocol.primary import (
+from elitescript.protocol.primary.connection import (
     PRIMARY,
     PrimaryConnection,
     PrimaryFeed,

@@ -33,7 +33,7 @@ from elitescript.messages.machine import (
 )
 from elitescript.messages.outputs import Reply
 from elitescript.protocol.connection import ProtocolError
-from elitescript.protocol.dashboard import (
+from elitescript.protocol.dashboard.connection import (
     ANSWER_TICKS,
     LINE_LIMIT,
     LINES_PER_TICK,
@@ -42,7 +42,7 @@ from elitescript.protocol.dashboard import (
     DashboardConnection,
     find_row,
 )
-from elitescript.protocol.dashboard_verbs import VERBS
+from elitescript.protocol.dashboard.verbs import VERBS
 from elitescript.protocol.outcomes import done, refused
 from tests.protocol.line_peer import Peer
 

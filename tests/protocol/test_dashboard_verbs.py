@@ -7,10 +7,10 @@ import re
 import pytest
 
 from elitescript.controller.modes import TRANSITIONS
-from elitescript.controller.safety import MODES as MODES_OF_SAFETY
+from elitescript.controller.safety.states import MODES as MODES_OF_SAFETY
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
-from elitescript.protocol.dashboard import DashboardConnection
-from elitescript.protocol.dashboard_verbs import VERBS
+from elitescript.protocol.dashboard.connection import DashboardConnection
+from elitescript.protocol.dashboard.verbs import VERBS
 from tests.protocol.line_peer import Peer
 
 MODES = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.protocol.garbage import REPORT_TICKS, Burst, is_garbage, is_statement
+from elitescript.protocol.garbage import REPORT_TICKS, GarbageBurst, is_garbage, is_statement
 
 
 @pytest.mark.parametrize(
@@ -35,14 +35,14 @@ def test_what_may_be_script(line: str) -> None:
 )
 def test_in_the_middle_of_garbage_a_statement_calls_or_assigns(line: str, expected: bool) -> None:
     assert is_statement(line) is expected
-    burst = Burst()
+    burst = GarbageBurst()
     assert not burst.takes(line)
     burst.add("\0", 1)
     assert burst.takes(line) is not expected
 
 
 def test_a_burst_counts_and_begins_anew() -> None:
-    burst = Burst()
+    burst = GarbageBurst()
     assert burst.is_empty
     burst.add("\0" * 20, 5)
     burst.add("ab", 6)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.protocol import interpreter
-from elitescript.protocol.dashboard_verbs import VERBS, help_text, usage_text
+from elitescript.protocol.dashboard.verbs import VERBS, help_text, usage_text
 from tests.tables import rows
 
 COMMANDS = """

@@ -6,10 +6,10 @@ import random
 
 import pytest
 
-from elitescript.protocol.lines import Line, LineSplitter, PacedLines, one_line, shown
+from elitescript.protocol.lines import LineSplitter, PacedLines, TextLine, one_line, shown
 
 
-def fed(chunks: list[bytes], limit: int = 10) -> list[Line]:
+def fed(chunks: list[bytes], limit: int = 10) -> list[TextLine]:
     splitter = LineSplitter(limit)
     return [line for chunk in chunks for line in splitter.feed(chunk)]
 
@@ -36,9 +36,9 @@ def test_lines_end_in_a_line_feed(data: bytes, texts: list[str]) -> None:
 
 @pytest.mark.parametrize("end", [b"\n", b"\r\n"])
 def test_a_line_may_be_as_long_as_the_limit(end: bytes) -> None:
-    assert fed([b"0123456789" + end]) == [Line("0123456789")]
-    assert fed([b"0123456789\rab" + end]) == [Line("0123456789", "the line is longer than 10 bytes")]
-    assert fed([b"0123456789a" + end]) == [Line("0123456789", "the line is longer than 10 bytes")]
+    assert fed([b"0123456789" + end]) == [TextLine("0123456789")]
+    assert fed([b"0123456789\rab" + end]) == [TextLine("0123456789", "the line is longer than 10 bytes")]
+    assert fed([b"0123456789a" + end]) == [TextLine("0123456789", "the line is longer than 10 bytes")]
 
 
 def test_a_line_that_is_too_long_is_reported_once_and_before_its_end() -> None:
@@ -46,7 +46,7 @@ def test_a_line_that_is_too_long_is_reported_once_and_before_its_end() -> None:
     assert len(splitter.feed(b"x" * 12)) == 1
     assert splitter.feed(b"x" * 100_000) == []
     assert splitter.held == 0
-    assert splitter.feed(b"yy\nnext\n") == [Line("next")]
+    assert splitter.feed(b"yy\nnext\n") == [TextLine("next")]
 
 
 def test_what_is_held_is_bounded() -> None:
@@ -57,7 +57,7 @@ def test_what_is_held_is_bounded() -> None:
 
 
 def test_bytes_that_are_not_text_are_pointed_at() -> None:
-    assert fed([b"ab\xffc\n"]) == [Line("ab\ufffdc", "the line is not UTF-8 at byte 2")]
+    assert fed([b"ab\xffc\n"]) == [TextLine("ab\ufffdc", "the line is not UTF-8 at byte 2")]
 
 
 def test_the_cut_of_the_stream_does_not_matter() -> None:

@@ -7,8 +7,8 @@ import pytest
 from elitescript.messages.events import Alarm, TextMessage, Warned
 from elitescript.messages.inputs import AddLog, Do
 from elitescript.messages.machine import StopTask
-from elitescript.protocol import primary
-from elitescript.protocol.primary import (
+from elitescript.protocol.primary import connection as primary
+from elitescript.protocol.primary.connection import (
     PORTS,
     PRIMARY,
     READ_ONLY,
@@ -18,7 +18,7 @@ from elitescript.protocol.primary import (
     PrimaryConnection,
     PrimaryFeed,
 )
-from elitescript.protocol.primary_messages import WAITING_MAX
+from elitescript.protocol.primary.messages import WAITING_MAX
 from tests.protocol import primary_client as client
 from tests.protocol.primary_link import ME, PROGRAM, connect, run
 from tests.protocol.snapshots import description, output

@@ -19,9 +19,9 @@ from elitescript.messages.machine import (
     SetSpeedScale,
     StopTask,
 )
-from elitescript.protocol.primary_commands import request_of
-from elitescript.protocol.primary_messages import KINDS, note_of
-from elitescript.protocol.primary_packets import ROBOT_STATE, STATE_SIZE, SUB_MESSAGES
+from elitescript.protocol.primary.commands import request_of
+from elitescript.protocol.primary.messages import KINDS, note_of
+from elitescript.protocol.primary.packets import ROBOT_STATE, STATE_SIZE, SUB_MESSAGES
 from tests.protocol.snapshots import description, snapshot
 from tests.tables import rows
 

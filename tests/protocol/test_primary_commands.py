@@ -13,7 +13,7 @@ from elitescript.messages.machine import (
     SetSpeedScale,
     StopTask,
 )
-from elitescript.protocol.primary_commands import COMMANDS, request_of
+from elitescript.protocol.primary.commands import COMMANDS, request_of
 
 REQUESTS = {
     "power on": PowerOn(),

@@ -8,7 +8,7 @@ import pytest
 
 from elitescript.messages.inputs import AddLog, Do, RunUnit
 from elitescript.messages.machine import StopTask
-from elitescript.protocol.primary import PRIMARY, REALTIME, SECONDARY, SILENCE_TICKS
+from elitescript.protocol.primary.connection import PRIMARY, REALTIME, SECONDARY, SILENCE_TICKS
 from tests.protocol.snapshots import output
 from tests.protocol.test_primary import ME, connect
 

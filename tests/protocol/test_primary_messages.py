@@ -22,8 +22,8 @@ from elitescript.messages.events import (
     TextMessage,
     Warned,
 )
-from elitescript.protocol import primary_messages
-from elitescript.protocol.primary_messages import (
+from elitescript.protocol.primary import messages as primary_messages
+from elitescript.protocol.primary.messages import (
     ERROR,
     FATAL,
     KINDS,
@@ -33,8 +33,8 @@ from elitescript.protocol.primary_messages import (
     VITAL_MAX,
     WAITING_MAX,
     WARNING,
-    Note,
-    NoteQueue,
+    RobotMessage,
+    RobotMessageQueue,
     error_note,
     exception_note,
     note_of,
@@ -202,20 +202,20 @@ class TestTable:
 
 
 class TestNoteQueue:
-    def note(self, data: bytes, is_vital: bool = False) -> Note:
-        return Note(data, is_vital)
+    def note(self, data: bytes, is_vital: bool = False) -> RobotMessage:
+        return RobotMessage(data, is_vital)
 
-    def drained(self, queue: NoteQueue) -> list[bytes]:
+    def drained(self, queue: RobotMessageQueue) -> list[bytes]:
         return [queue.take() for _ in range(len(queue))]
 
     def test_keeps_the_order(self):
-        queue = NoteQueue()
+        queue = RobotMessageQueue()
         for number in range(20):
             queue.put(self.note(bytes([number]), is_vital=number % 3 == 0), 0)
         assert self.drained(queue) == [bytes([number]) for number in range(20)]
 
     def test_goes_on_behind_a_gap_once_there_is_room(self):
-        queue = NoteQueue()
+        queue = RobotMessageQueue()
         for _ in range(WAITING_MAX + 7):
             queue.put(self.note(b"a"), 3)
         for _ in range(2):
@@ -229,7 +229,7 @@ class TestNoteQueue:
     def test_nothing_is_left_out_without_being_counted(self):
         for seed in range(20):
             chance = random.Random(seed)
-            queue, put, taken, missing = NoteQueue(), 0, 0, 0
+            queue, put, taken, missing = RobotMessageQueue(), 0, 0, 0
             for _ in range(4000):
                 if chance.random() < 0.8 or not queue:
                     queue.put(self.note(b"x", is_vital=chance.random() < 0.3), 0)

@@ -9,7 +9,14 @@ import pytest
 
 from elitescript.messages.enums import AnalogDomain, RobotMode, SafetyMode, TaskState
 from elitescript.protocol.binary import UINT8
-from elitescript.protocol.primary_packets import STATE_SIZE, SUB_MESSAGES, Row, SubMessage, pack_state, timestamp
+from elitescript.protocol.primary.packets import (
+    STATE_SIZE,
+    SUB_MESSAGES,
+    PacketField,
+    SubMessage,
+    pack_state,
+    timestamp,
+)
 from tests.protocol import primary_client as client
 from tests.protocol.snapshots import description, snapshot
 
@@ -75,7 +82,7 @@ class TestLayout:
 
     def test_a_table_with_the_wrong_size_is_found_at_once(self):
         with pytest.raises(AssertionError, match="6 bytes in the table, not 7"):
-            SubMessage("wrong", 9, 7, "assumed", Row("only", UINT8, "", "assumed", 0))
+            SubMessage("wrong", 9, 7, "assumed", PacketField("only", UINT8, "", "assumed", 0))
 
     def test_a_part_may_be_left_out(self):
         message = pack_state(SUB_MESSAGES[:3], snapshot(), description())

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from elitescript.language.units import MAX_UNIT_BYTES
+from elitescript.language.text.units import MAX_UNIT_BYTES
 from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
 from elitescript.messages.machine import SetSpeedScale, StopTask
 from elitescript.protocol.connection import ProtocolError
-from elitescript.protocol.primary import (
+from elitescript.protocol.primary.connection import (
     MAX_BYTES_PER_TICK,
     MAX_LINES_PER_TICK,
     MAX_SILENT_LINE_BYTES,

@@ -11,10 +11,10 @@ import pytest
 from elitescript.messages.inputs import AddLog, Do, VariablesArrived
 from elitescript.messages.machine import SetSpeedScale, WriteSignal
 from elitescript.protocol.connection import ProtocolError
-from elitescript.protocol.rtsi import COMMANDS, RtsiConnection
-from elitescript.protocol.rtsi_inputs import INPUTS
-from elitescript.protocol.rtsi_recipes import RtsiPort
-from elitescript.protocol.rtsi_variables import OUTPUTS
+from elitescript.protocol.rtsi.connection import COMMANDS, RtsiConnection
+from elitescript.protocol.rtsi.inputs import INPUTS
+from elitescript.protocol.rtsi.recipes import RtsiPort
+from elitescript.protocol.rtsi.variables import OUTPUTS
 from tests.protocol.rtsi_client import (
     STANDARD_INPUTS,
     STANDARD_OUTPUTS,

@@ -9,8 +9,8 @@ from __future__ import annotations
 import pytest
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
-from elitescript.protocol.rtsi_inputs import EFFECTS, INPUT_ROWS, INPUTS
-from elitescript.protocol.rtsi_variables import OUTPUT_ROWS, OUTPUTS
+from elitescript.protocol.rtsi.inputs import EFFECTS, INPUT_ROWS, INPUTS
+from elitescript.protocol.rtsi.variables import OUTPUT_ROWS, OUTPUTS
 from tests.protocol.snapshots import snapshot
 from tests.tables import rows
 

@@ -10,7 +10,7 @@ import pytest
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.machine import SetAnalogDomain, SetAnalogFraction, SetSpeedScale, WriteSignal
 from elitescript.messages.signals import SIGNALS
-from elitescript.protocol.rtsi_inputs import EFFECTS, INPUT_ROWS, INPUTS, Arrival, effects_of, requests_of
+from elitescript.protocol.rtsi.inputs import EFFECTS, INPUT_ROWS, INPUTS, Arrival, effects_of, requests_of
 from tests.protocol.rtsi_client import STANDARD_INPUTS
 from tests.protocol.snapshots import six, snapshot
 

@@ -8,15 +8,15 @@ from typing import Any
 
 import pytest
 
-from elitescript.protocol.rtsi_inputs import INPUTS
-from elitescript.protocol.rtsi_recipes import InputClaims, InputRecipe, OutputRecipe, PackageCache, Schedule
-from elitescript.protocol.rtsi_variables import OUTPUTS
+from elitescript.protocol.rtsi.inputs import INPUTS
+from elitescript.protocol.rtsi.recipes import InputClaims, InputRecipe, OutputRecipe, PackageCache, RecipeSchedule
+from elitescript.protocol.rtsi.variables import OUTPUTS
 from tests.protocol.rtsi_client import STANDARD_INPUTS, STANDARD_OUTPUTS, messages, package, values
 from tests.protocol.snapshots import output
 
 
 def ticks_due(frequency_hz: float, ticks: range) -> list[int]:
-    schedule = Schedule(frequency_hz)
+    schedule = RecipeSchedule(frequency_hz)
     return [tick for tick in ticks if schedule.is_due(tick)]
 
 
@@ -48,7 +48,7 @@ def test_any_frequency_is_exact_and_even() -> None:
 
 
 def test_a_schedule_does_not_drift_in_a_year() -> None:
-    schedule = Schedule(33.3)
+    schedule = RecipeSchedule(33.3)
     assert schedule.is_due(0)
     year = 365 * 24 * 3600 * 250
     count = year * Fraction(33.3) // 250
@@ -59,12 +59,12 @@ def test_a_schedule_does_not_drift_in_a_year() -> None:
 
 
 def test_missed_packages_are_not_made_up_for() -> None:
-    schedule = Schedule(250.0)
+    schedule = RecipeSchedule(250.0)
     assert [schedule.is_due(tick) for tick in (5, 6, 100, 100, 101)] == [True, True, True, False, True]
 
 
 def test_a_schedule_begins_again_after_a_reset_and_when_time_goes_back() -> None:
-    schedule = Schedule(1.0)
+    schedule = RecipeSchedule(1.0)
     assert [schedule.is_due(tick) for tick in (500, 501)] == [True, False]
     schedule.reset()
     assert [schedule.is_due(tick) for tick in (502, 503, 10, 11, 260)] == [True, False, True, False, True]

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
-from elitescript.protocol.rtsi_variables import OUTPUT_ROWS, OUTPUTS
+from elitescript.protocol.rtsi.variables import OUTPUT_ROWS, OUTPUTS
 from tests.protocol.rtsi_client import SIZES, STANDARD_OUTPUTS
 from tests.protocol.snapshots import six, snapshot
 

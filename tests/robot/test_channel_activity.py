@@ -4,10 +4,10 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.messages.events import ChannelActivity
-from elitescript.runtime import traffic
-from elitescript.runtime.traffic import cut, shown
+from elitescript.runtime.connections import traffic
+from elitescript.runtime.connections.traffic import cut, shown
 from elitescript.testing.world import Fault, ModbusDevice, RpcFault, SerialDevice, TcpServer, XmlRpcServer
-from tests.worlds.virtual.programs import run as run_beside
+from tests.devices.programs import run as run_beside
 
 
 def activity(run, *fields):

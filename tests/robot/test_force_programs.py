@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript import VirtualRobot
-from elitescript.controller.contact import ContactConfig, Plane
+from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.messages.plant import PlantConfig
 
 TABLE = ContactConfig((Plane((0.0, 0.0, 0.48), (0.0, 0.0, 1.0), 5e4, 50.0, 0.2),))

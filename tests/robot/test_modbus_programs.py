@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 
 from elitescript import VirtualRobot
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.kernel.config import KernelConfig
 from elitescript.kernel.kernel import Kernel
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Reboot, RunUnit
 from elitescript.messages.outputs import CloseChannel, OpenChannel, SendChannel
-from elitescript.modbus import pdu
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.tcp import tcp_frame
 from elitescript.modbus.slave import MemoryTables, Slave, TcpSlave
-from elitescript.modbus.tcp_frames import tcp_frame
-from elitescript.worlds.memory import MemoryWorld
 from tests.modbus.bench import Device, Network
 
 ADD = 'modbus_add_signal("10.0.0.9", 255, '
@@ -24,7 +24,7 @@ class Cell:
     def __init__(self, firmware="2.14"):
         self.network = Network()
         self.device = self.network.devices[502] = Device()
-        self.robot = VirtualRobot(firmware=firmware, world=MemoryWorld(channels=self.network))
+        self.robot = VirtualRobot(firmware=firmware, world=MemoryEnvironment(channels=self.network))
 
     def run(self, *lines, until_s=60.0):
         """Run a program of these lines; return what it has printed."""

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from elitescript import AlarmError, ProgramError, UsageError, VirtualRobot
-from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits
+from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import MotionEnded, SignalChanged, TaskStateChanged, Warned
 from elitescript.messages.plant import PlantConfig

@@ -12,14 +12,14 @@ from collections.abc import Iterator
 from typing import Any
 
 from elitescript.language.policy import GUARDED_ATTRIBUTES, is_attribute_allowed
-from elitescript.runtime.context import Context
-from elitescript.runtime.facades import ModuleShelf
 from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.names.context import Context
+from elitescript.runtime.names.modules import ModuleShelf
 from elitescript.runtime.program import Program
-from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.stdlib.loader import CopyLoader
-from elitescript.runtime.strand import Strand
-from elitescript.runtime.timers import Timers
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Strand
+from elitescript.runtime.threads.timers import Timers
 
 INSIDE = (
     types.FrameType,

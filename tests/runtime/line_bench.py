@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from elitescript.modbus import pdu
-from elitescript.modbus.rtu_frames import RtuSplitter, rtu_frame
-from elitescript.worlds.memory import MemoryWorld
-from elitescript.worlds.virtual.network import Link, Peer, VirtualNetwork
+from elitescript.devices.channels.network import DeviceLink, Peer, VirtualNetwork
+from elitescript.devices.memory import MemoryEnvironment
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.rtu import RtuSplitter, rtu_frame
 from tests.runtime.machine import Bench
 
 TOOL = "tool_serial_config(True, 115200, 0, 1)"
@@ -75,7 +75,7 @@ class Slave(Device):
 
     answers: tuple[bytes, ...] = ()
 
-    def __init__(self, link: Link) -> None:
+    def __init__(self, link: DeviceLink) -> None:
         super().__init__(link)
         self.splitter = RtuSplitter(is_slave=True)
         self.left = list(self.answers)
@@ -110,7 +110,7 @@ def program(body: str) -> str:
 def bench(device: Any = None, *, name: str = "tool", **options: Any) -> Bench:
     """A host with a device on a line."""
     network = VirtualNetwork(lines={} if device is None else {name: device})
-    return Bench(world=MemoryWorld(channels=network), **options)
+    return Bench(world=MemoryEnvironment(channels=network), **options)
 
 
 def run(body: str, device: Any = None, *, name: str = "tool", until: int = 25_000, **options: Any) -> Bench:

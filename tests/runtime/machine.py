@@ -6,18 +6,18 @@ from types import SimpleNamespace
 from typing import Any
 
 from elitescript.language.compiler import CompiledUnit, Options, compile_unit
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm, Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import PauseTask, ResumeTask, SetLineMark, WriteSignal
 from elitescript.messages.profile import profile
+from elitescript.runtime.environment import EmptyEnvironment
 from elitescript.runtime.host import ScriptHost
-from elitescript.runtime.world import NoWorld
 
 EPOCH_S = 1_704_067_200.0
 
 
 class FakeMachine:
-    """Implements the part of `commands.context.Machine` that programs without kinematics use."""
+    """Implements the part of `commands.definition.context.Machine` that programs without kinematics use."""
 
     def __init__(self, move_ticks: int = 100) -> None:
         self.tick = 0
@@ -80,7 +80,7 @@ class Bench:
         self.machine = FakeMachine(move_ticks)
         self.ends: list[str] = []
         self.host = ScriptHost(self.machine, profile=profile(firmware), on_end=self.ends.append, **options)
-        self.channels = (options.get("world") or NoWorld()).channels
+        self.channels = (options.get("world") or EmptyEnvironment()).channels
         self.machine.host = self.host
         self.steps = steps
         self.ticks: list[int] = []

@@ -2,7 +2,7 @@ import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.errors import ArgumentRangeError, ProgramError, ScriptError, ScriptStateError
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import profile
 from elitescript.runtime.alarms import alarm_of, class_name_of, details_of, text_of, without_addresses

@@ -4,7 +4,7 @@ import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.language.hooks import HOOKS
-from elitescript.runtime.bindings import is_known
+from elitescript.runtime.names.bindings import is_known
 from tests.runtime.machine import Bench, run
 
 

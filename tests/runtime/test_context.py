@@ -1,7 +1,7 @@
 import pytest
 
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.messages.events import Popup
-from elitescript.worlds.memory import MemoryWorld
 from tests.runtime.machine import Bench, run
 
 
@@ -212,7 +212,7 @@ class TestTaskFiles:
         ("name", "first"), [("path.txt", 1.0), ("/task/path.txt", 1.0), ("parts/path.txt", 6.0), ("./path.txt", 1.0)]
     )
     def test_a_command_reads_a_file_of_the_task_folder(self, name, first):
-        bench = run(self.LOAD.format(repr(name)), world=MemoryWorld(POINT_FILES))
+        bench = run(self.LOAD.format(repr(name)), world=MemoryEnvironment(POINT_FILES))
         assert bench.alarms == []
         assert bench.log[0] == "0"
         assert bench.log[1].startswith(f"[{first}, ")
@@ -229,7 +229,7 @@ class TestTaskFiles:
         ],
     )
     def test_what_it_cannot_read_is_an_alarm_on_its_line(self, name, code, message, hint):
-        (alarm,) = run(self.LOAD.format(repr(name)), world=MemoryWorld(POINT_FILES)).alarms
+        (alarm,) = run(self.LOAD.format(repr(name)), world=MemoryEnvironment(POINT_FILES)).alarms
         assert (alarm.code, alarm.line, alarm.details["command"]) == (code, 2, "load_micro_line_file")
         if code == "R104":
             assert message in alarm.text
@@ -241,7 +241,7 @@ class TestTaskFiles:
 
     def test_a_file_that_is_too_large_is_not_read(self, monkeypatch):
         monkeypatch.setattr("elitescript.commands.micro_file.BYTES_MAX", 11)
-        (alarm,) = run(self.LOAD.format("'path.txt'"), world=MemoryWorld(POINT_FILES)).alarms
+        (alarm,) = run(self.LOAD.format("'path.txt'"), world=MemoryEnvironment(POINT_FILES)).alarms
         assert "has 12 bytes; at most 11 are allowed" in alarm.text
         assert alarm.details["unit"] == "bytes"
 
@@ -249,12 +249,12 @@ class TestTaskFiles:
         def broken(self, name, mode, encoding, newline):
             raise OSError(5, "Input/output error", name)
 
-        monkeypatch.setattr("elitescript.worlds.memory.MemoryFiles.open", broken)
-        (alarm,) = run(self.LOAD.format("'path.txt'"), world=MemoryWorld(POINT_FILES)).alarms
+        monkeypatch.setattr("elitescript.devices.memory.MemoryFiles.open", broken)
+        (alarm,) = run(self.LOAD.format("'path.txt'"), world=MemoryEnvironment(POINT_FILES)).alarms
         assert "the file 'path.txt' cannot be read: Input/output error" in alarm.text
 
     def test_indices_end_with_the_program(self):
-        bench = Bench(world=MemoryWorld(POINT_FILES))
+        bench = Bench(world=MemoryEnvironment(POINT_FILES))
         for _ in range(2):
             bench.start(self.LOAD.format("'path.txt'")).run()
         assert [text for text in bench.log if len(text) == 1] == ["0", "0"]

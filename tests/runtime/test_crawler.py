@@ -6,9 +6,9 @@ import os
 
 import pytest
 
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.language.hooks import HOOKS
 from elitescript.language.modules import AVAILABLE
-from elitescript.worlds.memory import MemoryWorld
 from tests.runtime.crawler import Crawl
 from tests.runtime.machine import Bench
 
@@ -85,7 +85,7 @@ end
 
 @pytest.fixture(scope="module")
 def bench():
-    bench = Bench(world=MemoryWorld({"points": b"1,2\n"})).start(COLLECTS)
+    bench = Bench(world=MemoryEnvironment({"points": b"1,2\n"})).start(COLLECTS)
     bench.run()
     assert bench.alarms == []
     assert len(bench.host.monitor()["things"]) > 120
@@ -125,7 +125,7 @@ SHARED_INTERNALS = {
 
 def test_no_class_that_programs_reach_is_shared_and_can_be_patched(bench):
     """Two programs reach the same immutable classes, and no mutable ones but those that are named above."""
-    other = Bench(world=MemoryWorld({"points": b""})).start(COLLECTS).run()
+    other = Bench(world=MemoryEnvironment({"points": b""})).start(COLLECTS).run()
     first = Crawl(bench, roots_of(bench)).classes
     second = {id(kind) for kind in Crawl(other, roots_of(other)).classes.values()}
     shared = {kind.__name__: path for path, kind in first.items() if id(kind) in second}

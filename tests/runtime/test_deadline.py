@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.runtime.deadline import Deadline
-from elitescript.runtime.scheduler import Scheduler
+from elitescript.runtime.threads.deadline import Deadline
+from elitescript.runtime.threads.scheduler import Scheduler
 from tests.runtime.machine import Bench
 
 

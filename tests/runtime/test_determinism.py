@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from elitescript.runtime import scheduler
+from elitescript.runtime.threads import scheduler
 from tests.runtime.machine import Bench
 
 ROOT = Path(__file__).resolve().parents[2]

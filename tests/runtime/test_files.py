@@ -3,15 +3,15 @@ from random import Random
 
 import pytest
 
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.errors import ScriptError
-from elitescript.runtime.files import OPEN_FILES_MAX, OpenFiles, ScriptFile, ScriptStream
-from elitescript.worlds.memory import MemoryWorld
+from elitescript.runtime.names.files import OPEN_FILES_MAX, OpenFiles, ScriptFile, ScriptStream
 from tests.runtime.machine import Bench, run
 
 
 @pytest.fixture
 def world():
-    return MemoryWorld({"points.csv": b"1,2\n3,4\n", "data.bin": bytes(range(4))})
+    return MemoryEnvironment({"points.csv": b"1,2\n3,4\n", "data.bin": bytes(range(4))})
 
 
 @pytest.fixture
@@ -55,7 +55,7 @@ class TestOpen:
 
         unraised = []
         monkeypatch.setattr("sys.unraisablehook", unraised.append)
-        monkeypatch.setattr("elitescript.worlds.memory._MemoryFile.write", full)
+        monkeypatch.setattr("elitescript.devices.memory._MemoryFile.write", full)
         file = files.open("new.txt", "w")
         file.write("x")
         del file
@@ -71,7 +71,7 @@ class TestOpen:
         def full(self, data):
             raise OSError(28, "No space left on device")
 
-        monkeypatch.setattr("elitescript.worlds.memory._MemoryFile.write", full)
+        monkeypatch.setattr("elitescript.devices.memory._MemoryFile.write", full)
         kept = [files.open(name, "w") for name in ("a", "b")]
         for file in kept:
             file.write("x")
@@ -145,7 +145,7 @@ def test_a_stream_hands_on_what_is_written():
 class TestText:
     @pytest.fixture
     def world(self):
-        return MemoryWorld({"crlf.txt": b"a\r\nb\rc\n", "broken.txt": b"a\xffb"})
+        return MemoryEnvironment({"crlf.txt": b"a\r\nb\rc\n", "broken.txt": b"a\xffb"})
 
     @pytest.mark.parametrize(
         ("errors", "text"), [("ignore", "ab"), ("replace", "a\ufffdb"), ("backslashreplace", "a\\xffb")]
@@ -211,8 +211,8 @@ class TestText:
                 made.extend([options["newline"]] if options else [])
                 init(self, buffer, *encoding, **options)
 
-        monkeypatch.setattr("elitescript.runtime.files.TextIOWrapper", Spy)
-        monkeypatch.setattr("elitescript.runtime.files._ChangedText", Spy)
+        monkeypatch.setattr("elitescript.runtime.names.files.TextIOWrapper", Spy)
+        monkeypatch.setattr("elitescript.runtime.names.files._ChangedText", Spy)
         files.open("crlf.txt" if mode == "r+" else "new.txt", mode)
         assert len(made) == 1 and made[0] in ("", "\n")
 
@@ -233,7 +233,7 @@ class TestText:
     def test_a_file_that_is_read_and_written_reads_like_python_s(self, seed):
         random = Random(seed)
         data = "".join(random.choice("a\u03a9\r\n") for _ in range(random.randrange(40))).encode()
-        file = OpenFiles(MemoryWorld({"x": data})).open("x", "r+")
+        file = OpenFiles(MemoryEnvironment({"x": data})).open("x", "r+")
         expected = TextIOWrapper(BytesIO(data), "utf-8", newline=None)
         for _ in range(12):
             name = random.choice(("read", "readline"))

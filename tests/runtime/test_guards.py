@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from elitescript.errors import ScriptPermissionError
-from elitescript.runtime.guards import (
+from elitescript.runtime.names.guards import (
     IDS_MAX,
     Identities,
     OneArgumentType,

@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from elitescript.errors import PeerError
-from elitescript.runtime.http_answers import BODY_MAX, HEAD_MAX, HttpAnswer, HttpReader
+from elitescript.runtime.connections.http_answers import BODY_MAX, HEAD_MAX, HttpAnswer, HttpReader
 
 
 def read(data: bytes, piece: int = 10**9, *, closes: bool = False) -> HttpAnswer | str | None:

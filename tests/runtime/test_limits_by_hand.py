@@ -12,19 +12,19 @@ import pytest
 from tests.tables import rows
 
 LIMITS = """
-scheduler     WORK_PER_TICK         2000    checkpoints of a thread in a tick
-scheduler     WORK_PER_ACTIVATION   20      checkpoints
-scheduler     STARTS_PER_TICK       1000    threads
-sockets       CONNECT_TICKS         500     ticks, 2 s
-sockets       CONNECTIONS_MAX       64      names
-lines         OPEN_TICKS            500     ticks, 2 s
-secondary     QUEUE_MAX             64      secondary programs
-queries       QUEUE_MAX             1000    calls
-queries       VALUE_MAX             65536   characters
-interpreter   STATEMENTS_PER_TICK   50      statements
-rpc           CALLS_MAX             32      calls at once
-files         OPEN_FILES_MAX        256     files
-strand        SCRIPT_DEPTH          1000    calls
+threads.scheduler          WORK_PER_TICK         2000    checkpoints of a thread in a tick
+threads.scheduler          WORK_PER_ACTIVATION   20      checkpoints
+threads.scheduler          STARTS_PER_TICK       1000    threads
+connections.sockets        CONNECT_TICKS         500     ticks, 2 s
+connections.sockets        CONNECTIONS_MAX       64      names
+connections.serial_lines   OPEN_TICKS            500     ticks, 2 s
+secondary                  QUEUE_MAX             64      secondary programs
+queries                    QUEUE_MAX             1000    calls
+queries                    VALUE_MAX             65536   characters
+interpreter                STATEMENTS_PER_TICK   50      statements
+connections.rpc            CALLS_MAX             32      calls at once
+names.files                OPEN_FILES_MAX        256     files
+threads.strand             SCRIPT_DEPTH          1000    calls
 """
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW, NOT_CONNECTED, CloseChannel, OpenLine, SendChannel
-from elitescript.runtime.line import close_lines
-from elitescript.worlds.memory import MemoryWorld
-from elitescript.worlds.request_channels import RequestWorld
+from elitescript.runtime.connections.serial_line import close_lines
 from tests.runtime.line_bench import TOOL, TOOL_RTU, Device, bench, program, run
 from tests.runtime.machine import Bench
 
@@ -18,7 +18,7 @@ BOX = "/dev/ttymxc0"
 
 def remote(body):
     """A program whose line is held by the test."""
-    world = RequestWorld(MemoryWorld().files)
+    world = RequestEnvironment(MemoryEnvironment().files)
     return Bench(world=world).start(program(body)), world.channels
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from elitescript.messages.events import TextMessage
-from elitescript.modbus import pdu
-from elitescript.modbus.rtu_frames import rtu_frame
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.rtu import rtu_frame
 from tests.runtime.line_bench import Slave, failure, kinds, ports, run, shown
 
 SLAVE = "slave 1 on the serial port of the tool"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened
 from elitescript.messages.outputs import SendChannel
-from elitescript.modbus import pdu
-from elitescript.modbus.rtu_frames import rtu_frame
-from elitescript.worlds.memory import MemoryWorld
-from elitescript.worlds.request_channels import RequestWorld
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.rtu import rtu_frame
 from tests.runtime.line_bench import (
     BOX,
     TOOL,
@@ -185,7 +185,7 @@ class TestSecondaryPrograms:
 
 class TestSilence:
     def remote(self, body):
-        bench = Bench(world=RequestWorld(MemoryWorld().files)).start(program(body))
+        bench = Bench(world=RequestEnvironment(MemoryEnvironment().files)).start(program(body))
         channels = bench.host._world.channels
         self.tick(bench)
         channels.take()

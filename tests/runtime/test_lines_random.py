@@ -6,8 +6,8 @@ import random
 
 import pytest
 
-from elitescript.modbus import pdu
-from elitescript.modbus.rtu_frames import RtuSplitter, rtu_frame
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.rtu import RtuSplitter, rtu_frame
 from tests.runtime.line_bench import Device, run
 
 CALLS = (

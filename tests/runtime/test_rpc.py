@@ -12,16 +12,16 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 import pytest
 
 from elitescript import VirtualRobot
+from elitescript.devices.channels.network import DeviceLink, Peer
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.errors import InvalidValueError, UsageError
-from elitescript.runtime.rpc import IDLE_MAX, server_of
-from elitescript.worlds.memory import MemoryWorld
-from elitescript.worlds.virtual.network import Link, Peer
+from elitescript.runtime.connections.rpc import IDLE_MAX, server_of
 
 
 class Answering(Peer):
     """A server in memory: each request is answered by a function of method and arguments."""
 
-    def __init__(self, link: Link, answer: Callable[[str, tuple[Any, ...]], bytes | None]) -> None:
+    def __init__(self, link: DeviceLink, answer: Callable[[str, tuple[Any, ...]], bytes | None]) -> None:
         super().__init__(link)
         self.answer = answer
         self.heard = b""
@@ -53,13 +53,13 @@ class Scene:
     """A robot with servers in memory on port 5050."""
 
     def __init__(self, answer: Callable[[str, tuple[Any, ...]], bytes | None], **options: Any) -> None:
-        self.world = MemoryWorld()
+        self.world = MemoryEnvironment()
         self.peers: list[Answering] = []
         self.world.channels.servers[5050] = self.accept
         self.answer = answer
         self.robot = VirtualRobot(world=self.world, **options)
 
-    def accept(self, link: Link) -> Answering:
+    def accept(self, link: DeviceLink) -> Answering:
         self.peers.append(Answering(link, self.answer))
         return self.peers[-1]
 
@@ -107,7 +107,7 @@ def test_a_kept_connection_that_has_gone_is_opened_anew():
 def test_bytes_that_nobody_asked_for_are_not_taken_for_the_next_answer():
     scene = Scene(lambda method, args: result(method))
 
-    def greet(link: Link) -> Answering:
+    def greet(link: DeviceLink) -> Answering:
         peer = scene.accept(link)
         link.later(0.1, lambda: link.send(result("unasked")))
         return peer

@@ -6,7 +6,7 @@ from xmlrpc import client
 
 import pytest
 
-from elitescript.runtime.rpc_texts import values_and_method
+from elitescript.runtime.connections.rpc_texts import values_and_method
 
 VALUES = (1, 2.5, True, "prüf <&>", b"\x00\xff", [1, [2]], {"a": {"b": None}})
 

@@ -2,8 +2,8 @@ from contextlib import suppress
 
 import pytest
 
-from elitescript.runtime.scheduler import WORK_PER_ACTIVATION, Scheduler
-from elitescript.runtime.strand import ENDED, Stopped
+from elitescript.runtime.threads.scheduler import WORK_PER_ACTIVATION, Scheduler
+from elitescript.runtime.threads.strand import ENDED, Stopped
 
 
 def run_tick(scheduler, tick):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.devices.channels.network import Peer, VirtualNetwork
+from elitescript.devices.memory import MemoryEnvironment
+from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
-from elitescript.runtime.sockets import CONNECTIONS_MAX
-from elitescript.worlds.memory import MemoryWorld
-from elitescript.worlds.request_channels import RequestWorld
-from elitescript.worlds.virtual.network import Peer, VirtualNetwork
+from elitescript.runtime.connections.sockets import CONNECTIONS_MAX
 from tests.runtime.machine import Bench
 
 
@@ -37,12 +37,12 @@ def run(body, server=None, *, until=25_000, steps=False):
     """Run a program against a server on port 5000; a body is given without its frame."""
     channels = VirtualNetwork({} if server is None else {5000: server})
     text = "def main():\n" + "".join(f"  {line}\n" for line in body.strip("\n").split("\n")) + "end\n"
-    return Bench(world=MemoryWorld(channels=channels), steps=steps).start(text).run(until)
+    return Bench(world=MemoryEnvironment(channels=channels), steps=steps).start(text).run(until)
 
 
 def remote(body):
     """A program whose connections are held by the test: host, requests and events by hand."""
-    world = RequestWorld(MemoryWorld().files)
+    world = RequestEnvironment(MemoryEnvironment().files)
     text = "def main():\n" + "".join(f"  {line}\n" for line in body.strip("\n").split("\n")) + "end\n"
     bench = Bench(world=world).start(text)
     return bench, world.channels
@@ -512,7 +512,7 @@ class TestSecondaryPrograms:
                 self.link.send(b"\x05\x06")
 
         channels = VirtualNetwork({5000: Server})
-        bench = Bench(world=MemoryWorld(channels=channels))
+        bench = Bench(world=MemoryEnvironment(channels=channels))
         bench.start('def main():\n  socket_open("h", 5000, "a")\n  while True:\n    sync()\n  end\nend\n').run(until=10)
         bench.secondary("""
 sec peek():
@@ -526,7 +526,7 @@ end
         class Server(Recorder):
             pass
 
-        bench = Bench(world=MemoryWorld(channels=VirtualNetwork({5000: Server})))
+        bench = Bench(world=MemoryEnvironment(channels=VirtualNetwork({5000: Server})))
         bench.secondary('sec tell():\n  socket_open("h", 5000, "x")\n  socket_send_string(1.5, "x")\nend\n').run()
         assert Server.bytes() == b"1.5"
         assert Server.log[-1][0] == "closed"

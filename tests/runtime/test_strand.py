@@ -2,8 +2,8 @@ import sys
 
 import pytest
 
-from elitescript.runtime import strand as strand_module
-from elitescript.runtime.strand import ENDED, STOP, Stopped, Strand, is_stop, is_unwinding
+from elitescript.runtime.threads import strand as strand_module
+from elitescript.runtime.threads.strand import ENDED, STOP, Stopped, Strand, is_stop, is_unwinding
 
 SCRIPT = {"__builtins__": {}}["__builtins__"]
 

@@ -1,5 +1,5 @@
-from elitescript.runtime.strand import READY, WAITING, Strand
-from elitescript.runtime.timers import Timers
+from elitescript.runtime.threads.strand import READY, WAITING, Strand
+from elitescript.runtime.threads.timers import Timers
 
 
 def waiting(name, *, is_secondary=False):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from elitescript.runtime.scheduler import Scheduler
-from elitescript.runtime.turns import Turns
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.turns import Turns
 
 
 def scene(*bodies, until=50):

@@ -1,7 +1,7 @@
 import pytest
 
 from elitescript.errors import ArgumentTypeError, ScriptPermissionError
-from elitescript.runtime.world import TASK_PATH, FilesRefused, NoWorld, relative_name
+from elitescript.runtime.environment import TASK_PATH, EmptyEnvironment, FilesRefused, relative_name
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_a_str_that_can_lie_is_refused():
 
 
 def test_a_world_of_nothing_refuses_files():
-    files = NoWorld().files
+    files = EmptyEnvironment().files
     assert isinstance(files, FilesRefused)
     for call in (
         lambda: files.open("x", "r", "utf-8", None),

@@ -367,7 +367,7 @@ def main() -> None:
     if sys.argv[1] == "free":
         names = list(HARMLESS_WHEN_FREE)
     else:
-        from elitescript.services.jail import enter_jail
+        from elitescript.services.child.jail import enter_jail
 
         layers = [list(layer) for layer in enter_jail()]
     results = {name: tried(name) for name in names}

@@ -9,7 +9,7 @@ from typing import Any
 
 from elitescript.messages.events import Event
 from elitescript.services.robot_link import InProcessLink
-from elitescript.services.station import Note, Station
+from elitescript.services.robot_server import LogLine, RobotServer
 from elitescript.services.table import NAMES
 from tests.services.fake_robot import FakeRobot
 
@@ -22,12 +22,12 @@ class Scene:
 
     def __init__(self, robot: Any = None, **options: Any) -> None:
         self.robot = robot or FakeRobot()
-        self.said: list[Event | Note] = []
+        self.said: list[Event | LogLine] = []
         self.peers: list[Peer] = []
-        self.station = Station("CS66", InProcessLink(self.robot), lambda _, what: self.said.append(what), **options)
+        self.station = RobotServer("CS66", InProcessLink(self.robot), lambda _, what: self.said.append(what), **options)
 
-    def notes(self, kind: str) -> list[Note]:
-        return [note for note in self.said if isinstance(note, Note) and note.kind == kind]
+    def notes(self, kind: str) -> list[LogLine]:
+        return [note for note in self.said if isinstance(note, LogLine) and note.kind == kind]
 
     async def connect(self, service: str) -> Peer:
         reader, writer = await asyncio.open_connection("127.0.0.1", self.station.ports[service])

@@ -13,8 +13,8 @@ import pytest
 
 from elitescript.messages.inputs import AddLog, ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
-from elitescript.services.binding import bind
-from elitescript.services.broker import CHANNELS_MAX, LOOK_UPS_MAX, Broker, reason_of
+from elitescript.services.channels.broker import CHANNELS_MAX, LOOK_UPS_MAX, Broker, reason_of
+from elitescript.services.clients.binding import bind
 from tests.services.served import run
 
 
@@ -183,7 +183,7 @@ def test_a_peer_that_ends_its_half_gets_what_was_sent_before() -> None:
 
 
 def test_a_peer_that_ends_its_half_and_does_not_read_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("elitescript.services.broker.LINGER_S", 0.01)
+    monkeypatch.setattr("elitescript.services.channels.broker.LINGER_S", 0.01)
 
     async def test() -> None:
         async with outside() as scene:
@@ -211,7 +211,7 @@ def test_connections_of_programs_are_watched() -> None:
 
 
 def test_those_that_linger_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("elitescript.services.broker.LEAVING_MAX", 1)
+    monkeypatch.setattr("elitescript.services.channels.broker.LEAVING_MAX", 1)
     sent = 16 * 1024 * 1024
 
     async def test() -> None:
@@ -219,7 +219,7 @@ def test_those_that_linger_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
             peers = []
             for channel in (1, 2):
                 peers.append(await scene.open(channel))
-                monkeypatch.setattr("elitescript.services.broker.UNSENT_MAX", sent)
+                monkeypatch.setattr("elitescript.services.channels.broker.UNSENT_MAX", sent)
                 scene.broker.carry_out([SendChannel(channel, bytes(sent)), CloseChannel(channel)])
             with pytest.raises((ConnectionResetError, asyncio.IncompleteReadError)):
                 await peers[0][0].readexactly(sent)

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from elitescript.cli.main import main
+from elitescript.devices.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.codec import from_text, to_text
@@ -22,18 +23,19 @@ from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import SetTcp, WriteSignal
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.services import child_link, frames, held_inputs
-from elitescript.services.child_link import BOOTS_MAX, ChildLink
-from elitescript.services.child_process import child_environment, processor_time_s
+from elitescript.services.child import frames
+from elitescript.services.child import link as child_link
+from elitescript.services.child import pending_inputs as held_inputs
+from elitescript.services.child.hang_watchdog import PATIENCE_TICKS
+from elitescript.services.child.jail import is_complete
+from elitescript.services.child.link import BOOTS_MAX, ChildLink
+from elitescript.services.child.process import child_environment, processor_time_s
+from elitescript.services.child.termination_events import COMPILE_HINT, HINT
+from elitescript.services.clients.input_queue import InputQueue
 from elitescript.services.config_codec import full_codec
-from elitescript.services.cycle import Cycle
-from elitescript.services.inbox import Inbox
-from elitescript.services.jail import is_complete
-from elitescript.services.journal import Journal, JournalReader
-from elitescript.services.last_words import COMPILE_HINT, HINT
-from elitescript.services.patience import PATIENCE_TICKS
-from elitescript.services.replay import Replay
-from elitescript.worlds.memory import MemoryFiles
+from elitescript.services.journal.replay import Replay
+from elitescript.services.journal.writer import Journal, JournalReader
+from elitescript.services.time.cycle import Cycle
 from tests.protocol.snapshots import description, output
 
 CODEC = full_codec()
@@ -395,7 +397,7 @@ class TestLink:
         async def body(link):
             await link.tick(())
             children[0].is_mute = True
-            box = Inbox()
+            box = InputQueue()
             box.post([RunUnit("primary#1", "program", "def p():\n  pass\nend\n") for _ in range(3)])
             for _ in range(2 * held_inputs.BUSY_TICKS):
                 await link.tick(())
@@ -653,9 +655,9 @@ class TestChild:
     def test_does_the_same_as_a_robot_in_this_process(self):
         files = {"points.txt": b"1, 2, 3"}
         inputs = {3: [RunUnit("primary#1", "program", PROGRAM)], 50: [Do("rtsi#1", WriteSignal("flag", 1, True))]}
-        from elitescript.worlds.memory import MemoryWorld
+        from elitescript.devices.memory import MemoryEnvironment
 
-        world = MemoryWorld(dict(files))
+        world = MemoryEnvironment(dict(files))
         kernel = Kernel(KernelConfig(power_on=True), world)
         expected = [kernel.tick(inputs.get(tick, ())) for tick in range(300)]
         theirs = MemoryFiles(dict(files))

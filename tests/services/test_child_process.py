@@ -18,8 +18,9 @@ from elitescript.messages.codec import to_text
 from elitescript.messages.events import Alarm
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.services import child_link, child_process
-from elitescript.services.child_link import ChildLink
+from elitescript.services.child import link as child_link
+from elitescript.services.child import process as child_process
+from elitescript.services.child.link import ChildLink
 from elitescript.services.config_codec import full_codec
 from tests.protocol.snapshots import description, output
 

@@ -7,8 +7,8 @@ import struct
 from typing import Any
 
 from elitescript.controller.modes import AT_ONCE
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.worlds.memory import MemoryWorld
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Peer, Scene, run, serving
 
@@ -46,7 +46,7 @@ end
 
 
 def robot(**changes: Any) -> Any:
-    return Kernel(KernelConfig(power_times=AT_ONCE, **changes), MemoryWorld(FILES))
+    return Kernel(KernelConfig(power_times=AT_ONCE, **changes), MemoryEnvironment(FILES))
 
 
 async def shell(scene: Scene) -> Peer:

@@ -1,7 +1,7 @@
 from array import array
 
-from elitescript.controller.contact import ContactConfig, Plane
-from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
+from elitescript.controller.force.contact import ContactConfig, Plane
+from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
 from elitescript.kernel import KernelConfig
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import MotionStarted

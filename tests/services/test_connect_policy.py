@@ -10,9 +10,9 @@ import pytest
 from elitescript.errors import UsageError
 from elitescript.messages.inputs import ChannelOpened
 from elitescript.messages.outputs import OpenChannel
-from elitescript.services import connect_policy
-from elitescript.services.broker import Broker
-from elitescript.services.connect_policy import ConnectPolicy
+from elitescript.services.channels import connect_policy
+from elitescript.services.channels.broker import Broker
+from elitescript.services.channels.connect_policy import ConnectPolicy
 
 OWN = 29999
 

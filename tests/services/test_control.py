@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from elitescript.devices.channels.faults import Fault, fault_of
 from elitescript.errors import UsageError
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged
@@ -30,10 +31,16 @@ from elitescript.messages.machine import (
     WriteSignal,
 )
 from elitescript.messages.outputs import Reply
-from elitescript.services import control
-from elitescript.services.control import Answers, ControlChannel, Ending, address_of, ask, runtime_folder
-from elitescript.services.control_verbs import VERBS, Order, Request, outcome_text
-from elitescript.worlds.virtual.faults import Fault, fault_of
+from elitescript.services.control import channel as control
+from elitescript.services.control.channel import (
+    ControlChannel,
+    Ending,
+    OutputCollector,
+    address_of,
+    ask,
+    runtime_folder,
+)
+from elitescript.services.control.verbs import VERBS, VerbAction, VerbRequest, outcome_text
 from tests.protocol.snapshots import description, output
 from tests.services.fake_robot import FakeRobot
 from tests.services.served import Scene, run, serving
@@ -186,7 +193,7 @@ def test_each_signal_of_a_set_is_asked_for_and_answered_by_itself() -> None:
 
 
 def test_the_first_refusal_of_several_answers_is_told() -> None:
-    two = Order((Do("ctl#1/1", SetSpeedScale(0.1)), Do("ctl#1/1", SetSpeedScale(0.2))), "set")
+    two = VerbAction((Do("ctl#1/1", SetSpeedScale(0.1)), Do("ctl#1/1", SetSpeedScale(0.2))), "set")
     assert two.answered("ctl#1/1")[1] == ("ctl#1/1.1", "ctl#1/1.2")
     assert outcome_text(two, ["done", "done"]) == "set"
     for answers in (["refused: first", "done"], ["done", "refused: first"], ["refused: first", "refused: second"]):
@@ -196,7 +203,7 @@ def test_the_first_refusal_of_several_answers_is_told() -> None:
 
 def test_answers_are_taken_from_ticks_that_come_in_a_row() -> None:
     async def test() -> None:
-        answers = Answers(("ctl#1/1.1", "ctl#1/1.2"))
+        answers = OutputCollector(("ctl#1/1.1", "ctl#1/1.2"))
         assert answers.take(output(1))
         assert answers.take(output(2, replies=(Reply("ctl#1/1.2", "refused: x"), Reply("rtsi#1", "done"))))
         assert not answers.finished.done()
@@ -304,11 +311,11 @@ def test_nobody_there_is_said_clearly() -> None:
         ask(address_of(7), "state", [], {})
 
 
-def disturbed(*arguments: str) -> Order:
+def disturbed(*arguments: str) -> VerbAction:
     verb = VERBS["disturb"]
     assert verb.order is not None
     last = output(0)
-    return verb.order(Request("ctl#1/1", arguments, {}, last.snapshot, description()))
+    return verb.order(VerbRequest("ctl#1/1", arguments, {}, last.snapshot, description()))
 
 
 def test_a_disturbance_is_an_input_of_the_robot() -> None:

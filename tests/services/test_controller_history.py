@@ -15,8 +15,8 @@ from elitescript.messages.events import (
     TextMessage,
     Warned,
 )
-from elitescript.services import controller_history
-from elitescript.services.controller_history import ControllerHistory
+from elitescript.services.ssh import controller_history
+from elitescript.services.ssh.controller_history import ControllerHistory
 
 
 def history() -> ControllerHistory:

@@ -11,15 +11,15 @@ from collections.abc import Callable
 
 import pytest
 
-from elitescript.services import cycle
-from elitescript.services.cycle import (
+from elitescript.services.time import cycle
+from elitescript.services.time.cycle import (
     CATCH_UP_TICKS,
     OUTLET_NS,
     PERIOD_NS,
-    Alarm,
     Cycle,
-    LoopAlarm,
-    TimerFdAlarm,
+    LoopTimer,
+    Timer,
+    TimerFdTimer,
     best_alarm,
 )
 from tests.services.served import run
@@ -217,13 +217,13 @@ def test_others_are_served_between_ticks_that_are_made_up_for(clock: Clock) -> N
     asyncio.run(test())
 
 
-ALARMS: list[Callable[[], Alarm]] = [LoopAlarm]
+ALARMS: list[Callable[[], Timer]] = [LoopTimer]
 if sys.platform == "linux":
-    ALARMS.append(TimerFdAlarm)
+    ALARMS.append(TimerFdTimer)
 
 
 @pytest.mark.parametrize("make", ALARMS)
-def test_real_alarms_do_not_ring_early(make: Callable[[], Alarm]) -> None:
+def test_real_alarms_do_not_ring_early(make: Callable[[], Timer]) -> None:
     async def test() -> None:
         alarm = make()
         try:
@@ -252,7 +252,7 @@ def test_in_a_steady_cycle_the_timer_is_set_once_and_stops_when_nobody_waits(mon
         os.write(write_end, count.to_bytes(8, sys.byteorder))
 
     async def test() -> None:
-        alarm, loop = TimerFdAlarm(), asyncio.get_running_loop()
+        alarm, loop = TimerFdTimer(), asyncio.get_running_loop()
         for due_ns in (10 * PERIOD_NS, 11 * PERIOD_NS, 13 * PERIOD_NS):
             waiter = loop.create_future()
             alarm.wake_at(due_ns, waiter)
@@ -277,7 +277,7 @@ def test_in_a_steady_cycle_the_timer_is_set_once_and_stops_when_nobody_waits(mon
 def test_linux_has_the_exact_alarm() -> None:
     async def test() -> None:
         alarm = best_alarm()
-        assert isinstance(alarm, TimerFdAlarm)
+        assert isinstance(alarm, TimerFdTimer)
         alarm.close()
 
     run(test())
@@ -290,6 +290,6 @@ def test_without_it_the_loop_will_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cycle, "_open_timer", none)
 
     async def test() -> None:
-        assert isinstance(best_alarm(), LoopAlarm)
+        assert isinstance(best_alarm(), LoopTimer)
 
     run(test())

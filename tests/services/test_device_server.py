@@ -10,8 +10,8 @@ import pytest
 
 from elitescript.errors import UsageError
 from elitescript.messages.outputs import CHANNEL_WINDOW
-from elitescript.modbus.pdu import read
-from elitescript.modbus.rtu_frames import rtu_frame
+from elitescript.modbus.frames.pdu import read
+from elitescript.modbus.frames.rtu import rtu_frame
 from elitescript.services.device_server import DeviceServer
 from elitescript.testing.world import ModbusDevice, SerialDevice, TcpServer, Wire, World, XmlRpcServer
 

@@ -6,7 +6,7 @@ import socket
 import pytest
 
 from elitescript.messages.shapes import CodecError
-from elitescript.services.frames import DOWN_MAX, BlockingLine, FrameReader, frame
+from elitescript.services.child.frames import DOWN_MAX, BlockingLine, FrameReader, frame
 
 
 class TestFrameReader:

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from elitescript.devices.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.kernel.restart import restored_config, restored_inputs
@@ -16,11 +17,10 @@ from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
-from elitescript.services import frames, output_changes
+from elitescript.services.child import frames, output_changes
+from elitescript.services.child.output_changes import OutputReader
+from elitescript.services.child.remote_files import FileDesk
 from elitescript.services.config_codec import full_codec, output_text
-from elitescript.services.output_changes import OutputReader
-from elitescript.services.remote_files import FileDesk
-from elitescript.worlds.memory import MemoryFiles
 from tests.services.test_child_link import FakeChild, children, clock, with_link  # noqa: F401
 from tests.services.test_untrusted_numbers import say_everywhere
 

@@ -8,8 +8,8 @@ from random import Random
 import pytest
 
 from elitescript.messages.inputs import AddLog, ChannelClosed, ChannelData, Query, RunUnit
-from elitescript.services import inbox
-from elitescript.services.inbox import PRICES_NS, WORK_NS, Inbox, price_ns
+from elitescript.services.clients import input_queue as inbox
+from elitescript.services.clients.input_queue import PRICES_NS, WORK_NS, InputQueue, price_ns
 
 
 def programs(origin, count):
@@ -17,7 +17,7 @@ def programs(origin, count):
 
 
 def test_what_fits_goes_in_as_it_came():
-    box = Inbox()
+    box = InputQueue()
     inputs = [AddLog("a", "1"), AddLog("a", "2"), ChannelData(1, b"x"), AddLog("b", "2"), AddLog("a", "3")]
     for part in (inputs[:2], inputs[2:3], inputs[3:4], [], inputs[4:]):
         box.post(part)
@@ -29,7 +29,10 @@ def test_what_fits_goes_in_as_it_came():
 
 def test_more_than_fits_is_spread_over_ticks_in_the_order_of_each_client():
     random = Random(7)
-    box, sent = Inbox(), {"a": programs("a", 60), "b": programs("b", 40), "c": [AddLog("c", str(n)) for n in range(90)]}
+    box, sent = (
+        InputQueue(),
+        {"a": programs("a", 60), "b": programs("b", 40), "c": [AddLog("c", str(n)) for n in range(90)]},
+    )
     left = {name: list(items) for name, items in sent.items()}
     done = {name: [] for name in sent}
     while any(left.values()) or len(box):
@@ -45,7 +48,7 @@ def test_more_than_fits_is_spread_over_ticks_in_the_order_of_each_client():
 
 
 def test_a_client_that_asks_little_is_not_behind_those_who_ask_much():
-    box = Inbox()
+    box = InputQueue()
     for one in programs("flood", 500):
         box.post([one])
     box.take()
@@ -57,7 +60,7 @@ def test_a_client_that_asks_little_is_not_behind_those_who_ask_much():
 
 
 def test_questions_of_one_client_are_of_one_client():
-    box = Inbox()
+    box = InputQueue()
     for number in range(200):
         box.post([Query(f"query#1/{number}", "1", "x")])
     assert len(box.take()) == 1, "one is as much work as a tick has"
@@ -65,7 +68,7 @@ def test_questions_of_one_client_are_of_one_client():
 
 
 def test_a_robot_that_is_away_gets_only_what_its_connections_send():
-    box = Inbox()
+    box = InputQueue()
     for item in (AddLog("a", "1"), ChannelData(1, b"x"), ChannelClosed(1)):
         box.post([item])
     assert box.take(None) == [ChannelData(1, b"x"), ChannelClosed(1)]
@@ -74,7 +77,7 @@ def test_a_robot_that_is_away_gets_only_what_its_connections_send():
 
 
 def test_a_large_program_alone_goes_in():
-    box = Inbox()
+    box = InputQueue()
     large = RunUnit("a", "program", "x" * 1_000_000)
     box.post([large])
     box.post([AddLog("a", "after")])
@@ -89,7 +92,7 @@ def test_a_large_program_alone_goes_in():
 
 def test_what_finds_no_room_is_counted_and_never_of_a_connection(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(inbox, "WAITING_MAX", 3)
-    box = Inbox()
+    box = InputQueue()
     for item in (*(AddLog("a", text) for text in "12345"), ChannelClosed(7), AddLog("b", "6")):
         box.post([item])
     assert box.refused == 3
@@ -97,7 +100,7 @@ def test_what_finds_no_room_is_counted_and_never_of_a_connection(monkeypatch: py
 
 
 def test_what_was_read_together_goes_in_together():
-    box = Inbox(work_ns=50_000)
+    box = InputQueue(work_ns=50_000)
     box.post(programs("flood", 3))
     package = [AddLog("rtsi#1", str(number)) for number in range(40)]
     box.post(package)
@@ -109,7 +112,7 @@ def test_what_was_read_together_goes_in_together():
 
 
 def test_a_robot_that_is_behind_gets_less_to_do_and_what_is_little_all_the_same():
-    box = Inbox()
+    box = InputQueue()
     box.post(programs("flood", 100))
     assert len(box.take(0.5)) < 4
     box.post([AddLog("good", "x")])
@@ -118,7 +121,7 @@ def test_a_robot_that_is_behind_gets_less_to_do_and_what_is_little_all_the_same(
 
 
 def test_an_inbox_without_a_limit_holds_nothing_back():
-    box = Inbox(work_ns=inf)
+    box = InputQueue(work_ns=inf)
     box.post(programs("a", 100))
     box.post(programs("b", 100))
     assert len(box.take()) == 200

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from elitescript.services import jail
+from elitescript.services.child import jail
 from tests.services import hostile
 
 ROOT = Path(__file__).resolve().parent.parent.parent

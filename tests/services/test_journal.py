@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from elitescript.cli.main import main
+from elitescript.devices.memory import MemoryFiles
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
 from elitescript.messages.inputs import Do, LoadTask, PlayTask, RunUnit
 from elitescript.messages.machine import WritePortCoils, WritePortRegisters, WriteSignal
 from elitescript.messages.plant import PlantConfig
-from elitescript.services.journal import DIGEST_TICKS, Journal, JournalReader
-from elitescript.services.replay import RecordedRobot, Replay
-from elitescript.worlds.memory import MemoryFiles
+from elitescript.services.journal.replay import RecordedRobot, Replay
+from elitescript.services.journal.writer import DIGEST_TICKS, Journal, JournalReader
 
 CONFIG = KernelConfig(
     power_on=True, plant=PlantConfig(noise_rad=1e-5), signals=(("flag[3]", True), ("general_register[9]", 9))

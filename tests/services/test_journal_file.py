@@ -8,8 +8,8 @@ import threading
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.services import journal_file
-from elitescript.services.journal_file import JournalFile
+from elitescript.services.journal import file as journal_file
+from elitescript.services.journal.file import JournalFile
 
 LIMIT_S = 10.0
 

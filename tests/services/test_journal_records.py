@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from elitescript.services.config_codec import full_codec
-from elitescript.services.journal_records import DIGEST_TICKS, RecordError, RecordReader, check_answer
+from elitescript.services.journal.records import DIGEST_TICKS, RecordError, RecordReader, check_answer
 
 TICK = {"tick": 3, "in": []}
 DIGEST = {"digest": 3, "hash": "", "ticks": "00000000"}

@@ -10,7 +10,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged
 from elitescript.messages.inputs import AddLog, Input, PlayTask, RunUnit
 from elitescript.messages.snapshot import Snapshot
-from elitescript.services.last_words import HINT, last_words
+from elitescript.services.child.termination_events import HINT, last_words
 from tests.protocol.snapshots import output
 
 PROGRAM = RunUnit("primary#1", "program", "def job(a=1):\n  sum(range(10**12))\nend\n")

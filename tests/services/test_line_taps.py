@@ -14,7 +14,7 @@ from elitescript.messages.outputs import (
     OpenLine,
     SendChannel,
 )
-from elitescript.services.line_taps import GRACE_TICKS, LineTaps
+from elitescript.services.ssh.line_taps import GRACE_TICKS, LineTaps
 
 OPEN = OpenLine(7, "tool", LineSettings(115200, 0, 1, 8))
 

@@ -8,7 +8,7 @@ import socket
 
 import pytest
 
-from elitescript.services import listener
+from elitescript.services.clients import listener
 from tests.services.served import run, serving
 
 

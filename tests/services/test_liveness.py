@@ -6,7 +6,7 @@ import socket
 
 import pytest
 
-from elitescript.services.liveness import PROBE_S, PROBES, SILENCE_S, UNTAKEN_S, watch_peer
+from elitescript.services.clients.liveness import PROBE_S, PROBES, SILENCE_S, UNTAKEN_S, watch_peer
 from tests.protocol import rtsi_client
 from tests.services.served import run, serving
 

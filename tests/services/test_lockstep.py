@@ -9,10 +9,10 @@ import pytest
 
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.enums import TaskState
-from elitescript.protocol.rtsi import RtsiConnection
-from elitescript.protocol.rtsi_recipes import RtsiPort
-from elitescript.services.lockstep import Lockstep
-from elitescript.services.tcp import Client
+from elitescript.protocol.rtsi.connection import RtsiConnection
+from elitescript.protocol.rtsi.recipes import RtsiPort
+from elitescript.services.clients.tcp import Client
+from elitescript.services.time.lockstep import Lockstep
 from tests.protocol import rtsi_client
 from tests.services import fake_robot
 from tests.services.served import Peer, Scene, run, serving

@@ -12,9 +12,9 @@ from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
-from elitescript.services import frames
+from elitescript.services.child import frames
+from elitescript.services.child.output_changes import OutputReader, OutputWriter
 from elitescript.services.config_codec import full_codec, output_text
-from elitescript.services.output_changes import OutputReader, OutputWriter
 from tests.protocol.snapshots import output
 
 CODEC = full_codec()

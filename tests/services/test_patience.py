@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 
 from elitescript.language.options import Options
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import compile_checked
 from elitescript.messages.profile import profile
 from elitescript.models.model import load_model
-from elitescript.services.patience import compile_s
+from elitescript.services.child.hang_watchdog import compile_s
 
 LINE = "  movel([0.4, 0.012, 0.3, 3.14, 0, 0], a=1.2, v=0.25, r=0.0)\n"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.protocol import primary
+from elitescript.protocol.primary import connection as primary
 from elitescript.services.table import INSTANCE_MAX, PORT_MAX, PORTS_PER_INSTANCE, SERVICES, port_numbers, spare_numbers
 from tests.tables import rows
 

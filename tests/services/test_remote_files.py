@@ -6,12 +6,12 @@ from random import Random
 
 import pytest
 
+from elitescript.devices.memory import MemoryFiles
+from elitescript.environment.allowance import Allowance
+from elitescript.environment.local import LocalFiles
 from elitescript.errors import ScriptPermissionError
 from elitescript.messages.shapes import CodecError
-from elitescript.services.remote_files import OPEN_MAX, PIECE_MAX, FileDesk, RemoteFiles
-from elitescript.worlds.allowance import Allowance
-from elitescript.worlds.memory import MemoryFiles
-from elitescript.worlds.real import RealFiles
+from elitescript.services.child.remote_files import OPEN_MAX, PIECE_MAX, FileDesk, RemoteFiles
 
 
 def remote(files):
@@ -26,7 +26,7 @@ def files(request, tmp_path):
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "inner.bin").write_bytes(bytes(range(256)))
     if request.param == "real":
-        return remote(RealFiles(tmp_path))
+        return remote(LocalFiles(tmp_path))
     return remote(MemoryFiles({"old.txt": b"one\ntwo\n", "folder/inner.bin": bytes(range(256))}))
 
 
@@ -120,7 +120,7 @@ class TestHandles:
             assert two.read() == b"three\n"
 
     def test_the_limit_of_the_folder_is_named(self, tmp_path):
-        files = remote(RealFiles(tmp_path, Allowance(10)))
+        files = remote(LocalFiles(tmp_path, Allowance(10)))
         file = files.open("f", "wb", None, None)
         file.write(b"x" * 11)
         with pytest.raises(OSError, match=r"limit of 10 bytes \(--task-dir-limit sets it\)") as caught:
@@ -150,11 +150,11 @@ class TestFileDesk:
         inside.mkdir()
         (tmp_path / "secret").write_text("x")
         (inside / "link").symlink_to(tmp_path / "secret")
-        desk = FileDesk(RealFiles(inside))
+        desk = FileDesk(LocalFiles(inside))
         for name in ("../secret", str(tmp_path / "secret"), "link", "a/../../secret", "/etc/passwd"):
             assert desk.answer(["open", name, "rb"])[:2] == ["error", "permission"]
         with pytest.raises(ScriptPermissionError):
-            remote(RealFiles(inside)).kind("../secret")
+            remote(LocalFiles(inside)).kind("../secret")
 
     @pytest.mark.parametrize(
         "question",
@@ -193,7 +193,7 @@ class TestFileDesk:
         ],
     )
     def test_answers_nonsense_with_an_error(self, question, tmp_path):
-        desk = FileDesk(RealFiles(tmp_path))
+        desk = FileDesk(LocalFiles(tmp_path))
         assert desk.answer(["open", "f", "w+b"]) == ["ok", 1]
         answer = desk.answer(question)
         assert answer[0] == "error" or answer == ["ok", ""]

@@ -8,7 +8,7 @@ import struct
 import pytest
 
 from elitescript.messages.inputs import Interpret, RunUnit
-from elitescript.services.tcp import Client
+from elitescript.services.clients.tcp import Client
 from tests.services.served import Scene, run, serving
 
 LINES = 4000

@@ -12,9 +12,9 @@ from elitescript.errors import UsageError
 from elitescript.messages.inputs import ChannelData, ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import OpenLine, SendChannel
-from elitescript.services import serial_bridges
-from elitescript.services.line_taps import LineTaps
-from elitescript.services.serial_bridges import SerialBridges
+from elitescript.services.ssh import serial_bridges
+from elitescript.services.ssh.line_taps import LineTaps
+from elitescript.services.ssh.serial_bridges import SerialBridges
 from tests.services.served import run
 
 

@@ -19,10 +19,10 @@ from elitescript.messages.outputs import (
     OpenLine,
     SendChannel,
 )
-from elitescript.services.broker import Broker
-from elitescript.services.serial_ports import UNSENT_MAX
+from elitescript.services.channels.broker import Broker
+from elitescript.services.channels.serial_ports import UNSENT_MAX
+from tests.environment.terminal import Terminal
 from tests.services.served import run
-from tests.worlds.terminal import Terminal
 
 pytest.importorskip("serial")
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")

@@ -11,18 +11,18 @@ from typing import Any
 
 import pytest
 
+from elitescript.devices.channels.faults import fault_text
 from elitescript.kernel import KernelConfig
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event
 from elitescript.messages.inputs import AddFault, Do, Input, RunUnit
 from elitescript.messages.machine import PauseTask, ResumeTask, StopTask
 from elitescript.messages.outputs import Output
-from elitescript.services.journal import JournalReader
-from elitescript.services.replay import Replay
+from elitescript.services.journal.replay import Replay
+from elitescript.services.journal.writer import JournalReader
+from elitescript.services.robot_server import DEVICE, LogLine, RobotServer
 from elitescript.services.robots import robot_link
-from elitescript.services.station import DEVICE, Note, Station
 from elitescript.testing.world import World
-from elitescript.worlds.virtual.faults import fault_text
 from tests.invariants.random_devices import (
     CLEANUP,
     RPC_S,
@@ -69,13 +69,13 @@ class Session:
     def __init__(self, seed: int, journal: Any) -> None:
         self.world, self.asked = script_of(seed)
         self.outputs: list[Output] = []
-        self.said: list[Event | Note] = []
+        self.said: list[Event | LogLine] = []
         asyncio.run(self._play(seed, journal))
 
     async def _play(self, seed: int, journal: Any) -> None:
         config = KernelConfig(power_on=True, seed=seed, rpc_timeout_s=RPC_S, firmware="2.14")
         link = robot_link(config, task_dir=None, in_process=True, is_jailed=False, journal=journal)
-        station = Station("CS66", link, lambda _, what: self.said.append(what), world=self.world)
+        station = RobotServer("CS66", link, lambda _, what: self.said.append(what), world=self.world)
         await station.boot()
         self.outputs.append(station.output)
         for tick in range(1, TICKS + CLEANUP_TICKS):
@@ -94,7 +94,7 @@ def test_a_session_with_faults_leaves_nothing_open_and_plays_again(seed: int, tm
     session = Session(seed, tmp_path / "first.journal")
     assert (session.left_in_kernel, session.left_in_station, session.left_in_world) == ({}, {}, 0)
     assert session.outputs[-1].snapshot.robot.task_state is TaskState.STOPPED
-    assert [what for what in session.said if isinstance(what, Note) and what.kind != DEVICE] == []
+    assert [what for what in session.said if isinstance(what, LogLine) and what.kind != DEVICE] == []
     assert [what for what in session.said if isinstance(what, Alarm)] == []
 
     again = Session(seed, tmp_path / "second.journal")

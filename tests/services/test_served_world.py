@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import pytest
 
+from elitescript.devices.channels.faults import fault_text
+from elitescript.environment.request_channels import RequestChannels
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.events import DeviceNoted, TextMessage
@@ -13,13 +15,11 @@ from elitescript.messages.inputs import AddFault, ChannelClosed, ChannelCredit, 
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, SendChannel
 from elitescript.protocol.outcomes import read_outcome
-from elitescript.services.control_verbs import VERBS, Request
-from elitescript.services.served_world import CHANNELS_MAX, UNSENT_MAX, ServedWorld
+from elitescript.services.control.verbs import VERBS, VerbRequest
+from elitescript.services.served_devices import CHANNELS_MAX, UNSENT_MAX, ServedDevices
 from elitescript.services.table import SERVICES
 from elitescript.testing.world import Device, Fault, ModbusDevice, SerialDevice, TcpClient, TcpServer, Wire, World
-from elitescript.worlds.request_channels import RequestChannels
-from elitescript.worlds.virtual.faults import fault_text
-from tests.worlds.virtual.programs import robot_in
+from tests.devices.programs import robot_in
 
 
 class Camera(TcpServer):
@@ -73,7 +73,7 @@ class Bench:
         self.kernel = Kernel(KernelConfig(power_on=True, **config))
         self.said = []
         self.others = []
-        self.world = ServedWorld(world, lambda text, is_problem: self.said.append((text, is_problem)), self.connect)
+        self.world = ServedDevices(world, lambda text, is_problem: self.said.append((text, is_problem)), self.connect)
         self.output = self.kernel.tick()
         self.world.begin(self.output)
         self.events = []
@@ -197,7 +197,7 @@ def test_a_disturbance_of_a_protocol_that_a_device_does_not_speak_is_refused():
 
     def disturbed(on):
         words = ("wrong_reply", f"on={on}", "form=exception", "code=2")
-        return disturb(Request("ctl#1/1", words, {}, bench.output.snapshot, bench.kernel.description, bench.world))
+        return disturb(VerbRequest("ctl#1/1", words, {}, bench.output.snapshot, bench.kernel.description, bench.world))
 
     with pytest.raises(UsageError, match="form: exception on 5000: Camera there speaks no MODBUS"):
         disturbed(5000)

@@ -10,10 +10,10 @@ import pytest
 from elitescript.messages.inputs import AddLog, Input
 from elitescript.messages.outputs import Output
 from elitescript.protocol.connection import Connection
-from elitescript.services import tcp
-from elitescript.services.shares import READ_MAX, READ_MIN, SHARE_NS, TICK_NS, Shares
+from elitescript.services.clients import tcp
+from elitescript.services.clients.shares import READ_BUDGET_NS, READ_MAX, READ_MIN, SHARE_NS, Shares
+from elitescript.services.clients.tcp import POSTED_MAX, Client
 from elitescript.services.table import SERVICES
-from elitescript.services.tcp import POSTED_MAX, Client
 from tests.protocol.snapshots import description, output
 
 QUERY = next(row for row in SERVICES if row.name == "query")
@@ -142,10 +142,10 @@ def test_floods_take_no_more_than_their_time(hub, flooders, ns_per_byte):
             one.wire.waiting = 1_000_000
         hub.tick()
     # What the first bytes of a client cost is not known before, and is paid later.
-    once_ns = max(SHARE_NS, READ_MIN * ns_per_byte, TICK_NS)
-    assert hub.spent[0] <= TICK_NS + SHARE_NS + 1000 * ns_per_byte + flooders * READ_MIN * ns_per_byte
-    assert sum(hub.spent) <= 400 * TICK_NS + once_ns
-    assert max(hub.spent[1:]) <= TICK_NS + once_ns
+    once_ns = max(SHARE_NS, READ_MIN * ns_per_byte, READ_BUDGET_NS)
+    assert hub.spent[0] <= READ_BUDGET_NS + SHARE_NS + 1000 * ns_per_byte + flooders * READ_MIN * ns_per_byte
+    assert sum(hub.spent) <= 400 * READ_BUDGET_NS + once_ns
+    assert max(hub.spent[1:]) <= READ_BUDGET_NS + once_ns
 
 
 def test_floods_share_alike(hub):
@@ -202,7 +202,7 @@ def test_work_that_is_done_later_is_paid_for_too(hub):
         one.connection.is_working = True
     idle.wire.waiting = 10
     hub.tick()
-    assert hub.shares.spent_ns > TICK_NS
+    assert hub.shares.spent_ns > READ_BUDGET_NS
     assert idle.connection.read == 10, "who waits for nothing is read when it sends"
 
 
@@ -243,7 +243,7 @@ def test_robots_of_one_process_share_its_time(hub):
         for one in floods:
             one.wire.waiting = 1_000_000
         hub.tick()
-    assert 0.9 * TICK_NS / 3 <= sum(hub.spent[100:]) / 200 <= 1.1 * TICK_NS / 3
+    assert 0.9 * READ_BUDGET_NS / 3 <= sum(hub.spent[100:]) / 200 <= 1.1 * READ_BUDGET_NS / 3
 
 
 def test_debts_are_not_for_ever():
@@ -259,5 +259,5 @@ def test_as_many_bytes_are_read_as_a_share_pays_for():
     assert shares.size_for(0.0) == READ_MAX
     assert shares.size_for(SHARE_NS / 1000) == 1000
     assert shares.size_for(1e9) == READ_MIN
-    shares.charge(TICK_NS + 1)
+    shares.charge(READ_BUDGET_NS + 1)
     assert shares.size_for(0.0) == READ_MIN

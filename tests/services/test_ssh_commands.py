@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.services.ssh_commands import FindBridge, Kill, Refuse, Say, StartBridge, read_command
+from elitescript.services.ssh.commands import FindBridge, Kill, Refuse, Say, StartBridge, read_command
 
 SOCAT = (
     "bash -lc 'socat tcp-l:{port},reuseaddr,fork,nodelay file:{device},nonblock,raw,waitlock=/var/run/{lock} "

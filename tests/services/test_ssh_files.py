@@ -6,8 +6,8 @@ import errno
 
 import pytest
 
-from elitescript.services import ssh_files
-from elitescript.services.ssh_files import RobotFiles, Status, absolute
+from elitescript.services.ssh import files as ssh_files
+from elitescript.services.ssh.files import RobotFiles, Status, absolute
 
 LOG = "/opt/elite/data/log/log_history.csv"
 

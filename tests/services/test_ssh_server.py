@@ -15,15 +15,15 @@ import pytest
 from elitescript.messages.inputs import ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import OpenLine
-from elitescript.services.binding import bind
-from elitescript.services.line_taps import LineTaps
-from elitescript.services.serial_bridges import SerialBridges
-from elitescript.services.ssh_files import RobotFiles
+from elitescript.services.clients.binding import bind
+from elitescript.services.ssh.files import RobotFiles
+from elitescript.services.ssh.line_taps import LineTaps
+from elitescript.services.ssh.serial_bridges import SerialBridges
 from tests.services.served import run
 from tests.services.test_serial_bridges import free_port
 
 asyncssh = pytest.importorskip("asyncssh")
-ssh_server = import_module("elitescript.services.ssh_server")
+ssh_server = import_module("elitescript.services.ssh.server")
 
 LOG = "/opt/elite/data/log/log_history.csv"
 ROW = b"time,text\n"
@@ -281,7 +281,7 @@ class TestFiles:
         run(scene())
 
     def test_more_than_there_is_room_for_is_refused(self, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-        monkeypatch.setattr("elitescript.services.ssh_files.BYTES_MAX", 1000)
+        monkeypatch.setattr("elitescript.services.ssh.files.BYTES_MAX", 1000)
 
         async def scene() -> None:
             async with hosted() as host, host.connect() as client:

@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
+from elitescript.environment.state_file import StateFile
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.services import state_keeper
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.worlds.state_file import StateFile
 from tests.protocol import modbus_client
 from tests.protocol.snapshots import signal_image
 from tests.services.served import run, serving

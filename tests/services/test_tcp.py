@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from elitescript.messages.outputs import Output
-from elitescript.protocol.rtsi import RtsiConnection
-from elitescript.services import listener, tcp
+from elitescript.protocol.rtsi.connection import RtsiConnection
+from elitescript.services.clients import listener, tcp
 from tests.protocol import rtsi_client
 from tests.services.served import Peer, Scene, run, serving
 

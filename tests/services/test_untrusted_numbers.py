@@ -14,7 +14,7 @@ from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import Alarm, Event, Popup, TextMessage, Warned
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
-from elitescript.protocol.rtsi_variables import OUTPUTS
+from elitescript.protocol.rtsi.variables import OUTPUTS
 from elitescript.services.config_codec import full_codec, output_text
 from elitescript.services.table import SERVICES
 

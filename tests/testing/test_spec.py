@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.testing.spec import Outcome, differences, parse_page
+from elitescript.testing.spec import CaseOutcome, differences, parse_page
 
 PAGE = """\
 # Title
@@ -51,8 +51,8 @@ def expectation(expect: str):
     return parse_page(page(expect))[0].expectations[0]
 
 
-def outcome(**changes) -> Outcome:
-    made = Outcome(state=changes.pop("state", "finished"))
+def outcome(**changes) -> CaseOutcome:
+    made = CaseOutcome(state=changes.pop("state", "finished"))
     for name, value in changes.items():
         if name in made.lists:
             made.lists[name] = value

@@ -30,8 +30,8 @@ def entry(
 REPORT = {
     "files": {
         "src/elitescript/robot.py": entry(2, [1, 2], [], 0),
-        "src/elitescript/motion/path.py": entry(6, [1, 2, 8], [4, 5, 7], 4, [[2, 4], [2, 8], [8, -1]]),
-        "src/elitescript/motion/zones.py": entry(4, [1, 2, 3, 4], [], 2),
+        "src/elitescript/motion/paths/cartesian.py": entry(6, [1, 2, 8], [4, 5, 7], 4, [[2, 4], [2, 8], [8, -1]]),
+        "src/elitescript/motion/paths/zones.py": entry(4, [1, 2, 3, 4], [], 2),
     }
 }
 
@@ -55,7 +55,7 @@ def test_the_table_begins_with_the_worst_and_ends_with_the_whole() -> None:
 
 
 def test_places_are_named_and_branches_of_lines_that_never_ran_are_not_named_twice() -> None:
-    assert list(uncovered(packages(REPORT))) == ["", "motion", "  motion/path.py: 4-7, 2->8, 8->exit"]
+    assert list(uncovered(packages(REPORT))) == ["", "motion", "  motion/paths/cartesian.py: 4-7, 2->8, 8->exit"]
 
 
 @pytest.mark.parametrize(
@@ -73,4 +73,4 @@ def test_lines_that_cannot_run_do_not_end_a_range(lines: list[int], ran: set[int
 
 def test_a_file_beside_the_packages_has_a_row_with_its_like() -> None:
     assert package_of("src/elitescript/errors.py") == "."
-    assert package_of("src/elitescript/worlds/virtual/faults.py") == "worlds"
+    assert package_of("src/elitescript/devices/channels/faults.py") == "devices"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from elitescript.commands.plausibility import ArmFacts
+from elitescript.commands.definition.plausibility import ArmFacts
+from elitescript.devices.world_file import load_cell
 from elitescript.kinematics.arm import Arm
 from elitescript.models.model import load_model
-from elitescript.worlds.cell import load_cell
 
 
 class _Limited(NamedTuple):
@@ -19,7 +19,7 @@ class _Limited(NamedTuple):
 
 
 def arm_facts(robot: str | None, world: str | None) -> ArmFacts | None:
-    """The arm of that name, with the joint ranges that the safety configuration of a world file leaves.
+    """Return the arm of that name, with the joint ranges that the safety configuration of a world file leaves.
 
     Args:
         robot: name of the arm; None for any.

@@ -9,17 +9,17 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from elitescript.cli.check_formats import FORMATS, Checked
-from elitescript.cli.screen import progress_on
-from elitescript.commands.plausibility import ArmFacts
+from elitescript.cli.output.check_formats import FORMATS, CheckedFile
+from elitescript.cli.output.screen import progress_on
+from elitescript.commands.definition.plausibility import ArmFacts
+from elitescript.environment.program_file import SUFFIX, neighbours
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import diagnostic
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.paths import why_no_file
 from elitescript.messages.profile import Profile, profile
-from elitescript.worlds.program_file import SUFFIX, neighbours
 
 FOUND_ERRORS: Final = 3
 """Exit code when a program has an error."""
@@ -105,7 +105,7 @@ def _explain(code: str) -> int:
 
 
 def _texts(names: Iterable[str]) -> Iterator[_Text]:
-    """The texts that the command line names, each once; folders with everything in them, by name."""
+    """Yield the texts that the command line names, each once; folders with everything in them, by name."""
     seen: set[str] = set()
     for name in names:
         if name == STANDARD_INPUT:
@@ -124,7 +124,7 @@ def _texts(names: Iterable[str]) -> Iterator[_Text]:
 
 
 def _programs(folder: Path) -> Iterator[Path]:
-    """The programs of a folder and of those in it; hidden folders are left out."""
+    """Yield the programs of a folder and of those in it; hidden folders are left out."""
     for home, folders, files in os.walk(folder, onerror=_refuse):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for name in sorted(files):
@@ -154,11 +154,11 @@ def _read(path: Path, seen: set[str], *, is_named: bool) -> Iterator[_Text]:
 # ---------------------------------------------------------------- one text
 
 
-def _check(text: _Text, firmware: Profile, options: argparse.Namespace, arm: ArmFacts | None) -> Checked:
+def _check(text: _Text, firmware: Profile, options: argparse.Namespace, arm: ArmFacts | None) -> CheckedFile:
     if text.data is None:
         near = neighbours(text.path) if text.is_named and text.path is not None else ""
         problem = diagnostic("E003", 1, 1, text.why_not, hint=near)
-        return Checked(text.name, SourceFile(text.name, ""), (problem,))
+        return CheckedFile(text.name, SourceFile(text.name, ""), (problem,))
     try:
         written = text.data.decode("utf-8")
         source = SourceFile.from_bytes(text.name, text.data)
@@ -174,15 +174,15 @@ def _check(text: _Text, firmware: Profile, options: argparse.Namespace, arm: Arm
         elif fixed != written:
             _rewrite(text.path, fixed.encode("utf-8"))
         source = SourceFile(text.name, fixed)
-    return Checked(text.name, source, check_source(source, firmware, strict=options.strict, arm=arm), repairs)
+    return CheckedFile(text.name, source, check_source(source, firmware, strict=options.strict, arm=arm), repairs)
 
 
-def _damaged(name: str, data: bytes) -> Checked:
-    """A file that is no text."""
+def _damaged(name: str, data: bytes) -> CheckedFile:
+    """Return a file that is no text."""
     try:
         SourceFile.from_bytes(name, data)
     except ProgramError as error:
-        return Checked(name, SourceFile(name, data.decode("utf-8", "replace")), error.problems)
+        return CheckedFile(name, SourceFile(name, data.decode("utf-8", "replace")), error.problems)
     raise AssertionError(name)
 
 

@@ -7,7 +7,7 @@ import json
 from difflib import get_close_matches
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.page import describe, index, matches, record, row_of
+from elitescript.commands.definition.page import describe, index, matches, record, row_of
 from elitescript.errors import UsageError
 
 

@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from elitescript.cli import jsonlines
-from elitescript.cli.remedies import with_verbs
+from elitescript.cli.output import jsonlines
+from elitescript.cli.output.remedies import with_verbs
 from elitescript.cli.settings import parse_settings
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.services.control import PLAY, address_of, ask
-from elitescript.services.control_verbs import VERBS
+from elitescript.services.control.channel import PLAY, address_of, ask
+from elitescript.services.control.verbs import VERBS
 
 REFUSED = 1
 """Exit code when the robot refuses."""
@@ -51,7 +51,7 @@ def ctl(options: argparse.Namespace) -> int:
 
 
 def shown(answer: dict[str, Any]) -> list[str]:
-    """Lines for people."""
+    """Return lines for people."""
     if "result" not in answer:
         return [str(answer.get("text", "done"))]
     result: dict[str, Any] = answer["result"]
@@ -66,7 +66,7 @@ def shown(answer: dict[str, Any]) -> list[str]:
 
 
 def help_text() -> str:
-    """All verbs."""
+    """Return all verbs."""
     width = max(len(verb.usage) for verb in VERBS.values())
     lines = []
     for verb in VERBS.values():

@@ -9,12 +9,12 @@ import sys
 import time
 from typing import Final
 
-from elitescript.cli import jsonlines
+from elitescript.cli.output import jsonlines
+from elitescript.devices.surroundings import VIRTUAL
+from elitescript.devices.world_file import load_cell
+from elitescript.environment.line_bindings import parse_bindings
 from elitescript.errors import UsageError
 from elitescript.services.device_server import DeviceServer
-from elitescript.worlds.cell import load_cell
-from elitescript.worlds.line_bindings import parse_bindings
-from elitescript.worlds.surroundings import VIRTUAL
 
 PORT_MAX: Final = 65_535
 

@@ -12,13 +12,13 @@ from importlib.util import find_spec
 from typing import Any
 
 from elitescript import __version__
-from elitescript.cli import jsonlines
+from elitescript.cli.output import jsonlines
 from elitescript.cli.ssh_login import has_extra
-from elitescript.services.connect_policy import OPTION, ConnectPolicy
-from elitescript.services.cycle import Cycle
-from elitescript.services.jail import is_complete
+from elitescript.services.channels.connect_policy import OPTION, ConnectPolicy
+from elitescript.services.child.jail import is_complete
 from elitescript.services.robots import probe_jail
 from elitescript.services.table import SSH, port_numbers, spare_numbers
+from elitescript.services.time.cycle import Cycle
 
 _CYCLES = 50
 

@@ -7,13 +7,14 @@ import sys
 from pathlib import Path
 from typing import Final
 
-from elitescript.cli.report import TextReport
+from elitescript.cli.output.report import TextRunReport
+from elitescript.cli.output.screen import palette_of, progress_on, rendered
 from elitescript.cli.run import DOES_NOT_COMPILE, EXIT_CODES
-from elitescript.cli.screen import palette_of, progress_on, rendered
 from elitescript.cli.settings import parse_joints, parse_settings
 from elitescript.cli.watched import watch_for_crashes
+from elitescript.environment.program_file import source_of
 from elitescript.errors import ProgramError, UsageError
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.profile import DEFAULT_FIRMWARE
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
@@ -22,7 +23,6 @@ from elitescript.plotting.page import Recording, page
 from elitescript.plotting.sampling import Sampling
 from elitescript.plotting.trace_reader import SUFFIXES, read_trace
 from elitescript.robot import VirtualRobot
-from elitescript.worlds.program_file import source_of
 
 UNTIL_S: Final = 300.0
 """Robot time after which a program that goes on is cut off, if nothing else is asked for."""
@@ -74,7 +74,7 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     if not until_s >= 0.0:
         raise UsageError(f"--until must be >= 0 s, got {until_s:g}")
     signals, presets = parse_settings(options.set)
-    report = TextReport(sys.stderr, sys.stderr)
+    report = TextRunReport(sys.stderr, sys.stderr)
     robot = VirtualRobot(
         options.robot,
         firmware=options.firmware or DEFAULT_FIRMWARE,

@@ -9,17 +9,17 @@ import sys
 from pathlib import Path
 
 from elitescript import __version__
-from elitescript.cli import jsonlines
-from elitescript.cli.report import JsonReport, TextReport, parse_logs
-from elitescript.cli.screen import palette_of, progress_on
-from elitescript.cli.trace_file import TraceFile
-from elitescript.controller.trace import TraceRow
-from elitescript.controller.trace_signals import NO_SIGNALS, TraceSignals
+from elitescript.cli.output import jsonlines
+from elitescript.cli.output.report import JsonRunReport, TextRunReport, parse_logs
+from elitescript.cli.output.screen import palette_of, progress_on
+from elitescript.cli.output.trace_file import TraceFile
+from elitescript.controller.views.trace import TraceRow
+from elitescript.controller.views.trace_signals import NO_SIGNALS, TraceSignals
 from elitescript.errors import UsageError
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import seconds, ticks_for
-from elitescript.services.journal import JournalReader
-from elitescript.services.replay import Replay
+from elitescript.services.journal.replay import Replay
+from elitescript.services.journal.writer import JournalReader
 
 DIFFERS = 1
 """Exit code if the session came out otherwise."""
@@ -32,7 +32,7 @@ def replay(options: argparse.Namespace) -> int:
     reader = JournalReader(Path(options.file))
     session = Replay(reader, None if options.until is None else ticks_for(options.until))
     logs = parse_logs(options.log)
-    report = JsonReport(sys.stdout) if options.json else TextReport(sys.stdout, sys.stderr, logs)
+    report = JsonRunReport(sys.stdout) if options.json else TextRunReport(sys.stdout, sys.stderr, logs)
     for hint in _hints(reader):
         print(f"note: {hint}", file=sys.stderr)
 
@@ -59,7 +59,7 @@ def replay(options: argparse.Namespace) -> int:
 
 
 def _hints(reader: JournalReader) -> list[str]:
-    """What may keep this process from doing the same as the one that wrote the journal."""
+    """Return what may keep this process from doing the same as the one that wrote the journal."""
     theirs = {
         "elitescript": (reader.header.get("version"), __version__),
         "Python": (reader.header.get("python"), platform.python_version()),

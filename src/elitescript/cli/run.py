@@ -11,20 +11,20 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Final
 
-from elitescript.cli.report import JsonReport, Report, TextReport, parse_logs
-from elitescript.cli.screen import CALLS, Progress, progress_on
+from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunReport, parse_logs
+from elitescript.cli.output.screen import CALLS, Progress, progress_on
+from elitescript.cli.output.trace_file import TraceFile
 from elitescript.cli.settings import check_presets, parse_epoch, parse_joints, parse_settings, parse_size
-from elitescript.cli.trace_file import TraceFile
 from elitescript.cli.watched import limit_memory, watch_for_crashes
-from elitescript.controller.trace import Trace, step_ticks
-from elitescript.controller.trace_signals import TraceSignals
+from elitescript.controller.views.trace import Trace, step_ticks
+from elitescript.controller.views.trace_signals import TraceSignals
+from elitescript.environment.program_file import source_of
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.language.options import Options
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import DeviceNoted
 from elitescript.robot import VirtualRobot
 from elitescript.wiring import EPOCH_S
-from elitescript.worlds.program_file import source_of
 
 EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "stuck": 5}
 DOES_NOT_COMPILE: Final = 3
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
         limit_memory(parse_size(options.memory_limit, "--memory-limit"))
     path = Path(options.file)
     logs = parse_logs(options.log)
-    report: Report = JsonReport(sys.stdout) if options.json else TextReport(sys.stdout, sys.stderr, logs)
+    report: RunReport = JsonRunReport(sys.stdout) if options.json else TextRunReport(sys.stdout, sys.stderr, logs)
     levels, presets = parse_settings(options.set)
     robot = VirtualRobot(
         options.robot,
@@ -121,13 +121,13 @@ def run(options: argparse.Namespace) -> int:
 def _lines(bindings: list[str]) -> dict[str, str] | None:
     if not bindings:
         return None
-    from elitescript.worlds.line_bindings import parse_bindings
+    from elitescript.environment.line_bindings import parse_bindings
 
     return parse_bindings(bindings)
 
 
 def _pacer() -> Any:
-    from elitescript.services.pacing import Pacer
+    from elitescript.services.time.pacing import Pacer
 
     return Pacer()
 
@@ -137,7 +137,7 @@ class _Watch:
 
     __slots__ = ("_calls", "_end_s", "_next_hint_s", "_progress", "_report", "_start_s")
 
-    def __init__(self, report: Report, max_wall_s: float | None, progress: Progress | None) -> None:
+    def __init__(self, report: RunReport, max_wall_s: float | None, progress: Progress | None) -> None:
         self._report = report
         self._progress = progress
         self._calls = CALLS

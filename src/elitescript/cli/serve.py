@@ -14,34 +14,34 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.cli import jsonlines
 from elitescript.cli.last_resort import last_resort
-from elitescript.cli.remedies import served
-from elitescript.cli.report import JsonReport, Report, TextReport, parse_logs
+from elitescript.cli.output import jsonlines
+from elitescript.cli.output.remedies import served
+from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunReport, parse_logs
+from elitescript.cli.output.terminal import PatientStream, TaggedStream
+from elitescript.cli.output.writable import Writable
 from elitescript.cli.settings import parse_joints, parse_settings, parse_size
 from elitescript.cli.ssh_login import Login, ssh_login
-from elitescript.cli.terminal import PatientStream, TaggedStream
-from elitescript.cli.writable import Writable
+from elitescript.environment.line_bindings import parse_bindings
+from elitescript.environment.state_file import StateFile
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
-from elitescript.services.connect_policy import NONE, ConnectPolicy
-from elitescript.services.jail import is_complete
-from elitescript.services.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
+from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
+from elitescript.services.child.jail import is_complete
 from elitescript.services.robot_link import RobotLink
+from elitescript.services.robot_server import DEVICE, LogLine, RobotServer
 from elitescript.services.robots import numbered_path, probe_jail, robot_link
-from elitescript.services.server import Server, is_loopback
+from elitescript.services.server import ServeSession, is_loopback
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.station import DEVICE, Note, Station
 from elitescript.services.table import NAMES, SERVICES, SSH, port_numbers, services_of, spare_numbers
-from elitescript.worlds.line_bindings import parse_bindings
-from elitescript.worlds.state_file import StateFile
+from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 
 if TYPE_CHECKING:
-    from elitescript.worlds.virtual.world import World
+    from elitescript.devices.world import World
 
 ROBOTS_MAX: Final = 32
 _TASK_WORDS: Final = {TaskState.PLAYING: "started", TaskState.PAUSED: "paused", TaskState.STOPPED: "stopped"}
@@ -83,7 +83,7 @@ def _run(
     err = PatientStream(sys.stderr)
     try:
         names = [config.robot_id for config in configs]
-        log = Log(out, err, names, is_json=options.json, logs=parse_logs(options.log))
+        log = ServeLog(out, err, names, is_json=options.json, logs=parse_logs(options.log))
         with contextlib.ExitStack() as held:
             keepers = _keepers(options.state, len(configs), held)
             configs = list(map(_remembering, configs, keepers))
@@ -102,7 +102,7 @@ async def _serve(
     numbers: list[dict[str, int]],
     spares: list[dict[str, int]],
     login: Login | None,
-    log: Log,
+    log: ServeLog,
     on_signals: Callable[[asyncio.Event], None],
 ) -> None:
     lines = line_bindings(options.serial, len(configs))
@@ -110,7 +110,7 @@ async def _serve(
     stop = asyncio.Event()
     on_signals(stop)
     stations = [
-        Station(
+        RobotServer(
             config.robot_id,
             make_link(options, config, index),
             log.take,
@@ -124,7 +124,7 @@ async def _serve(
         )
         for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
     ]
-    server = Server(stations, options.host, numbers, options.instance, spares)
+    server = ServeSession(stations, options.host, numbers, options.instance, spares)
     await server.open()
     try:
         log.ready(options.host, server, configs, policy.text, login)
@@ -135,7 +135,7 @@ async def _serve(
 
 
 def make_link(options: argparse.Namespace, config: KernelConfig, index: int) -> RobotLink:
-    """The way to a robot."""
+    """Return the way to a robot."""
     return robot_link(
         config,
         task_dir=None if options.task_dir is None else Path(options.task_dir),
@@ -147,7 +147,7 @@ def make_link(options: argparse.Namespace, config: KernelConfig, index: int) -> 
 
 
 def _keepers(path: str | None, count: int, held: contextlib.ExitStack) -> list[StateKeeper | None]:
-    """What remembers for each robot; `held` lets the files go in the end.
+    """Return what remembers for each robot; `held` lets the files go in the end.
 
     Raises:
         UsageError: somebody else uses a file.
@@ -162,19 +162,19 @@ def _keepers(path: str | None, count: int, held: contextlib.ExitStack) -> list[S
 
 
 def _remembering(config: KernelConfig, keeper: StateKeeper | None) -> KernelConfig:
-    """A robot that begins with what is kept; what the command line sets counts more."""
+    """Return a robot that begins with what is kept; what the command line sets counts more."""
     if keeper is None:
         return config
     return replace(config, signals=tuple({**keeper.load(), **dict(config.signals)}.items()))
 
 
 def is_in_process(options: argparse.Namespace) -> bool:
-    """Whether the robots are in this process: asked for, needed for lockstep, or the only way on this system."""
+    """Return whether the robots are in this process: asked for, needed for lockstep, or the only way on this system."""
     return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
 
 
 def _lockstep_timeout_s(options: argparse.Namespace) -> float:
-    """How long robot time waits for a client in lockstep, s.
+    """Return how long robot time waits for a client in lockstep, s.
 
     Raises:
         UsageError: the time makes no sense, or there is no lockstep.
@@ -205,16 +205,16 @@ def _check_world_place(options: argparse.Namespace) -> None:
 
 
 def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list[World | None]]:
-    """The robots that the options ask for, and what is beside each.
+    """Return the robots that the options ask for, and what is beside each.
 
     Raises:
         UsageError: an option that makes no sense.
     """
+    from elitescript.devices.channels.faults import fault_text
+    from elitescript.devices.surroundings import REAL
+    from elitescript.devices.world_file import WorldFile, load_cell
     from elitescript.models.datafile import read_text
     from elitescript.models.model import is_model_file, load_model, parse_model
-    from elitescript.worlds.cell import Cell, load_cell
-    from elitescript.worlds.surroundings import REAL
-    from elitescript.worlds.virtual.faults import fault_text
 
     if not 1 <= options.robots <= ROBOTS_MAX:
         raise UsageError(f"--robots must be from 1 to {ROBOTS_MAX}, got {options.robots}")
@@ -233,7 +233,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list
         # The process of the robot cannot read files of this computer: it gets the text of the model file.
         text = read_text(Path(model)) if is_model_file(model) else ""
         name = parse_model(Path(model).name, text).name if text else load_model(model).name
-        cell = Cell() if options.world is None else load_cell(options.world, network=REAL)
+        cell = WorldFile() if options.world is None else load_cell(options.world, network=REAL)
         worlds.append(cell.world)
         configs.append(
             KernelConfig(
@@ -260,7 +260,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list
 
 
 def line_bindings(texts: list[str], robots: int) -> dict[str, str]:
-    """What is on the robot's serial ports.
+    """Return what is on the robot's serial ports.
 
     Raises:
         UsageError: a binding that makes no sense, or several robots that would share a port.
@@ -271,7 +271,7 @@ def line_bindings(texts: list[str], robots: int) -> dict[str, str]:
 
 
 def chosen_ports(texts: list[str], names: tuple[str, ...] = NAMES) -> dict[str, int]:
-    """Ports by name from `NAME=NUMBER`; `all` means those of `names`.
+    """Return ports by name from `NAME=NUMBER`; `all` means those of `names`.
 
     Raises:
         UsageError: not of this form.
@@ -325,7 +325,7 @@ def _check_host(options: argparse.Namespace) -> None:
 
 
 def _why_not_jailed(options: argparse.Namespace) -> str:
-    """Why programs are not locked in; empty if they are."""
+    """Return why programs are not locked in; empty if they are."""
     if is_in_process(options):
         return "the robots are in this process"
     if options.no_jail:
@@ -336,7 +336,7 @@ def _why_not_jailed(options: argparse.Namespace) -> str:
     return "; ".join(f"{layer.name}: {layer.detail}" for layer in layers if not layer.is_active)
 
 
-def _ports_text(station: Station) -> str:
+def _ports_text(station: RobotServer) -> str:
     ports = ", ".join(f"{name} {number}" for name, number in station.ports.items())
     release = station.link.description.firmware[:2]
     absent = [row.name for row in SERVICES if row.name not in station.ports]
@@ -363,13 +363,13 @@ def _threadsafe(stop: asyncio.Event) -> Callable[[], None]:
 
 
 def told_to_programs(count: int) -> str:
-    """The line in the place of lines that were left out."""
+    """Return the line in the place of lines that were left out."""
     text = f"{count} lines are missing here: they came faster than they could be printed"
     record = {"type": "serve", "what": "missing", "level": "problem", "text": text, "count": count}
     return jsonlines.line(record) + "\n"
 
 
-class Log:
+class ServeLog:
     """What a `serve` prints.
 
     Args:
@@ -387,20 +387,20 @@ class Log:
         self._err = err
         self._is_json = is_json
         self._are_several = len(names) > 1
-        self._held: list[tuple[Station, Event | Note]] | None = []
+        self._held: list[tuple[RobotServer, Event | LogLine]] | None = []
         """What has happened before all ports were open."""
-        self._reports: dict[str, Report] = {}
+        self._reports: dict[str, RunReport] = {}
         self._task_states: dict[str, TaskState] = {}
         for name in names:
             if is_json:
                 tag = f'{{"robot":{jsonlines.line({"": name})[4:-1]},' if self._are_several else "{"
-                self._reports[name] = JsonReport(TaggedStream(out, "{", tag))
+                self._reports[name] = JsonRunReport(TaggedStream(out, "{", tag))
             else:
                 tag = f"{name}: " if self._are_several else ""
-                self._reports[name] = TextReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
+                self._reports[name] = TextRunReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
 
     def ready(
-        self, host: str, server: Server, configs: list[KernelConfig], reach: str, login: Login | None = None
+        self, host: str, server: ServeSession, configs: list[KernelConfig], reach: str, login: Login | None = None
     ) -> None:
         """Every port is open; say so with what programs reach, and then what has happened before."""
         self._say_ready(host, server, configs, reach, login)
@@ -409,7 +409,7 @@ class Log:
             self.take(station, what)
 
     def _say_ready(
-        self, host: str, server: Server, configs: list[KernelConfig], reach: str, login: Login | None
+        self, host: str, server: ServeSession, configs: list[KernelConfig], reach: str, login: Login | None
     ) -> None:
         if self._is_json:
             robots: list[dict[str, Any]] = [
@@ -440,13 +440,13 @@ class Log:
         self._err.flush()
         self._out.flush()
 
-    def take(self, station: Station, what: Event | Note) -> None:
+    def take(self, station: RobotServer, what: Event | LogLine) -> None:
         """Print an event of a robot, or a note about a client."""
         if self._held is not None:
             self._held.append((station, what))
         elif isinstance(what, TaskLoaded | TaskStateChanged):
             self._task(station, what)
-        elif not isinstance(what, Note):
+        elif not isinstance(what, LogLine):
             self._reports[station.name].event(served(what))
             self._out.flush()
             self._err.flush()
@@ -461,7 +461,7 @@ class Log:
             stream.write(f"{tag}{seconds(station.output.tick):10.3f} s  {what.text}\n")
             stream.flush()
 
-    def _task(self, station: Station, event: TaskLoaded | TaskStateChanged) -> None:
+    def _task(self, station: RobotServer, event: TaskLoaded | TaskStateChanged) -> None:
         """Print what became of the task: loaded, started, paused, resumed, finished, stopped, ended by an alarm."""
         what = "loaded"
         if isinstance(event, TaskStateChanged):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from elitescript.environment.allowance import OPTION, TASK_DIR_BYTES, shown_size
 from elitescript.messages.timing import RPC_TIMEOUT_S
-from elitescript.worlds.allowance import OPTION, TASK_DIR_BYTES, shown_size
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

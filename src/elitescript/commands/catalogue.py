@@ -17,8 +17,7 @@ from elitescript.commands import (  # noqa: F401  (importing a family registers 
     messages,
     micro_line,
     modbus_port,
-    modbus_rtu_cabinet,
-    modbus_rtu_tool,
+    modbus_rtu,
     modbus_tcp,
     motion,
     observed,
@@ -40,6 +39,6 @@ from elitescript.commands import (  # noqa: F401  (importing a family registers 
     threads,
     tool_io,
 )
-from elitescript.commands.registry import REGISTRY, Catalogue
+from elitescript.commands.definition.registry import REGISTRY, Catalogue
 
 CATALOGUE: Final[Catalogue] = REGISTRY

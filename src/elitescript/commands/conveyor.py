@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Final
 
-from elitescript.commands.quantities import Bool, Choice, Integer, Number, Pose, Real, Vector, shown
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Bool, Choice, Integer, Number, Pose, Real, Vector, shown
+from elitescript.commands.definition.registry import command
 from elitescript.errors import ArgumentRangeError
 from elitescript.messages.enums import PulseDecoder
 from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount
 from elitescript.messages.motion import Six, StopTracking, TrackCircular, TrackLinear
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _EncoderIndex = Annotated[int, Choice(0, 1)]
 _Ticks = Annotated[float, Number("ticks")]

@@ -5,14 +5,14 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Bool, Integer, Number, Pose, Vector
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Bool, Integer, Number, Pose, Vector
+from elitescript.commands.definition.registry import command
 from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
 from elitescript.messages.motion import Six
 from elitescript.messages.yielding import EndForceMode, ForceMode
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _Wrench = Annotated[Six, Vector(Number(), 6, "N, Nm", "[Fx, Fy, Fz, Mx, My, Mz]")]
 
@@ -102,7 +102,7 @@ def zero_ftsensor(robot: Robot) -> None:
 
 @command(family="force", since="2.14", manual="2.14: 4.5")
 def force(robot: Robot) -> Annotated[float, Number("N")]:
-    """Size of the external force at the TCP.
+    """Return the size of the external force at the TCP.
 
     Returns:
         Euclidean norm of the first three elements of `get_tcp_force(True)`.

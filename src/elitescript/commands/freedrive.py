@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any
 
-from elitescript.commands.quantities import POSE, Choice, Either, Vector
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import POSE, Choice, Either, Vector
+from elitescript.commands.definition.registry import command
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.yielding import EndFreedrive, Freedrive
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 
 @command(family="motion", since="2.14", manual="2.14: 3.1.41", works_in_sec=False)

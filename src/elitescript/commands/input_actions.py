@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Final
 
-from elitescript.commands.quantities import Choice, signal_index
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Choice, signal_index
+from elitescript.commands.definition.registry import command
 from elitescript.messages.machine import ResetInputActions, SetInputAction
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _FREEDRIVE: Final = "freedrive"
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from elitescript.commands.quantities import Any_, Bool
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Any_, Bool
+from elitescript.commands.definition.registry import command
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 
 @command(family="message", manual="6.2.1")

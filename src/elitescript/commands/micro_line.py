@@ -10,15 +10,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Final
 
-from elitescript.commands.quantities import Choice, Integer, Number, Pose, Str, Vector, Whole
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Choice, Integer, Number, Pose, Str, Vector, Whole
+from elitescript.commands.definition.registry import command
 from elitescript.errors import ArgumentRangeError, InvalidValueError, MotionError
 from elitescript.kinematics.inverse import nearest, reason_unreachable, solutions
 from elitescript.kinematics.transforms import compose, inverse, pose_from_transform, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveML, Six
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 INDICES_MAX: Final = 10_000
 """Loads of one program (*assumed*)."""
@@ -112,7 +112,7 @@ def micro_line_set_pcs(robot: Robot, micro_line_index: Whole, part_coordinate_sy
 def get_micro_line_values_by_index(
     robot: Robot, micro_line_index: Whole, pos_type: Annotated[int, Choice(0, 1)], line_index: Whole
 ) -> Annotated[Six, Vector(Number(), 6)]:
-    """One point of a loaded file, as `moveml` would reach it.
+    """Return one point of a loaded file, as `moveml` would reach it.
 
     Poses are those of the active TCP in the base frame, with the part frame worked in (*assumed*). Joint positions of
     a pose are the nearest to where the arm is (*assumed*).

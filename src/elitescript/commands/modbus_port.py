@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Bool, Integer, Whole
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Bool, Integer, Whole
+from elitescript.commands.definition.registry import command
 from elitescript.errors import MirroredAddressError
 from elitescript.messages.machine import WritePortCoils, WritePortRegisters
 from elitescript.messages.signals import WORD_MAX
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _SHORT_LOW = -(2**15)
 
@@ -25,7 +25,7 @@ _Register = Annotated[int, Integer(0, 511)]
 
 @command(family="modbus", manual="4.1.9")
 def read_port_bit(robot: Robot, address: _Coil) -> Bool:
-    """A coil of the controller's own MODBUS server.
+    """Return a coil of the controller's own MODBUS server.
 
     Args:
         address: number of the coil.
@@ -38,7 +38,7 @@ def read_port_bit(robot: Robot, address: _Coil) -> Bool:
 
 @command(family="modbus", manual="4.1.10")
 def read_port_register(robot: Robot, address: _Register, is_signed: Bool = False) -> Whole:
-    """A register of the controller's own MODBUS server.
+    """Return a register of the controller's own MODBUS server.
 
     Args:
         address: number of the register.

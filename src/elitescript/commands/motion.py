@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from elitescript.commands.quantities import (
+from elitescript.commands.definition.quantities import (
     BlendRadius,
     JointAcceleration,
     JointDeceleration,
@@ -21,11 +21,11 @@ from elitescript.commands.quantities import (
     ToolSpeed,
     Whole,
 )
-from elitescript.commands.registry import command
+from elitescript.commands.definition.registry import command
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, StopJ, StopL
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 
 def blend_radius(robot: Robot, r: float) -> float:
@@ -37,7 +37,7 @@ def blend_radius(robot: Robot, r: float) -> float:
 
 
 def negative_radius_text(r: float) -> str:
-    """What is said about a blend radius below 0, before and during the run."""
+    """Return what is said about a blend radius below 0, before and during the run."""
     return f"r = {r:g} m is taken for 0: the arm stops at the waypoint"
 
 

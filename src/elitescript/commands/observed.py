@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.motion import blend_radius
-from elitescript.commands.quantities import (
+from elitescript.commands.definition.quantities import (
     Any_,
     Anything,
     BlendRadius,
@@ -20,14 +19,15 @@ from elitescript.commands.quantities import (
     Vector,
     Whole,
 )
-from elitescript.commands.registry import command
+from elitescript.commands.definition.registry import command
+from elitescript.commands.motion import blend_radius
 from elitescript.errors import InvalidValueError
 from elitescript.kinematics.pose import frame_from_points
 from elitescript.messages.machine import SetClientSensor, SetOption
 from elitescript.messages.motion import MoveP
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _Vector3 = Annotated[tuple[float, float, float], Vector(Number(), 3, "m")]
 _PointOrPose = Annotated[tuple[float, ...], Vector(Number(), None, "m")]
@@ -98,7 +98,7 @@ def movep(robot: Robot, pose: Pose, a: ToolAcceleration = 1.2, v: ToolSpeed = 0.
 
 @command(family="observed", evidence="observed", spellings={"x_vec": "x_axis", "y_vec": "y_axis"})
 def cal_rpy_frame(origin: _PointOrPose, x_axis: _PointOrPose, y_axis: _PointOrPose) -> Pose:
-    """Frame through three points, as generated welding programs call it.
+    """Return the frame through three points, as generated welding programs call it.
 
     Args:
         origin: position or pose of the origin in the base frame; of a pose only the position counts, here and below.
@@ -138,7 +138,7 @@ def pin_thread(robot: Robot, thread_id: Whole = 0, core: Whole = 0) -> None:
 
 @command(family="observed", evidence="observed")
 def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")]:
-    """Devices of the serial ports that are enabled.
+    """Return devices of the serial ports that are enabled.
 
     A post-processor knows the name; what it returns is *assumed*.
 
@@ -150,7 +150,7 @@ def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")
 
 @command(family="observed", evidence="observed")
 def get_target_tcp_pose_along_path(robot: Robot) -> Pose:
-    """Commanded pose of the TCP without the path offset; `get_target_tcp_pose` is the one with it.
+    """Return commanded pose of the TCP without the path offset; `get_target_tcp_pose` is the one with it.
 
     Returns:
         [x, y, z, Rx, Ry, Rz] in the base frame.

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Integer, Number, Pose
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Integer, Number, Pose
+from elitescript.commands.definition.registry import command
 from elitescript.messages.path_offset import (
     EnablePathOffset,
     FilterPathOffset,
@@ -19,7 +19,7 @@ from elitescript.messages.path_offset import (
 )
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _Frame = Annotated[int, Integer(1, 3)]
 
@@ -63,7 +63,7 @@ def path_offset_set(robot: Robot, offset: Pose, type: _Frame) -> None:
 
 @command(family="observed", evidence="observed")
 def path_offset_get(robot: Robot, type: _Frame) -> Pose:
-    """Offset that the arm has at present, whatever it is on its way to.
+    """Return the offset that the arm has at present, whatever it is on its way to.
 
     Args:
         type: axes along which it is given: 1 base, 2 TCP, 3 motion, see `path_offset_set`.

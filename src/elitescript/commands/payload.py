@@ -5,13 +5,13 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING, Annotated, Final
 
-from elitescript.commands.quantities import Number, TcpOffset, Vector
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Number, TcpOffset, Vector
+from elitescript.commands.definition.registry import command
 from elitescript.messages.machine import SetGravity, SetPayload, SetTcp
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 GRAVITY_RANGE: Final = (9.6, 10.0)
 """What `set_gravity` is given on earth, m/s^2; anything else is carried out, with a warning."""
@@ -35,7 +35,7 @@ def set_tcp(robot: Robot, pose: TcpOffset) -> None:
 
 @command(family="motion", manual="2.1.33")
 def get_tcp_offset(robot: Robot) -> TcpOffset:
-    """The active TCP.
+    """Return the active TCP.
 
     Returns:
         Transform from the flange to the TCP, [x, y, z, Rx, Ry, Rz].
@@ -77,7 +77,7 @@ def set_payload(
 
 @command(family="motion", manual="2.1.17")
 def get_target_payload_cog(robot: Robot) -> CentreOfGravity:
-    """Centre of gravity of the payload that is set.
+    """Return the centre of gravity of the payload that is set.
 
     Returns:
         [CoGx, CoGy, CoGz] in the flange frame.
@@ -87,7 +87,7 @@ def get_target_payload_cog(robot: Robot) -> CentreOfGravity:
 
 @command(family="motion", manual="2.1.18")
 def get_target_payload_mass(robot: Robot) -> Annotated[float, Number("kg")]:
-    """Mass of the payload that is set.
+    """Return the mass of the payload that is set.
 
     Returns:
         The mass.

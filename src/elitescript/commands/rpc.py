@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any
 
-from elitescript.commands.quantities import Anything, Choice, Str
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Anything, Choice, Str
+from elitescript.commands.definition.registry import command
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 
 @command(family="rpc", manual="5.2.1")

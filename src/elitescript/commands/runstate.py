@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Integer, signal_index
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Integer, signal_index
+from elitescript.commands.definition.registry import command
 from elitescript.messages.enums import RunstateChoice
 from elitescript.messages.machine import SetRunstateChoice
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _Choice = Annotated[int, Integer(0, 3)]
 

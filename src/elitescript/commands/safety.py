@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import POSE, Bool, Choice, OptionalJoints, Optionally, Vector
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import POSE, Bool, Choice, OptionalJoints, Optionally, Vector
+from elitescript.commands.definition.registry import command
 from elitescript.errors import ArgumentCountError
 from elitescript.kinematics.inverse import nearest, solutions
 from elitescript.kinematics.transforms import compose, inverse, transform_from_pose
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 
 @command(family="motion", since="2.14", manual="2.14: 3.1.35")
@@ -23,7 +23,7 @@ def is_within_safety_limits(
     ciPair: Annotated[tuple[int, ...] | None, Optionally(Vector(Choice(0, 1), 4))] = None,
     q: OptionalJoints = None,
 ) -> Bool:
-    """Whether a pose or joint positions respect joint limits, safety planes and tool limits and can be reached.
+    """Return whether a pose or joint positions respect joint limits, safety planes and tool limits and can be reached.
 
     The limits of the present mode count: in reduced mode the reduced ones. A plane without a pair of inputs is always
     tested; that a pair switches its planes on while both of its inputs are high is *assumed*.

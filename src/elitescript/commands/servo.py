@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Final
 
-from elitescript.commands.quantities import JointPositions, Number, Optionally
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import JointPositions, Number, Optionally
+from elitescript.commands.definition.registry import command
 from elitescript.messages.motion import ServoJ
 from elitescript.messages.timing import PERIOD_S
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 LOOKAHEAD_S: Final = (0.03, 0.2)
 GAIN: Final = (100.0, 2000.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import (
+from elitescript.commands.definition.quantities import (
     JointDeceleration,
     JointSpeeds,
     Number,
@@ -12,11 +12,11 @@ from elitescript.commands.quantities import (
     TcpSpeed,
     ToolDeceleration,
 )
-from elitescript.commands.registry import command
+from elitescript.commands.definition.registry import command
 from elitescript.messages.motion import SpeedJ, SpeedL
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _TurnAcceleration = Annotated[
     float | None, Optionally(Number("rad/s^2", 0.0, is_low_open=True, meaning="joint acceleration"), "a")

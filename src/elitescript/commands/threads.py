@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any
 
-from elitescript.commands.quantities import Bool, Quantity, Whole
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Bool, Quantity, Whole
+from elitescript.commands.definition.registry import command
 from elitescript.errors import ScriptError
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 
 class _Function(Quantity):

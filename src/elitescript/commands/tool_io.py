@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.quantities import Bool, Choice, Integer, signal_index
-from elitescript.commands.registry import command
+from elitescript.commands.definition.quantities import Bool, Choice, Integer, signal_index
+from elitescript.commands.definition.registry import command
 from elitescript.messages.enums import ToolPinMode
 from elitescript.messages.machine import SetToolAnalogMode, SetToolPin, WriteSignal
 
 if TYPE_CHECKING:
-    from elitescript.commands.context import Robot
+    from elitescript.commands.definition.context import Robot
 
 _PinIndex = Annotated[int, signal_index("tool_digital_out")]
 
@@ -31,7 +31,7 @@ def set_tool_digital(robot: Robot, n: _PinIndex, b: Bool) -> None:
 
 @command(family="io", manual="3.17")
 def get_tool_digital(robot: Robot, n: _PinIndex) -> Bool:
-    """Level of a tool pin, input or output.
+    """Return the level of a tool pin, input or output.
 
     Args:
         n: index of the pin.

@@ -9,26 +9,26 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final
 
-from elitescript.controller.arm_state import ArmState, Correction
-from elitescript.controller.contact import ContactConfig
-from elitescript.controller.conveyor import Tracking
+from elitescript.controller.arm.joint_encoders import JointEncoders
+from elitescript.controller.arm.joint_loads import JointLoads
+from elitescript.controller.arm.model_limits import motion_limits
+from elitescript.controller.arm.plant import LaggingJoints
+from elitescript.controller.arm.state import ArmState, Correction
+from elitescript.controller.force.compliance_control import ComplianceControl
+from elitescript.controller.force.contact import ContactConfig
+from elitescript.controller.force.yielding_correction import Caller
 from elitescript.controller.handlers import HANDLERS, guide_by_input
-from elitescript.controller.inbox import Inbox
-from elitescript.controller.io import SignalImage
-from elitescript.controller.joint_encoders import JointEncoders
-from elitescript.controller.joint_loads import JointLoads
-from elitescript.controller.model_limits import motion_limits
 from elitescript.controller.modes import AT_ONCE, Power, PowerTimes
-from elitescript.controller.motion_control import MotionControl
-from elitescript.controller.path_offset import PathOffset
-from elitescript.controller.plant import LaggingJoints
-from elitescript.controller.safety_control import SafetyControl
-from elitescript.controller.safety_limits import SafetyLimits
-from elitescript.controller.setup import Setup
-from elitescript.controller.snapshot import PlaceFinder, build_state
+from elitescript.controller.motion.control import MotionControl
+from elitescript.controller.motion.conveyor_tracking import Tracking
+from elitescript.controller.motion.path_offset import PathOffset
+from elitescript.controller.request_queue import RequestQueue
+from elitescript.controller.safety.control import SafetyControl
+from elitescript.controller.safety.limits import SafetyLimits
+from elitescript.controller.signals.image import SignalImage
 from elitescript.controller.tasks import NoProgram, ProgramPort, Task
-from elitescript.controller.yield_control import YieldControl
-from elitescript.controller.yielding import Caller
+from elitescript.controller.tool_setup import Setup
+from elitescript.controller.views.robot_state import CartesianStateFinder, build_state
 from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
@@ -44,7 +44,7 @@ from elitescript.messages.timing import seconds
 from elitescript.messages.yielding import EndForceMode, EndFreedrive, YieldRequest
 from elitescript.models.model import RobotModel
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.speed import SpeedProfile
+from elitescript.motion.streaming.speed import SpeedProfile
 
 PROGRAM: Final = "program"
 """`SignalChanged.by` of what the program does, and of what is not asked for from outside."""
@@ -57,7 +57,7 @@ STOPS: Final = (StopJ, StopL, StopTracking, EndForceMode, EndFreedrive)
 
 
 class Controller:
-    """One robot: arm, signals, power, task. Implements `commands.context.Machine`.
+    """One robot: arm, signals, power, task. Implements `commands.definition.context.Machine`.
 
     Args:
         model: the arm.
@@ -118,13 +118,13 @@ class Controller:
         self._by = PROGRAM
         self._model = model
         self.arm: Arm = model.arm
-        self._places = PlaceFinder(model.arm)
+        self._places = CartesianStateFinder(model.arm)
         self.joint_ranges: tuple[tuple[float, float], ...] = model.joint_ranges
         self._epoch_s = epoch_s
         self._on_event = on_event
         self._tick = 0
         self.program: ProgramPort = NoProgram()
-        self._inbox = Inbox()
+        self._inbox = RequestQueue()
         self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
         self.power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)), mode, power_times)
@@ -142,7 +142,7 @@ class Controller:
         self.motion.set_speed_scale(speed_scale, 0)
         self.tracking = Tracking(model, limits, self.motion.take_over, on_event)
         self.setup = Setup(model)
-        self.yielding = YieldControl(model, self.setup, self.signals, contact, on_event, self._motion_ended)
+        self.yielding = ComplianceControl(model, self.setup, self.signals, contact, on_event, self._motion_ended)
         joints = LaggingJoints(plant, limits.qd_max) if plant.lag_s > 0.0 else None
         self.path_offset = PathOffset(
             model.arm, limits, model.stop_joint_deceleration, self.setup, self._unshifted, self._halt, on_event
@@ -253,16 +253,16 @@ class Controller:
 
     @property
     def joint_temperatures(self) -> Six:
-        """degC; see `controller.warmth`."""
+        """degC; see `controller.arm.thermal_model`."""
         return self.loads.temperatures(self._tick)[0]
 
     @property
     def controller_temperature(self) -> float:
-        """degC; see `controller.warmth`."""
+        """degC; see `controller.arm.thermal_model`."""
         return self.loads.temperatures(self._tick)[1]
 
     def is_within_safety_limits(self, q: Six, pairs: Sequence[bool] | None = None) -> bool:
-        """See `commands.context.Machine.is_within_safety_limits`."""
+        """See `commands.definition.context.Machine.is_within_safety_limits`."""
         return self.safety.is_within(q, pairs)
 
     @property
@@ -321,11 +321,11 @@ class Controller:
         return pose_from_transform(self.arm.forward_tcp(q, self.setup.T_flange_tcp))
 
     def path_offset_along(self, frame: OffsetFrame) -> Six:
-        """See `commands.context.Machine.path_offset_along`."""
+        """See `commands.definition.context.Machine.path_offset_along`."""
         return self.path_offset.offset(frame)
 
     def tcp_pose_along_path(self) -> Six:
-        """See `commands.context.Machine.tcp_pose_along_path`."""
+        """See `commands.definition.context.Machine.tcp_pose_along_path`."""
         joints = self.joints()
         return self.tcp_pose(self.path_offset.without(Setpoint(joints.q_target, joints.qd_target)).q)
 
@@ -357,18 +357,18 @@ class Controller:
         return self.signals.read(name, index)
 
     def port_register(self, address: int, version: tuple[int, ...]) -> int:
-        """See `commands.context.Machine.port_register`."""
+        """See `commands.definition.context.Machine.port_register`."""
         return self.port_registers(address, 1, version)[0]
 
     def port_registers(self, first: int, count: int, version: tuple[int, ...]) -> list[int]:
         """Registers of the controller's own Modbus server, upwards from an address."""
-        from elitescript.controller.port_access import port_image
+        from elitescript.controller.signals.modbus_access import port_image
 
         return port_image(self, version).registers(first, count)
 
     def port_coil(self, address: int) -> bool:
-        """See `commands.context.Machine.port_coil`."""
-        from elitescript.controller.port_access import port_image
+        """See `commands.definition.context.Machine.port_coil`."""
+        from elitescript.controller.signals.modbus_access import port_image
 
         return port_image(self, ()).coils(address, 1)[0]
 
@@ -395,7 +395,7 @@ class Controller:
     # ---------------------------------------------------------------- requests
 
     def request_motion(self, request: MotionRequest | TrackRequest | YieldRequest, line: int, thread: str) -> int:
-        """See `commands.context.Machine.request_motion`."""
+        """See `commands.definition.context.Machine.request_motion`."""
         if not (isinstance(request, STOPS) and self.arm_state.is_resting):
             self.power.require_ready()
             self.safety.require("move")
@@ -411,7 +411,7 @@ class Controller:
         return self.motion.request(request, self._tick, T_flange_tcp, line, thread)
 
     def request_path_offset(self, request: PathOffsetRequest, line: int, thread: str) -> None:
-        """See `commands.context.Machine.request_path_offset`."""
+        """See `commands.definition.context.Machine.request_path_offset`."""
         self.power.require_ready()
         self.safety.require("move")
         if self.yielding.is_guiding:
@@ -538,7 +538,7 @@ class Controller:
         """Let an input read something else than what is applied to it; see `input_faults`."""
         if self.signals.faults is None:
             # Few robots have such faults; the others need not pay for the import.
-            from elitescript.controller.input_faults import InputFaults
+            from elitescript.controller.signals.input_faults import InputFaults
 
             self.signals.faults = InputFaults(lambda: self._tick, self.signals.highest, self._show_input)
         self.signals.faults.add(request, self.signals.physical(request.name, request.index))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.controller.encoders import ENCODER_HANDLERS
-from elitescript.controller.io import SIGNAL_SETTINGS
+from elitescript.controller.force.compliance_control import YIELD_SETTINGS
 from elitescript.controller.modes import WHY_NOT_READY
-from elitescript.controller.setup import SETUP_HANDLERS
+from elitescript.controller.motion.conveyor_encoders import ENCODER_HANDLERS
+from elitescript.controller.signals.image import SIGNAL_SETTINGS
 from elitescript.controller.task_requests import TASK_HANDLERS
-from elitescript.controller.yield_control import YIELD_SETTINGS
+from elitescript.controller.tool_setup import SETUP_HANDLERS
 from elitescript.messages.machine import (
     AskSafety,
     DisturbInput,
@@ -70,7 +70,7 @@ def _set_force(controller: Controller, request: Any) -> None:
 
 def _write_port(controller: Controller, request: WritePortCoils | WritePortRegisters) -> None:
     # Few programs do; the others need not pay for the import.
-    from elitescript.controller.port_access import write_coils, write_registers
+    from elitescript.controller.signals.modbus_access import write_coils, write_registers
 
     if isinstance(request, WritePortCoils):
         write_coils(controller, request)

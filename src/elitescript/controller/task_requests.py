@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, Final, Protocol
 
 from elitescript.controller.modes import Power
-from elitescript.controller.safety_control import SafetyControl
+from elitescript.controller.safety.control import SafetyControl
 from elitescript.controller.tasks import ProgramPort, Task
 from elitescript.errors import ScriptStateError
 from elitescript.messages.enums import RobotMode
@@ -21,7 +21,7 @@ from elitescript.messages.machine import (
 )
 
 
-class TaskPort(Protocol):
+class TaskControl(Protocol):
     """What these requests change."""
 
     power: Power
@@ -37,47 +37,47 @@ class TaskPort(Protocol):
         """Stop the arm and switch its power off at standstill."""
 
 
-def _pause(port: TaskPort, _request: PauseTask) -> None:
+def _pause(port: TaskControl, _request: PauseTask) -> None:
     if port.safety.take_pause():
         return
     port.task.apply("pause")
     port.program.pause()
 
 
-def _resume(port: TaskPort, _request: ResumeTask) -> None:
+def _resume(port: TaskControl, _request: ResumeTask) -> None:
     port.safety.require("resume_task")
     port.task.apply("resume")
     port.program.resume()
 
 
-def _stop(port: TaskPort, _request: StopTask) -> None:
+def _stop(port: TaskControl, _request: StopTask) -> None:
     if not port.task.is_running:
         raise ScriptStateError("cannot stop: no task is running")
     port.program.stop("stopped")
 
 
-def _go_up(port: TaskPort, goal: RobotMode) -> None:
+def _go_up(port: TaskControl, goal: RobotMode) -> None:
     port.safety.require("power_on")
     if port.power.is_going_off:
         raise ScriptStateError("cannot power on: the arm is being switched off", hint="ask again when it is off")
     port.power.go_up(goal, port.tick)
 
 
-def _power_on(port: TaskPort, _request: PowerOn) -> None:
+def _power_on(port: TaskControl, _request: PowerOn) -> None:
     _go_up(port, RobotMode.IDLE)
 
 
-def _release_brakes(port: TaskPort, _request: ReleaseBrakes) -> None:
+def _release_brakes(port: TaskControl, _request: ReleaseBrakes) -> None:
     _go_up(port, RobotMode.RUNNING)
 
 
-def _power_off(port: TaskPort, _request: PowerOff | PowerDown) -> None:
+def _power_off(port: TaskControl, _request: PowerOff | PowerDown) -> None:
     if port.task.is_running:
         port.program.stop("power off")
     port.switch_off()
 
 
-TASK_HANDLERS: Final[dict[type, Callable[[TaskPort, Any], None]]] = {
+TASK_HANDLERS: Final[dict[type, Callable[[TaskControl, Any], None]]] = {
     PauseTask: _pause,
     ResumeTask: _resume,
     StopTask: _stop,

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 from zlib import crc32
 
-from elitescript.controller.contact import ContactConfig
+from elitescript.controller.force.contact import ContactConfig
 from elitescript.controller.modes import REALISTIC, PowerTimes
-from elitescript.controller.safety_limits import OPERATIONAL_MODES, SafetyLimits
+from elitescript.controller.safety.limits import OPERATIONAL_MODES, SafetyLimits
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, Profile
@@ -16,7 +16,7 @@ from elitescript.messages.signals import Value
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import RPC_TIMEOUT_S
 from elitescript.models.model import RobotModel, load_model, parse_model
-from elitescript.runtime.scheduler import WORK_PER_TICK
+from elitescript.runtime.threads.scheduler import WORK_PER_TICK
 from elitescript.wiring import EPOCH_S
 
 DEFAULT_CONFIGURATION: Final = "default.configuration"
@@ -56,7 +56,7 @@ class KernelConfig:
     signals: tuple[tuple[str, Value], ...] = ()
     """Levels at the start, by the names of `--set`."""
     faults: tuple[str, ...] = ()
-    """What goes wrong on channels, as `worlds.virtual.faults.fault_text` writes it."""
+    """What goes wrong on channels, as `devices.channels.faults.fault_text` writes it."""
     work_per_tick: int = WORK_PER_TICK
     rpc_timeout_s: float = RPC_TIMEOUT_S
     """How long a remote procedure call waits for its answer; 0 and less wait for ever."""

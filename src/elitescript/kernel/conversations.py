@@ -114,18 +114,18 @@ class Conversations:
             self._tell(item.origin, state_of(numbers[item.word], item.word))
 
     def accepted(self, origin: str, number: int, text: str) -> None:
-        """See `runtime.interpreter.Answers`."""
+        """See `runtime.interpreter.StatementListener`."""
         self._tell(origin, acknowledged(number, text))
 
     def discarded(self, origin: str, reason: str, text: str, trace: str = "") -> None:
-        """See `runtime.interpreter.Answers`."""
+        """See `runtime.interpreter.StatementListener`."""
         if reason == interpreter.COMPILE_ERROR:
             self._tell(origin, not_compiled(trace, text))
         else:
             self._tell(origin, discarded(REASONS[reason], text))
 
     def executed(self, number: int, step: str, text: str) -> None:
-        """See `runtime.interpreter.Answers`."""
+        """See `runtime.interpreter.StatementListener`."""
         if self._logs is not None:
             self._logs.execution.add(f"{step}: {number}: {text}")
 

@@ -13,10 +13,10 @@ from __future__ import annotations
 from errno import EINVAL
 from typing import Final, NamedTuple
 
-from elitescript.language.units import MAX_UNIT_BYTES
+from elitescript.language.text.units import MAX_UNIT_BYTES
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.runtime.world import Channels, Files
+from elitescript.runtime.environment import Channels, Files
 
 WORD: Final = "external_control"
 PORT: Final = 50002

@@ -10,7 +10,7 @@ from typing import Final
 
 from elitescript.errors import ScriptError
 from elitescript.messages.timing import TICKS_PER_S, seconds
-from elitescript.runtime.world import Files
+from elitescript.runtime.environment import Files
 
 RECEIVED_NAME: Final = "interpreter_received.log"
 EXECUTION_NAME: Final = "interpreter_executed.log"
@@ -24,7 +24,7 @@ PENDING_MAX: Final = 1 << 16
 """Characters that wait to be written; more are written at the end of their tick."""
 
 
-class Log:
+class LogFile:
     """One of them.
 
     Args:
@@ -92,9 +92,9 @@ class InterpreterLogs:
     __slots__ = ("_failures", "execution", "received")
 
     def __init__(self, files: Files) -> None:
-        self.received = Log(files, RECEIVED_NAME)
-        self.execution = Log(files, EXECUTION_NAME)
-        self._failures: dict[Log, str] = {}
+        self.received = LogFile(files, RECEIVED_NAME)
+        self.execution = LogFile(files, EXECUTION_NAME)
+        self._failures: dict[LogFile, str] = {}
 
     def begin_tick(self, tick: int) -> None:
         """A tick begins."""

@@ -9,10 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-from elitescript.controller.picture import Pictures
 from elitescript.controller.refusals import refusal_text
-from elitescript.controller.signal_view import Signals
-from elitescript.controller.warning_limit import WarningLimit
+from elitescript.controller.signals.by_name import Signals
+from elitescript.controller.views.snapshots import SnapshotBuilder
+from elitescript.controller.views.warning_limit import WarningLimit
+from elitescript.devices.channels.faults import Fault, fault_of, input_request, is_of_input
+from elitescript.devices.channels.faulty_channels import FaultyChannels
+from elitescript.environment.request_channels import FaultyEnvironment, RequestEnvironment
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.answers import shown_after
 from elitescript.kernel.causes import cause_of
@@ -55,12 +58,9 @@ from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.protocol.outcomes import done, refused
-from elitescript.runtime.line import close_lines
-from elitescript.runtime.world import FilesRefused, World
-from elitescript.wiring import Fittings, assemble
-from elitescript.worlds.request_channels import FaultyWorld, RequestWorld
-from elitescript.worlds.virtual.faults import Fault, fault_of, input_request, is_of_input
-from elitescript.worlds.virtual.faulty_channels import FaultyChannels
+from elitescript.runtime.connections.serial_line import close_lines
+from elitescript.runtime.environment import FilesRefused, ProgramEnvironment
+from elitescript.wiring import RobotOptions, assemble
 
 
 class Kernel:
@@ -99,13 +99,13 @@ class Kernel:
         "overruns",
     )
 
-    def __init__(self, config: KernelConfig, world: World | None = None) -> None:
+    def __init__(self, config: KernelConfig, world: ProgramEnvironment | None = None) -> None:
         model, firmware = configured_model(config), profile(config.firmware)
-        requests = RequestWorld(FilesRefused() if world is None else world.files)
+        requests = RequestEnvironment(FilesRefused() if world is None else world.files)
         faults = [fault_of(text) for text in config.faults]
         of_channels = [fault for fault in faults if not is_of_input(fault)]
         self._faulty = FaultyChannels(requests.channels, of_channels, seed=config.seed, say=self._note_fault)
-        outside = FaultyWorld(requests.files, self._faulty)
+        outside = FaultyEnvironment(requests.files, self._faulty)
         self.description = describe(config, model, firmware)
         self.overruns = 0
         self._events: list[Event] = []
@@ -115,7 +115,7 @@ class Kernel:
         self._is_popup_blocking = False
         self._is_remote = config.remote
         self._channels = requests.channels
-        fittings = Fittings(
+        fittings = RobotOptions(
             epoch_s=config.epoch_s,
             seed=config.seed,
             joints=config.joints,
@@ -132,7 +132,7 @@ class Kernel:
         self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=outside)
         self._logs = None if world is None else InterpreterLogs(world.files)
         self._conversations = Conversations(self._host, self._reply, self._logs)
-        self._pictures = Pictures(self._controller)
+        self._pictures = SnapshotBuilder(self._controller)
         self._programs = Programs(self._controller, self._host, firmware, model, is_strict=config.strict)
         self._tasks = Tasks(
             self._controller, self._host, self._programs, outside.files, outside.channels, config.configuration

@@ -10,8 +10,8 @@ from importlib import import_module
 from typing import Final
 
 from elitescript.controller.controller import Controller
-from elitescript.controller.picture import Pictures
 from elitescript.controller.refusals import refusal_text
+from elitescript.controller.views.snapshots import SnapshotBuilder
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.answers import shown_after
 from elitescript.kernel.causes import cause_of
@@ -29,7 +29,7 @@ from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.host import ScriptHost
 
 PORTS: Final = {
-    "rtsi": ("elitescript.protocol.rtsi:RtsiConnection", "elitescript.protocol.rtsi_recipes:RtsiPort"),
+    "rtsi": ("elitescript.protocol.rtsi.connection:RtsiConnection", "elitescript.protocol.rtsi.recipes:RtsiPort"),
     "modbus": ("elitescript.protocol.modbus_port:ModbusConnection", "elitescript.protocol.modbus_port:ModbusPort"),
 }
 """Class of a connection by the name of the port, and of what its clients share."""
@@ -39,7 +39,7 @@ _WITH_DESCRIPTION: Final = frozenset({"modbus"})
 
 
 class OwnPorts:
-    """The robot as its surroundings see it; implements `worlds.surroundings.RobotPort`.
+    """The robot as its surroundings see it; implements `devices.surroundings.RobotPort`.
 
     Args:
         controller: the machine.
@@ -54,33 +54,33 @@ class OwnPorts:
         self._controller = controller
         self._host = host
         self._description: RobotDescription = describe(KernelConfig(model=model.name), model, profile)
-        self._pictures: Pictures | None = None
+        self._pictures: SnapshotBuilder | None = None
         self._shared: dict[str, object] = {}
         self._replies: list[Reply] = []
 
     @property
     def tick(self) -> int:
-        """See `RobotPort.tick`."""
+        """See `RobotAccess.tick`."""
         return self._controller.tick
 
     def read(self, name: str, index: int) -> Value:
-        """See `RobotPort.read`."""
+        """See `RobotAccess.read`."""
         return self._controller.read(name, index)
 
     def write(self, request: WriteSignal, by: str) -> None:
-        """See `RobotPort.write`."""
+        """See `RobotAccess.write`."""
         self._controller.put(self._controller.tick, request, by)
 
     def disturb(self, request: DisturbInput | EndInputFaults) -> None:
-        """See `RobotPort.disturb`."""
+        """See `RobotAccess.disturb`."""
         self._controller.put(self._controller.tick, request, "fault")
 
     def emit(self, event: Event) -> None:
-        """See `RobotPort.emit`."""
+        """See `RobotAccess.emit`."""
         self._controller.emit(event)
 
     def connect(self, service: str, origin: str) -> Connection:
-        """See `RobotPort.connect`."""
+        """See `RobotAccess.connect`."""
         if service not in PORTS:
             ports = ", ".join(PORTS)
             raise UsageError(f"service: beside a robot in virtual time there are the ports {ports}, not {service!r}")
@@ -91,9 +91,9 @@ class OwnPorts:
         return made
 
     def output(self) -> Output:
-        """See `RobotPort.output`."""
+        """See `RobotAccess.output`."""
         if self._pictures is None:
-            self._pictures = Pictures(self._controller)
+            self._pictures = SnapshotBuilder(self._controller)
         task = self._controller.task
         name = task.name if task.is_running else ""
         picture = TaskPicture("", name, DEFAULT_CONFIGURATION, is_saved=True, is_configuration_modified=False)
@@ -102,7 +102,7 @@ class OwnPorts:
         return Output(self._controller.tick, (), (), replies, snapshot)
 
     def post(self, inputs: Sequence[Input]) -> None:
-        """See `RobotPort.post`."""
+        """See `RobotAccess.post`."""
         for item in inputs:
             if isinstance(item, Do):
                 self._do(item)

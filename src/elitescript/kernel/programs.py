@@ -7,22 +7,22 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Final
 
-from elitescript.commands.plausibility import ArmFacts
+from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.controller.controller import Controller
-from elitescript.controller.warning_limit import MOST
+from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import ProgramError, ScriptError
-from elitescript.kernel.nonsense import Nonsense
+from elitescript.kernel.invalid_lines import InvalidLineLimiter
 from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import LINE, SECONDARY, Options
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import compile_checked
 from elitescript.lint.registry import all_rules
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.profile import Profile
-from elitescript.runtime.bindings import is_known
 from elitescript.runtime.host import SECONDARY_WARNING, ScriptHost
+from elitescript.runtime.names.bindings import is_known
 
 PROBLEMS_MAX: Final = 20
 """Further problems of one text that go to the log."""
@@ -57,7 +57,7 @@ class Programs:
         self._arm = arm
         self.told: frozenset[tuple[str, int]] = frozenset()
         self._is_strict = is_strict
-        self._nonsense = Nonsense(self._warn)
+        self._nonsense = InvalidLineLimiter(self._warn)
         self.presets: dict[str, object] = {}
 
     def go_on(self) -> None:

@@ -17,8 +17,8 @@ from elitescript.controller.controller import Controller
 from elitescript.errors import ProgramError, ScriptError
 from elitescript.kernel.external_control import Fetch, sender_of
 from elitescript.kernel.programs import PRESETS_MAX, Programs
-from elitescript.language.source import SourceFile
-from elitescript.language.units import MAX_UNIT_BYTES
+from elitescript.language.text.source import SourceFile
+from elitescript.language.text.units import MAX_UNIT_BYTES
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import TaskLoaded
 from elitescript.messages.inputs import ChannelEvent, GetVariable, LoadConfiguration, LoadTask, PlayTask, SetVariable
@@ -26,8 +26,8 @@ from elitescript.messages.machine import ResumeTask
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.alarms import without_addresses
+from elitescript.runtime.environment import Channels, Files, relative_name
 from elitescript.runtime.host import ScriptHost
-from elitescript.runtime.world import Channels, Files, relative_name
 
 VALUE_MAX: Final = 4096
 """Characters of a value that are told."""

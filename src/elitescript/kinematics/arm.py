@@ -24,7 +24,7 @@ from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.transforms import Transform, compose
 
 if TYPE_CHECKING:
-    from elitescript.kinematics.chain import Chain
+    from elitescript.kinematics.chain import CalibratedChain
 
 SixFloats: TypeAlias = tuple[float, float, float, float, float, float]
 """One number for each joint, or a twist."""
@@ -58,7 +58,7 @@ class Arm:
     d4: float
     d5: float
     d6: float
-    calibration: Chain | None = None
+    calibration: CalibratedChain | None = None
 
     def __post_init__(self) -> None:
         for name in ("d1", "a2", "a3", "d4", "d5", "d6"):
@@ -167,14 +167,14 @@ class Arm:
                 nominal than any calibration (`MAX_CALIBRATION_OFFSET`).
         """
         # Calibrated arms are rare; the others need not pay for the import.
-        from elitescript.kinematics.chain import Chain
+        from elitescript.kinematics.chain import CalibratedChain
 
         nominal = replace(self, calibration=None).modified_dh
         present = self.modified_dh
         given = tuple(
             values if values is not None else kept for values, kept in zip((a, d, alpha), present, strict=True)
         )
-        chain = Chain(*(tuple(values) for values in given))  # type: ignore[arg-type]
+        chain = CalibratedChain(*(tuple(values) for values in given))  # type: ignore[arg-type]
         for name, measured, expected in zip(("a", "d", "alpha"), (chain.a, chain.d, chain.alpha), nominal, strict=True):
             for index, (value, reference) in enumerate(zip(measured, expected, strict=True)):
                 if abs(value - reference) > MAX_CALIBRATION_OFFSET:

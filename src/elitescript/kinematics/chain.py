@@ -29,7 +29,7 @@ kinematics of two metres, with a margin of a hundred."""
 
 
 @dataclass(frozen=True, slots=True)
-class Chain:
+class CalibratedChain:
     """Modified Denavit-Hartenberg parameters of six joints, as the controller reports them.
 
     Link i is `T_i = Rx(alpha_i) Tx(a_i) Rz(q_i) Tz(d_i)` (Craig's form).
@@ -89,7 +89,7 @@ class Chain:
         return tuple(axes), (r11, r12, r13, r21, r22, r23, r31, r32, r33, x, y, z)
 
 
-def refine(chain: Chain, T_base_flange: Transform, q_start: Sequence[float]) -> JointVector | None:
+def refine(chain: CalibratedChain, T_base_flange: Transform, q_start: Sequence[float]) -> JointVector | None:
     """Return the joint angles near `q_start` that reach the target, in (-pi, pi], or None.
 
     Newton's method with the exact Jacobian, damped by the square of the residual (Yamashita and

@@ -34,7 +34,7 @@ MassRow: TypeAlias = tuple[float, float, float, float, float, float, float, floa
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class RigidBody:
     """A rigid body fixed to a link frame, or to the flange.
 
     Args:
@@ -82,12 +82,12 @@ class Body:
 
 def joint_torques(
     arm: Arm,
-    bodies: Sequence[Body],
+    bodies: Sequence[RigidBody],
     q: Sequence[float],
     qd: Sequence[float],
     qdd: Sequence[float],
     gravity: Sequence[float],
-    payload: Body | None = None,
+    payload: RigidBody | None = None,
 ) -> SixFloats:
     """Return the torques that the joints apply, N m, positive about the joint.
 
@@ -190,7 +190,7 @@ def joint_torques(
     return t1, t2, t3, t4, t5, t6
 
 
-def mass_matrix(arm: Arm, bodies: Sequence[Body], q: Sequence[float], payload: Body | None = None) -> Matrix6:
+def mass_matrix(arm: Arm, bodies: Sequence[RigidBody], q: Sequence[float], payload: RigidBody | None = None) -> Matrix6:
     """Return the six rows of the mass matrix of the joints, kg m^2; symmetric and positive definite.
 
     Column j is the torques at standstill without gravity that accelerate joint j alone by 1 rad/s^2.

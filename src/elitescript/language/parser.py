@@ -14,15 +14,15 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from elitescript.language.advice.syntax_errors import broken_escape, explain
 from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
-from elitescript.language.dialect import Translation, translate
 from elitescript.language.hooks import LINE as LINE_HOOK
 from elitescript.language.kinds import kind_of, outer_definition
-from elitescript.language.lexer import LogicalLine
 from elitescript.language.options import DEFAULT, KINDS, LINE, PROGRAM, SCRIPT, SECONDARY, Options
-from elitescript.language.rewriting import PositionMap
-from elitescript.language.source import SourceFile
-from elitescript.language.syntax_errors import broken_escape, explain
+from elitescript.language.text.dialect import Translation, translate
+from elitescript.language.text.lexer import LogicalLine
+from elitescript.language.text.rewriting import PositionMap
+from elitescript.language.text.source import SourceFile
 
 MAX_SYNTAX_ERRORS = 20
 NO_FILE = "<elitescript>"
@@ -95,7 +95,7 @@ def parse(source: SourceFile, options: Options = DEFAULT) -> Parsed:
         raise ValueError(f"kind must be one of {', '.join(KINDS)}, not {options.kind!r}")
     source, unreadable = _readable(source)
     translation = translate(source, options)
-    return _Reader(source, translation, options, {}, [*unreadable, *translation.diagnostics]).read()
+    return _TextReader(source, translation, options, {}, [*unreadable, *translation.diagnostics]).read()
 
 
 def parse_without(parsed: Parsed, line: int) -> Parsed | None:
@@ -104,7 +104,7 @@ def parse_without(parsed: Parsed, line: int) -> Parsed | None:
     Returns:
         What is left, with no diagnostics but new ones; None if the line is already left out.
     """
-    reader = _Reader(parsed.source, parsed.translation, parsed.options, dict(parsed.hidden), [])
+    reader = _TextReader(parsed.source, parsed.translation, parsed.options, dict(parsed.hidden), [])
     index = reader.logical_index(line)
     if index < 0 or not reader.hide(index):
         return None
@@ -121,7 +121,7 @@ def syntax_tree(text: str) -> ast.Module:
 
 
 def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
-    """The text without characters that Python cannot even look at, and what to say about them."""
+    """Return the text without characters that Python cannot even look at, and what to say about them."""
     text = source.text
     if text.isascii() and "\0" not in text:
         return source, []
@@ -143,7 +143,7 @@ def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
     return SourceFile(source.name, re.sub("[\0\ud800-\udfff]", " ", text)), problems
 
 
-class _Reader:
+class _TextReader:
     """One attempt after the other to read a text, with ever more lines replaced."""
 
     __slots__ = ("_starts", "blamed", "complete", "hidden", "options", "problems", "rows", "source", "translation")
@@ -264,7 +264,7 @@ class _Reader:
     # Hiding lines
 
     def logical_index(self, line: int) -> int:
-        """Index of the logical line that holds, or stands before, a physical line; -1 if none."""
+        """Return the index of the logical line that holds, or stands before, a physical line; -1 if none."""
         if self._starts is None:
             self._starts = [logical.line for logical in self.translation.lines]
         return bisect_right(self._starts, line) - 1
@@ -337,7 +337,7 @@ class _Reader:
 
 
 def character_offset(row: str, byte_offset: int) -> int:
-    """Characters before a UTF-8 offset into a line."""
+    """Return characters before a UTF-8 offset into a line."""
     if row.isascii():
         return byte_offset
     return len(row.encode("utf-8")[:byte_offset].decode("utf-8", "ignore"))

@@ -6,11 +6,11 @@ import ast
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
-from elitescript.commands.plausibility import Doubt
+from elitescript.commands.definition.plausibility import Doubt
 from elitescript.lint.registry import Finding
 
 if TYPE_CHECKING:
-    from elitescript.lint.program import Program
+    from elitescript.lint.program import AnalysedProgram
 
 
 class Doubted(NamedTuple):
@@ -21,14 +21,14 @@ class Doubted(NamedTuple):
 
 
 def element(node: ast.expr, index: int | None) -> ast.expr:
-    """The element of a list that is written out; else the whole expression."""
+    """Return the element of a list that is written out; else the whole expression."""
     if index is not None and isinstance(node, (ast.List, ast.Tuple)) and index < len(node.elts):
         return node.elts[index]
     return node
 
 
-def findings(program: Program, code: str) -> Iterator[Finding]:
-    """The findings of the rule for one code."""
+def findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
+    """Yield the findings of the rule for one code."""
     for node, doubt in program.doubts:
         if doubt.code == code:
             yield Finding(node, doubt.text, doubt.hint)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import ast
 from typing import Final
 
-from elitescript.commands.registry import Command
+from elitescript.commands.definition.registry import Command
 from elitescript.language.symbols import Resolution
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 
 _PURE_FAMILIES: Final = frozenset(("kinematics", "lists", "maths", "poses", "strings"))
 _READING: Final = ("get_", "is_", "read_")
@@ -30,15 +30,15 @@ _PURE_BUILTINS: Final = frozenset(
 
 
 def only_gives_a_value(command: Command) -> bool:
-    """Whether a command changes nothing, so that a call of it is made for its result alone."""
+    """Return whether a command changes nothing, so that a call of it is made for its result alone."""
     if command.waits or command.name in _CHANGING:
         return False
     module = command.function.__module__.rpartition(".")[2]
     return module in _PURE_FAMILIES or command.name in _ALSO_READING or command.name.startswith(_READING)
 
 
-def _is_pure_call(call: ast.Call, program: Program) -> bool:
-    """Whether a call only gives a value, whatever its arguments do: a reading command, `math.sin`, `len`."""
+def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
+    """Return whether a call only gives a value, whatever its arguments do: a reading command, `math.sin`, `len`."""
     function = call.func
     if isinstance(function, ast.Attribute):
         base = function.value
@@ -53,8 +53,8 @@ def _is_pure_call(call: ast.Call, program: Program) -> bool:
     return function.id in _PURE_BUILTINS and scope.resolve(function.id) is Resolution.BUILTIN
 
 
-def has_effect(root: ast.expr, program: Program) -> bool:
-    """Whether evaluating an expression may do anything besides giving its value."""
+def has_effect(root: ast.expr, program: AnalysedProgram) -> bool:
+    """Return whether evaluating an expression may do anything besides giving its value."""
     stack: list[ast.AST] = [root]
     while stack:
         node = stack.pop()
@@ -67,8 +67,8 @@ def has_effect(root: ast.expr, program: Program) -> bool:
     return False
 
 
-def is_tried(node: ast.AST, program: Program) -> bool:
-    """Whether a `try` in the same function catches what a node raises, so that the program may only ask."""
+def is_tried(node: ast.AST, program: AnalysedProgram) -> bool:
+    """Return whether a `try` in the same function catches what a node raises, so that the program may only ask."""
     child = node
     for above in program.symbols.ancestors(node):
         if isinstance(above, (ast.FunctionDef, ast.Lambda)):

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
-from elitescript.commands.plausibility import ArmFacts
+from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.errors import CODES, ProgramError
 from elitescript.language.compiler import CompiledUnit, compile_parsed
 from elitescript.language.diagnostics import Diagnostic, Severity, diagnostic, in_order
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse
-from elitescript.language.source import SourceFile
-from elitescript.lint.program import Program
+from elitescript.language.text.source import SourceFile
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, Rule, Span, all_rules
 from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
@@ -22,7 +22,7 @@ _BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")
 """Errors in lines that could be read: they are about something else than a syntax error there."""
 
 
-class Checked(NamedTuple):
+class CheckResult(NamedTuple):
     """A text that was checked.
 
     Attributes:
@@ -51,7 +51,7 @@ def check_source(
     presets: Collection[str] = (),
     arm: ArmFacts | None = None,
 ) -> tuple[Diagnostic, ...]:
-    """All problems of a text, in its order: what keeps it from starting, and what the rules find.
+    """Return all problems of a text, in its order: what keeps it from starting, and what the rules find.
 
     Never raises, whatever the text.
 
@@ -72,7 +72,7 @@ def compile_checked(
     *,
     presets: Collection[str] = (),
     arm: ArmFacts | None = None,
-) -> Checked:
+) -> CheckResult:
     """Check and compile a text, which is read once for both.
 
     Never raises, whatever the text.
@@ -95,13 +95,13 @@ def compile_checked(
     else:
         problems += unit.diagnostics
     found = in_order(_merged(without_suppressed(problems, parsed.source)))
-    return Checked(unit, found, options.strict)
+    return CheckResult(unit, found, options.strict)
 
 
 def _findings(
     parsed: Parsed, profile: Profile, strict: bool, presets: Collection[str], arm: ArmFacts | None
 ) -> list[Diagnostic]:
-    program = Program(parsed, profile, is_strict=strict, presets=presets, arm=arm)
+    program = AnalysedProgram(parsed, profile, is_strict=strict, presets=presets, arm=arm)
     found = []
     for rule in all_rules():
         if not (rule.needs_all_lines and parsed.has_errors):
@@ -109,7 +109,7 @@ def _findings(
     return found
 
 
-def _located(finding: Finding, rule: Rule, program: Program) -> Diagnostic:
+def _located(finding: Finding, rule: Rule, program: AnalysedProgram) -> Diagnostic:
     where = finding.where
     span = where if isinstance(where, Span) else program.span(where)
     return diagnostic(
@@ -126,7 +126,7 @@ def _located(finding: Finding, rule: Rule, program: Program) -> Diagnostic:
 
 
 def _merged(problems: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """One problem where several say the same: in one place the most specific, of each code the first."""
+    """Return one problem where several say the same: in one place the most specific, of each code the first."""
     places: dict[tuple[int, int], dict[str, Diagnostic]] = {}
     refused_lines = set()
     for problem in problems:

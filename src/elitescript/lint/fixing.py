@@ -6,7 +6,7 @@ import re
 from typing import Final, NamedTuple
 
 from elitescript.language.diagnostics import Diagnostic, Edit, Fix
-from elitescript.language.source import BOM, SourceFile
+from elitescript.language.text.source import BOM, SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import Profile
 
@@ -63,7 +63,7 @@ def _errors(problems: tuple[Diagnostic, ...]) -> int:
 
 
 def _apart(problems: list[Diagnostic]) -> list[Diagnostic]:
-    """Those whose fixes do not touch the same text; the others wait for the next pass."""
+    """Return those whose fixes do not touch the same text; the others wait for the next pass."""
     taken: list[Edit] = []
     chosen = []
     for problem in problems:

@@ -1,6 +1,6 @@
 """What a lint rule is, and all of them.
 
-A rule is one decorated function in a file of its own under `rules`. It looks at a `Program` and yields
+A rule is one decorated function in a file of its own under `rules`. It looks at a `AnalysedProgram` and yields
 findings; its code is written there and nowhere else but in the table of `errors`.
 """
 
@@ -16,7 +16,7 @@ from elitescript.errors import CODES, InternalError
 from elitescript.language.diagnostics import Fix
 
 if TYPE_CHECKING:
-    from elitescript.lint.program import Program
+    from elitescript.lint.program import AnalysedProgram
 
 
 class Span(NamedTuple):
@@ -44,7 +44,7 @@ class Finding(NamedTuple):
     fix: Fix | None = None
 
 
-Check = Callable[["Program"], Iterable[Finding]]
+Check = Callable[["AnalysedProgram"], Iterable[Finding]]
 
 
 class Rule(NamedTuple):
@@ -92,7 +92,7 @@ def rule(
 
 @cache
 def all_rules() -> tuple[Rule, ...]:
-    """Every rule, by code."""
+    """Return every rule, by code."""
     from pkgutil import iter_modules
 
     from elitescript.lint import rules

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from elitescript.commands.vocabulary import vocabulary_of
-from elitescript.language.unknown_names import advice, nearest
-from elitescript.lint.program import Program, Use
+from elitescript.commands.definition.vocabulary import vocabulary_of
+from elitescript.language.advice.unknown_names import advice, nearest
+from elitescript.lint.program import AnalysedProgram, Use
 
 __all__ = ["MOST_SUGGESTIONS", "meant_by", "nearest"]
 
@@ -14,6 +14,6 @@ MOST_SUGGESTIONS: Final = 20
 """Names of one program that are looked up; a text with more unknown names is no program for this robot."""
 
 
-def meant_by(use: Use, program: Program, *, is_searched: bool) -> tuple[str, str]:
+def meant_by(use: Use, program: AnalysedProgram, *, is_searched: bool) -> tuple[str, str]:
     """Return the name that is meant, if one can take its place, and the hint; both may be empty."""
     return advice(use.node, use.scope, program.symbols, vocabulary_of(program.profile), is_searched=is_searched)

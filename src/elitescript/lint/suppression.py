@@ -10,14 +10,14 @@ import re
 from collections.abc import Iterable
 
 from elitescript.language.diagnostics import Diagnostic
-from elitescript.language.lexer import lex
-from elitescript.language.source import SourceFile
+from elitescript.language.text.lexer import lex
+from elitescript.language.text.source import SourceFile
 
 _MARK = "check:"
 
 
 def without_suppressed(problems: Iterable[Diagnostic], source: SourceFile) -> list[Diagnostic]:
-    """The problems that no comment hides."""
+    """Return the problems that no comment hides."""
     found = list(problems)
     if _MARK not in source.text:
         return found

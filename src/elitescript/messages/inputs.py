@@ -204,7 +204,7 @@ class ChannelClosed:
 
 @dataclass(frozen=True, slots=True)
 class AddFault:
-    """Something goes wrong on channels from now on, or nothing any more; see `worlds.virtual.faults`."""
+    """Something goes wrong on channels from now on, or nothing any more; see `devices.channels.faults`."""
 
     origin: str
     text: str

@@ -40,7 +40,7 @@ _MILLI: Final = 1e3
 _TENTH_MM: Final = 1e4
 
 
-class Picture(Protocol):
+class PortSource(Protocol):
     """What the table reads of a machine; a `Snapshot` is one."""
 
     @property
@@ -64,7 +64,7 @@ class Picture(Protocol):
 class View(NamedTuple):
     """A machine at one tick."""
 
-    picture: Picture
+    picture: PortSource
     version: tuple[int, ...]
     """Of the controller: major, minor, bug fix."""
 
@@ -109,7 +109,7 @@ class CoilRow(NamedTuple):
 
 
 def _short(value: float) -> int:
-    """The nearest signed 16-bit number, as a register holds it."""
+    """Return the nearest signed 16-bit number, as a register holds it."""
     return max(-_SHORT_MAX - 1, min(_SHORT_MAX, round(value))) & WORD_MAX
 
 
@@ -191,13 +191,13 @@ def _set_general(index: int, value: int) -> Iterator[MachineRequest]:
     yield WriteSignal("general_register", index, value)
 
 
-def _six(values: Callable[[Picture], Six], *scales: float) -> Callable[[View], Words]:
-    """Six signed values; the scales are those of the first and the last three, or one for all."""
+def _six(values: Callable[[PortSource], Six], *scales: float) -> Callable[[View], Words]:
+    """Return six signed values; the scales are those of the first and the last three, or one for all."""
     factors = (scales[0],) * 3 + (scales[-1],) * 3
     return lambda view: [_short(value * factor) for value, factor in zip(values(view.picture), factors, strict=True)]
 
 
-def _number(value: Callable[[Picture], int]) -> Callable[[View], Words]:
+def _number(value: Callable[[PortSource], int]) -> Callable[[View], Words]:
     return lambda view: (value(view.picture) & WORD_MAX,)
 
 

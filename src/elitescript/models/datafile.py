@@ -30,7 +30,7 @@ MAX_FILE_BYTES: Final = 1_000_000
 """A model file has some kilobytes; a larger one is something else."""
 
 
-class Source(NamedTuple):
+class NumberSource(NamedTuple):
     """Where a number comes from."""
 
     source: str
@@ -129,7 +129,7 @@ class DataFile:
         for key in self._entries.keys() - known:
             raise UsageError(f"{self._entries[key].file}: {key}: unknown key{did_you_mean(key, known)}")
 
-    def source(self, key: str) -> Source:
+    def source(self, key: str) -> NumberSource:
         """Return the source of an entry.
 
         Raises:
@@ -139,7 +139,7 @@ class DataFile:
         if entry is None:
             raise UsageError(f"{self.name} has no number {key!r}{did_you_mean(key, self._entries)}")
         tag = self._tags[entry.source]
-        return Source(entry.source, tag["evidence"], entry.why, tag["about"], tag["date"], tag["trust"])
+        return NumberSource(entry.source, tag["evidence"], entry.why, tag["about"], tag["date"], tag["trust"])
 
     def _entry(self, key: str) -> Entry:
         entry = self._entries.get(key)

@@ -11,7 +11,7 @@ from typing import Final
 from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm, JointVector
 from elitescript.messages.plant import PlantConfig
-from elitescript.models.datafile import OWN_SOURCE, DataFile, Source, known_names, known_path, read_text
+from elitescript.models.datafile import OWN_SOURCE, DataFile, NumberSource, known_names, known_path, read_text
 
 SUFFIX: Final = ".toml"
 """Of model files."""
@@ -40,7 +40,7 @@ class JointLimit:
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
+class LinkMass:
     """Mass of the link that one joint moves; frame i of the modified Denavit-Hartenberg form."""
 
     name: str
@@ -73,7 +73,7 @@ class SafetyLevel:
 
 
 @dataclass(frozen=True, slots=True)
-class SafetyLimits:
+class ModelSafetyLimits:
     """Safety limits; on a real robot they are set for each installation, here they are assumed."""
 
     normal: SafetyLevel
@@ -112,7 +112,7 @@ class RobotModel:
     payload_max_kg: float
     reach_m: float
     """Catalogue reach: upper arm, forearm and the wrist stretched."""
-    links: tuple[Link, ...]
+    links: tuple[LinkMass, ...]
     """The six links that move."""
     home: JointVector
     """Joint angles after power-on, rad."""
@@ -151,7 +151,7 @@ class RobotModel:
     controller_temperature: float
     """Of the control box while the arm stands without load, degC."""
     thermal: Thermal
-    safety: SafetyLimits
+    safety: ModelSafetyLimits
     plant: PlantConfig | None
     """How the joints follow their targets, if the file of an own arm says so."""
     sources: DataFile = field(repr=False, compare=False)
@@ -162,7 +162,7 @@ class RobotModel:
         """(q_min, q_max) of each joint, rad."""
         return tuple([(joint.q_min, joint.q_max) for joint in self.joints])
 
-    def source(self, path: str) -> Source:
+    def source(self, path: str) -> NumberSource:
         """Return where a number comes from.
 
         Args:
@@ -262,7 +262,7 @@ def parse_model(file: str, text: str) -> RobotModel:
         joint_temperatures=data.joint_row("joint_temperatures"),
         controller_temperature=data.number("controller_temperature"),
         thermal=Thermal(*[data.number(f"thermal.{name}", positive=True) for name in _THERMAL]),
-        safety=SafetyLimits(
+        safety=ModelSafetyLimits(
             normal=_safety_level(data, "normal"),
             reduced=_safety_level(data, "reduced"),
             joint_speed_margin=data.number("safety.joint_speed_margin", positive=True),
@@ -401,8 +401,8 @@ def _home(data: DataFile, joints: tuple[JointLimit, ...]) -> JointVector:
     return home
 
 
-def _link(data: DataFile, name: str) -> Link:
-    return Link(
+def _link(data: DataFile, name: str) -> LinkMass:
+    return LinkMass(
         name,
         data.number(f"links.{name}.mass", positive=True),
         data.vector(f"links.{name}.com"),

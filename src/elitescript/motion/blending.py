@@ -27,15 +27,15 @@ from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import Transform, position_of
 from elitescript.messages.motion import Six
-from elitescript.motion.corner import Corner, JointCorner
-from elitescript.motion.jointline import JointLine
 from elitescript.motion.limits import MotionLimits, joint_outside
+from elitescript.motion.paths.corner import Corner, JointCorner
+from elitescript.motion.paths.joint_line import JointLine
+from elitescript.motion.paths.track import JointTrack, follow
+from elitescript.motion.paths.zones import way_within
 from elitescript.motion.planner import Plan
-from elitescript.motion.profile import Profile, trapezoid_of, trapezoid_of_duration
-from elitescript.motion.retiming import ACCELERATION_MARGIN, SPEED_MARGIN, entered
 from elitescript.motion.segment import BlendedSegment, JointPath, RunningSegment
-from elitescript.motion.track import JointTrack, follow
-from elitescript.motion.zones import way_within
+from elitescript.motion.timing.profile import TimeLaw, trapezoid_of, trapezoid_of_duration
+from elitescript.motion.timing.retiming import ACCELERATION_MARGIN, SPEED_MARGIN, entered
 
 ATTEMPTS: Final = 9
 """Speeds v2 that are tried, by halving what is left between too much and enough."""
@@ -97,7 +97,7 @@ def blended(
     return best
 
 
-def entering_profile(limits: MotionLimits, plan: Plan, start: float, v_start: float, gone_s: float) -> Profile | None:
+def entering_profile(limits: MotionLimits, plan: Plan, start: float, v_start: float, gone_s: float) -> TimeLaw | None:
     """Return the time law of a move from a position and a speed on; None when it is too fast there.
 
     Args:
@@ -127,8 +127,8 @@ def entering_profile(limits: MotionLimits, plan: Plan, start: float, v_start: fl
     return trapezoid_of(path.length, law, start, v_start)
 
 
-def _keeps_joints(path: JointPath, limits: MotionLimits, profile: Profile) -> bool:
-    """Whether the joints keep their limits, looked at in places."""
+def _keeps_joints(path: JointPath, limits: MotionLimits, profile: TimeLaw) -> bool:
+    """Return whether the joints keep their limits, looked at in places."""
     if isinstance(path, JointLine):
         # Its law holds for every joint.
         return True
@@ -273,7 +273,7 @@ class _Blend:
         return track
 
     def _keeps_tool(self, corner: Corner) -> bool:
-        """Whether the tool keeps the sphere and its acceleration on the way past or onto an arc."""
+        """Return whether the tool keeps the sphere and its acceleration on the way past or onto an arc."""
         step_s = corner.length / ARC_LOOKS
         waypoint = position_of(self.first.segment.path.T_base_tcp_end)
         most = self._tool_acceleration * step_s

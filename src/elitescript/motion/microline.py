@@ -26,7 +26,6 @@ from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_
 from elitescript.kinematics.jacobian import singularity, tcp_twist
 from elitescript.kinematics.transforms import Transform, compose, inverse, position_of, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveJ, MoveML, Six
-from elitescript.motion.filepace import CURVATURE_SHARE, TooFast, paced
 from elitescript.motion.limits import (
     JOINT_NAMES,
     RANGE_TOLERANCE_RAD,
@@ -34,10 +33,11 @@ from elitescript.motion.limits import (
     joint_range_error,
     unwrapped,
 )
-from elitescript.motion.planner import SURELY_DEGREES, Note, NoteKind, Plan, plan_movej
+from elitescript.motion.paths.spline import JointSpline
+from elitescript.motion.planner import SURELY_DEGREES, MoveNote, MoveNoteKind, Plan, plan_movej
 from elitescript.motion.refusals import JUMP_RAD, SINGULAR_HINT, SURELY_MILLIMETRES
 from elitescript.motion.segment import Segment
-from elitescript.motion.spline import JointSpline
+from elitescript.motion.timing.point_timing import CURVATURE_SHARE, TooFast, paced
 
 START_TOLERANCE_RAD: Final = 0.01
 """How far each joint may be from the first point; on a stretched arm up to 9 mm at the tool."""
@@ -282,7 +282,9 @@ def _check_steps(arm: Arm, limits: MotionLimits, columns: Sequence[Sequence[floa
     )
 
 
-def _slowed(limits: MotionLimits, spline: JointSpline, request: MoveML, too_fast: TooFast, duration_s: float) -> Note:
+def _slowed(
+    limits: MotionLimits, spline: JointSpline, request: MoveML, too_fast: TooFast, duration_s: float
+) -> MoveNote:
     """Return the note for points that come faster than the arm can move; names file, line, joint and numbers."""
     speed, acceleration = spline.largest(too_fast.joint, too_fast.interval)
     name = JOINT_NAMES[too_fast.joint]
@@ -291,8 +293,8 @@ def _slowed(limits: MotionLimits, spline: JointSpline, request: MoveML, too_fast
     else:
         limit = CURVATURE_SHARE * limits.qdd_max[too_fast.joint]
         asked = f"joint {name} would be accelerated with {acceleration:.1f} rad/s^2, of which {limit:.4g} are possible"
-    return Note(
-        NoteKind.SPEED_LOWERED_FOR_JOINT_LIMITS,
+    return MoveNote(
+        MoveNoteKind.SPEED_LOWERED_FOR_JOINT_LIMITS,
         f"the points of {request.points.name} come faster than the arm can move: behind "
         f"{request.points.place(request.first + too_fast.interval)} {asked}; they are played at "
         f"{100.0 * too_fast.rate:.0f} % of their speed there, and take {duration_s:.3f} s instead of "

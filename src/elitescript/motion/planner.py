@@ -35,14 +35,14 @@ from elitescript.kinematics.jacobian import singularity
 from elitescript.kinematics.rotations import multiply, rotvec_from_rotation, transpose
 from elitescript.kinematics.transforms import IDENTITY, Transform, compose, rotation_of, transform_from_pose
 from elitescript.messages.motion import RADIUS_HINT, RADIUS_SHORTENED, MoveC, MoveJ, MoveL, Six
-from elitescript.motion.jointline import JointLine
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error
-from elitescript.motion.path import CartesianPath, arc, line
-from elitescript.motion.profile import Law, Profile, resting, trapezoid, trapezoid_lasting, trapezoid_of
-from elitescript.motion.retiming import SlowPlace, keeps_limits, retimed
+from elitescript.motion.paths.cartesian import CartesianPath, arc, line
+from elitescript.motion.paths.joint_line import JointLine
+from elitescript.motion.paths.track import JointTrack, follow
+from elitescript.motion.paths.zones import Zone, zone_before
 from elitescript.motion.segment import Segment
-from elitescript.motion.track import JointTrack, follow
-from elitescript.motion.zones import Zone, zone_before
+from elitescript.motion.timing.profile import Law, TimeLaw, resting, trapezoid, trapezoid_lasting, trapezoid_of
+from elitescript.motion.timing.retiming import SlowPlace, keeps_limits, retimed
 
 NEAR_WRIST_SINE: Final = 0.2
 """A slow place with |sin q5| below this is blamed on the wrist singularity: at ordinary tool
@@ -73,7 +73,7 @@ SURELY_DEGREES: Final = 10.0
 DEGREES_HINT: Final = "joint angles are in rad; d2r(90) turns degrees into rad"
 
 
-class NoteKind(StrEnum):
+class MoveNoteKind(StrEnum):
     """Why a move is not quite what was asked for."""
 
     T_TOO_SHORT = "t_too_short"
@@ -85,10 +85,10 @@ class NoteKind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Note:
+class MoveNote:
     """Something the author of the program should know about an accepted move."""
 
-    kind: NoteKind
+    kind: MoveNoteKind
     text: str
     code: str = ""
     """Row of `errors.CODES`, where the checker says the same."""
@@ -103,7 +103,7 @@ class Plan:
     """An accepted move, from standstill to standstill, and what a blend has to know of it."""
 
     segment: Segment
-    notes: tuple[Note, ...] = ()
+    notes: tuple[MoveNote, ...] = ()
     law: Law = _NO_LAW
     """What its time law may use."""
     tool_acceleration: float = 0.0
@@ -141,7 +141,7 @@ def plan_movej(
     # The limits of every joint, as limits of the leading one.
     v_max = min(limit / abs(share) for limit, share in zip(limits.qd_max, path.slope, strict=True) if share)
     a_max = min(limit / abs(share) for limit, share in zip(limits.qdd_max, path.slope, strict=True) if share)
-    notes: tuple[Note, ...] = ()
+    notes: tuple[MoveNote, ...] = ()
     if request.t_s == 0.0:
         law = _law(min(request.v, v_max), min(request.a, a_max), request.r)
         profile = trapezoid_of(path.length, law)
@@ -249,7 +249,7 @@ def _plan_cartesian(
     """Solve the path and find its profile; v_max and a_max are the limits of the tool on it."""
     if path.length == 0.0:
         return Plan(Segment(follow(arm, limits, path, q_start, 0.0, 0.0), resting(t_s)))
-    notes: tuple[Note, ...] = ()
+    notes: tuple[MoveNote, ...] = ()
     if t_s > 0.0:
         profile = trapezoid_lasting(path.length, t_s, v_max, a_max)
         if profile is not None:
@@ -281,7 +281,7 @@ def _law(v: float, a: float, r: float) -> Law:
     return Law(v, a, APPROACH_SHARE * a if r > 0.0 else a)
 
 
-def _law_of(lasting: Profile, a_max: float) -> Law:
+def _law_of(lasting: TimeLaw, a_max: float) -> Law:
     """Return what a move of a prescribed duration uses; a blend may use a little more acceleration to turn."""
     a = lasting.acceleration(0.0)
     return Law(lasting.peak_speed, min(a_max, a / APPROACH_SHARE), a)
@@ -295,8 +295,8 @@ def _with_zone(plan: Plan, arm: Arm, T_flange_tcp: Transform, r: float) -> Plan:
     # Half of a move that was worked out from rounded numbers is a little less than half of it.
     if not zone.is_shortened or zone.radius >= r * (1.0 - NOTEWORTHY):
         return replace(plan, zone=zone)
-    note = Note(
-        NoteKind.RADIUS_SHORTENED,
+    note = MoveNote(
+        MoveNoteKind.RADIUS_SHORTENED,
         RADIUS_SHORTENED.format(r=r, most=zone.radius),
         "W235",
         RADIUS_HINT.format(most=zone.radius),
@@ -325,7 +325,7 @@ def _check_numbers(name: str, numbers: Six, a: float, v: float, t_s: float, r: f
             )
 
 
-def _check_end(profile: Profile, a: float, v: float) -> None:
+def _check_end(profile: TimeLaw, a: float, v: float) -> None:
     """Refuse speeds so small that the duration is not a number any more."""
     if not isfinite(profile.duration_s):
         raise MotionError(
@@ -333,15 +333,15 @@ def _check_end(profile: Profile, a: float, v: float) -> None:
         )
 
 
-def _t_too_short(t_s: float, profile: Profile) -> Note:
-    return Note(
-        NoteKind.T_TOO_SHORT,
+def _t_too_short(t_s: float, profile: TimeLaw) -> MoveNote:
+    return MoveNote(
+        MoveNoteKind.T_TOO_SHORT,
         f"t = {t_s:.4g} s is too short for the limits of the arm; "
         f"the move takes {profile.duration_s:.4f} s, the shortest possible time",
     )
 
 
-def _lowered(length: float, v: float, v_max: float, a: float, a_max: float, unit: str) -> tuple[Note, ...]:
+def _lowered(length: float, v: float, v_max: float, a: float, a_max: float, unit: str) -> tuple[MoveNote, ...]:
     """Return the note for a speed or an acceleration above what the arm can do, if that makes a difference."""
     if v <= v_max and a <= a_max:
         return ()
@@ -355,10 +355,10 @@ def _lowered(length: float, v: float, v_max: float, a: float, a_max: float, unit
         for symbol, value, limit, per in (("v", v, v_max, "s"), ("a", a, a_max, "s^2"))
         if value > limit
     ]
-    return (Note(NoteKind.LOWERED_TO_LIMITS, f"{' and '.join(lowered)}, its limit"),)
+    return (MoveNote(MoveNoteKind.LOWERED_TO_LIMITS, f"{' and '.join(lowered)}, its limit"),)
 
 
-def _orientation_not_used(T_base_tcp_end: Transform, T_base_tcp_asked: Transform) -> tuple[Note, ...]:
+def _orientation_not_used(T_base_tcp_end: Transform, T_base_tcp_asked: Transform) -> tuple[MoveNote, ...]:
     """Return the note for an arc that ends in another orientation than its end pose says."""
     turn = multiply(transpose(rotation_of(T_base_tcp_end)), rotation_of(T_base_tcp_asked))
     angle = hypot(*rotvec_from_rotation(turn))
@@ -368,12 +368,12 @@ def _orientation_not_used(T_base_tcp_end: Transform, T_base_tcp_asked: Transform
         f"mode 0 keeps the orientation of the tool relative to the arc: it ends {degrees(angle):.3g} deg away from the "
         f"orientation of pose_to, which does not count; mode=1 turns the tool to it"
     )
-    return (Note(NoteKind.ORIENTATION_NOT_USED, text),)
+    return (MoveNote(MoveNoteKind.ORIENTATION_NOT_USED, text),)
 
 
 def _speed_lowered(
-    arm: Arm, limits: MotionLimits, track: JointTrack, profile: Profile, wanted: Profile, place: SlowPlace
-) -> Note:
+    arm: Arm, limits: MotionLimits, track: JointTrack, profile: TimeLaw, wanted: TimeLaw, place: SlowPlace
+) -> MoveNote:
     """Return the note for a move that joint limits slow down; names joint, place and numbers."""
     distance = singularity(arm, track.q(place.s))
     nearness = {
@@ -389,5 +389,5 @@ def _speed_lowered(
         f"({limits.qd_max[place.joint]:.4g} rad/s, {limits.qdd_max[place.joint]:.4g} rad/s^2)"
     )
     if nearness[name] < 1.0:
-        return Note(NoteKind.SPEED_LOWERED_NEAR_SINGULARITY, f"{slowed}; the {name} singularity is near")
-    return Note(NoteKind.SPEED_LOWERED_FOR_JOINT_LIMITS, slowed)
+        return MoveNote(MoveNoteKind.SPEED_LOWERED_NEAR_SINGULARITY, f"{slowed}; the {name} singularity is near")
+    return MoveNote(MoveNoteKind.SPEED_LOWERED_FOR_JOINT_LIMITS, slowed)

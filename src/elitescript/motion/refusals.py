@@ -11,7 +11,7 @@ from elitescript.kinematics.inverse import reason_unreachable, solve_branch
 from elitescript.kinematics.jacobian import ELBOW_GIVE_UP_SINE, SHOULDER_GIVE_UP_M, WRIST_GIVE_UP_SINE, Singularity
 from elitescript.messages.motion import Six
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error, unwrapped
-from elitescript.motion.path import FlangePath
+from elitescript.motion.paths.cartesian import FlangePath
 
 JUMP_RAD: Final = 0.5 * pi
 """A joint step this large over the narrowest interval of a grid is a jump, not a motion."""

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
-from elitescript.motion.profile import Profile
+from elitescript.motion.timing.profile import TimeLaw
 
 
 class Setpoint(NamedTuple):
@@ -52,7 +52,7 @@ class JointPath(Protocol):
         """Return the joint angles and their derivatives by the path position."""
 
     def tool_rates(self, s: float) -> tuple[float, float]:
-        """Return way (m) and rotation (rad) of the tool per unit of path position."""
+        """Return the way (m) and rotation (rad) of the tool per unit of path position."""
 
 
 class Segment:
@@ -63,7 +63,7 @@ class Segment:
 
     __slots__ = ("duration_s", "path", "profile")
 
-    def __init__(self, path: JointPath, profile: Profile) -> None:
+    def __init__(self, path: JointPath, profile: TimeLaw) -> None:
         self.path = path
         self.profile = profile
         self.duration_s = profile.duration_s
@@ -141,12 +141,12 @@ class BlendedSegment(Segment):
     def __init__(
         self,
         before: JointPath,
-        before_profile: Profile,
+        before_profile: TimeLaw,
         before_s: float,
         approach_s: float,
         corner: JointPath,
         path: JointPath,
-        profile: Profile,
+        profile: TimeLaw,
     ) -> None:
         super().__init__(path, profile)
         self.before = before

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from elitescript.controller.trace import TraceRow
+from elitescript.controller.views.trace import TraceRow
 from elitescript.messages.timing import seconds
 
 
-class Stretch(NamedTuple):
+class LineStretch(NamedTuple):
     """A time during which the main thread stayed in one line."""
 
     start_s: float
@@ -55,11 +55,11 @@ class ThreadLines:
             if not entries or entries[-1][1] != line:
                 entries.append((time_s, line))
 
-    def stretches(self, end_s: float) -> dict[str, list[Stretch]]:
-        """The stretches of each thread up to a time; they follow each other without gaps."""
+    def stretches(self, end_s: float) -> dict[str, list[LineStretch]]:
+        """Return the stretches of each thread up to a time; they follow each other without gaps."""
         return {
             name: [
-                Stretch(start_s, later_s, line)
+                LineStretch(start_s, later_s, line)
                 for (start_s, line), (later_s, _) in pairwise([*entries, (end_s, 0)])
                 if later_s > start_s
             ]
@@ -67,21 +67,21 @@ class ThreadLines:
         }
 
 
-def stretches(rows: Sequence[TraceRow]) -> list[Stretch]:
-    """The stretches of a trace; they follow each other without gaps. A row lasts until the next one."""
-    found: list[Stretch] = []
+def stretches(rows: Sequence[TraceRow]) -> list[LineStretch]:
+    """Return the stretches of a trace; they follow each other without gaps. A row lasts until the next one."""
+    found: list[LineStretch] = []
     start_s, line = rows[0].t, rows[0].line
     for row in rows[1:]:
         if row.line != line:
-            found.append(Stretch(start_s, row.t, line))
+            found.append(LineStretch(start_s, row.t, line))
             start_s, line = row.t, row.line
     if rows[-1].t > start_s:
-        found.append(Stretch(start_s, rows[-1].t, line))
+        found.append(LineStretch(start_s, rows[-1].t, line))
     return found
 
 
 def line_times(rows: Sequence[TraceRow]) -> list[LineTime]:
-    """Time by line, the longest first; the sum over all lines is the duration of the trace."""
+    """Return the time by line, the longest first; the sum over all lines is the duration of the trace."""
     moving: dict[int, float] = {}
     standing: dict[int, float] = {}
     visits: dict[int, int] = {}
@@ -94,19 +94,19 @@ def line_times(rows: Sequence[TraceRow]) -> list[LineTime]:
     return sorted(table, key=lambda entry: (-entry.moving_s - entry.standing_s, entry.line))
 
 
-def merged(found: Sequence[Stretch], stretches_max: int) -> list[Stretch]:
+def merged(found: Sequence[LineStretch], stretches_max: int) -> list[LineStretch]:
     """No more stretches than so many: runs of short ones become one, under the line that took most of it."""
     if len(found) <= stretches_max:
         return list(found)
     shortest_s = 2.0 * (found[-1].end_s - found[0].start_s) / stretches_max
-    result: list[Stretch] = []
+    result: list[LineStretch] = []
     shares: dict[int, float] = {}
     start_s = found[0].start_s
 
     def close(end_s: float) -> None:
         if shares:
             line = max(shares, key=lambda candidate: shares[candidate])
-            result.append(Stretch(start_s, end_s, line))
+            result.append(LineStretch(start_s, end_s, line))
             shares.clear()
 
     for stretch in found:
@@ -124,7 +124,7 @@ def merged(found: Sequence[Stretch], stretches_max: int) -> list[Stretch]:
 
 
 def _is_moving(rows: Sequence[TraceRow], index: int) -> bool:
-    """Whether the arm moves between a row and the next.
+    """Return whether the arm moves between a row and the next.
 
     A row shows the state at the end of its tick. So where rows are one tick apart, the change since the row before is
     the motion of this one; where they are further apart, most of it lies in the change to the next.

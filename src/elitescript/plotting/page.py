@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from elitescript.controller.trace import TraceRow
-from elitescript.language.source import SourceFile
+from elitescript.controller.views.trace import TraceRow
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Event
 from elitescript.models.model import RobotModel
 from elitescript.plotting.channel_lanes import channel_lanes
 from elitescript.plotting.curves import error_curves, joint_curves, speed_curve, tcp_path, tcp_speeds
-from elitescript.plotting.happenings import marks, moves
-from elitescript.plotting.line_times import Stretch, line_times, merged, stretches
+from elitescript.plotting.events import marks, moves
+from elitescript.plotting.line_times import LineStretch, line_times, merged, stretches
 from elitescript.plotting.packing import milliseconds, shown_text
 from elitescript.plotting.signal_lanes import signal_lanes, signal_lanes_of_rows
 
@@ -58,11 +58,11 @@ class Recording:
     events: Sequence[Event] = ()
     state: str = ""
     step_s: float = 0.0
-    thread_lines: Mapping[str, Sequence[Stretch]] = field(default_factory=dict)
+    thread_lines: Mapping[str, Sequence[LineStretch]] = field(default_factory=dict)
 
 
 def page(recording: Recording) -> str:
-    """The text of the HTML file."""
+    """Return the text of the HTML file."""
     data = json.dumps(page_data(recording), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     parts = {
         "title": html.escape(shown_text(recording.title)),
@@ -77,7 +77,7 @@ def page(recording: Recording) -> str:
 
 
 def page_data(recording: Recording) -> dict[str, Any]:
-    """What the page's code draws, as JSON has it; SI units."""
+    """Return what the page's code draws, as JSON has it; SI units."""
     rows, model = recording.rows, recording.model
     start_s, end_s = rows[0].t, rows[-1].t
     speeds = tcp_speeds(rows)
@@ -131,7 +131,7 @@ def page_data(recording: Recording) -> dict[str, Any]:
 
 
 def _source_lines(source: SourceFile, named: set[int]) -> dict[int, str]:
-    """The text of the program by line: the whole of it, of a very long one its begin and the lines that are named."""
+    """Return the text of the program by line; of a very long one its begin and the lines that are named."""
     lines: dict[int, str] = {}
     size = 0
     for number, text in enumerate(_lines(source), 1):

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.controller.controller import Controller
-from elitescript.controller.trace import Trace, TraceRow
+from elitescript.controller.views.trace import Trace, TraceRow
 from elitescript.messages.timing import PERIOD_S
 
 ROWS_MAX: Final = 200_000

@@ -1,9 +1,9 @@
 """The interface of every connection that the controller serves: bytes in, inputs out; what a tick gives in, bytes out.
 
-A connection is sans-I/O: it knows no socket and no clock, only ticks. The pump (`services.tcp`) calls `receive` with
-whatever has arrived, hands the inputs to the robot, calls `publish` after every tick, and writes what `take` returns
-with one call each. Buffers are bounded; a client that sends what cannot be meets `ProtocolError`: its connection is
-closed, nobody else's.
+A connection is sans-I/O: it knows no socket and no clock, only ticks. The pump (`services.clients.tcp`) calls
+`receive` with whatever has arrived, hands the inputs to the robot, calls `publish` after every tick, and writes what
+`take` returns with one call each. Buffers are bounded; a client that sends what cannot be meets `ProtocolError`: its
+connection is closed, nobody else's.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ from elitescript.messages.inputs import Input, Interpret, InterpreterWord
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol.connection import Connection
-from elitescript.protocol.lines import Line, PacedLines, one_line, shown
+from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
 
 LINE_LIMIT: Final = 65536
 """Bytes of a line; a function is written on one."""
@@ -163,7 +163,7 @@ class InterpreterConnection(Connection):
         self._lines.feed(data)
         return self._inputs(self._lines.take(output.tick))
 
-    def _inputs(self, lines: list[Line]) -> list[Input]:
+    def _inputs(self, lines: list[TextLine]) -> list[Input]:
         inputs: list[Input] = []
         for line in lines:
             if self._block or (not line.problem and BLOCK_HEADER.fullmatch(line.text)):
@@ -181,8 +181,8 @@ class InterpreterConnection(Connection):
                     self._unanswered[origin] = session_state(False) if text == "state" else state_of(0, text)
         return inputs
 
-    def _in_block(self, line: Line) -> list[Input]:
-        """One more line of a block; what it asks for once it is whole."""
+    def _in_block(self, line: TextLine) -> list[Input]:
+        """Return one more line of a block; what it asks for once it is whole."""
         self._block_size += len(line.text.encode()) + 1
         if line.problem:
             self._problem = self._problem or f"line {len(self._block) + 1}, column 1, {line.problem}"

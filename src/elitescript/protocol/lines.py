@@ -10,7 +10,7 @@ SHOWN: Final = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class TextLine:
     """One line without its end."""
 
     text: str
@@ -41,9 +41,9 @@ class LineSplitter:
         """Bytes of the line that has begun, at most the limit and a carriage return."""
         return len(self._buffer)
 
-    def feed(self, data: bytes) -> list[Line]:
+    def feed(self, data: bytes) -> list[TextLine]:
         """Take the next bytes; return the lines that end in them."""
-        lines: list[Line] = []
+        lines: list[TextLine] = []
         start = 0
         while (end := data.find(b"\n", start)) >= 0:
             self._add(data[start:end], lines, is_whole=True)
@@ -51,14 +51,14 @@ class LineSplitter:
         self._add(data[start:], lines, is_whole=False)
         return lines
 
-    def _add(self, part: bytes, lines: list[Line], *, is_whole: bool) -> None:
+    def _add(self, part: bytes, lines: list[TextLine], *, is_whole: bool) -> None:
         if not self._is_skipping:
             # One byte more than the limit may be the carriage return, and one more than that shows that it is not.
             self._buffer += part[: self.limit + 2 - len(self._buffer)]
             content = self._buffer.removesuffix(b"\r")
             if len(content) > self.limit:
                 beginning = bytes(content[: self.limit]).decode("utf-8", "replace")
-                lines.append(Line(beginning, f"the line is longer than {self.limit} bytes"))
+                lines.append(TextLine(beginning, f"the line is longer than {self.limit} bytes"))
                 self._buffer.clear()
                 self._is_skipping = True
             elif is_whole:
@@ -93,7 +93,7 @@ class PacedLines:
         """Take the next bytes."""
         self._raw += data
 
-    def take(self, tick: int) -> list[Line]:
+    def take(self, tick: int) -> list[TextLine]:
         """Return the lines that may be read in a tick and were not yet."""
         if tick != self._tick:
             self._tick, self._left = tick, self._per_tick
@@ -107,29 +107,29 @@ class PacedLines:
         """As many lines again may be read in this tick."""
         self._left = self._per_tick
 
-    def rest(self) -> list[Line]:
+    def rest(self) -> list[TextLine]:
         """Return all lines that wait."""
         return self._cut(len(self._raw))
 
-    def _cut(self, end: int) -> list[Line]:
+    def _cut(self, end: int) -> list[TextLine]:
         piece = bytes(self._raw[:end])
         del self._raw[:end]
         return self._splitter.feed(piece)
 
 
 def shown(text: str) -> str:
-    """A peer's text as an answer may repeat it: short, and printable."""
+    """Return a peer's text as an answer may repeat it: short, and printable."""
     clean = "".join(char if char.isprintable() else "?" for char in text[:SHOWN])
     return clean if len(text) <= SHOWN else clean + "..."
 
 
 def one_line(text: str) -> str:
-    """Text without line breaks, for replies that are one line."""
+    """Return the text without line breaks, for replies that are one line."""
     return " ".join(text.splitlines()) if "\n" in text or "\r" in text else text
 
 
-def _decoded(content: bytes) -> Line:
+def _decoded(content: bytes) -> TextLine:
     try:
-        return Line(content.decode("utf-8"))
+        return TextLine(content.decode("utf-8"))
     except UnicodeDecodeError as error:
-        return Line(content.decode("utf-8", "replace"), f"the line is not UTF-8 at byte {error.start}")
+        return TextLine(content.decode("utf-8", "replace"), f"the line is not UTF-8 at byte {error.start}")

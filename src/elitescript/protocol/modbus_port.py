@@ -25,7 +25,7 @@ from elitescript.messages.inputs import Do, Input
 from elitescript.messages.machine import MachineRequest, WritePortCoils, WritePortRegisters
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.modbus.pdu import (
+from elitescript.modbus.frames.pdu import (
     DEVICE_FAILURE,
     ILLEGAL_ADDRESS,
     ILLEGAL_VALUE,
@@ -36,8 +36,8 @@ from elitescript.modbus.pdu import (
     WRITE_COILS,
     WRITE_REGISTER,
     WRITE_REGISTERS,
-    DeviceError,
-    Request,
+    ExceptionResponse,
+    ModbusRequest,
     bits_read,
     exception,
     registers_in,
@@ -45,9 +45,9 @@ from elitescript.modbus.pdu import (
     request_of,
     written,
 )
+from elitescript.modbus.frames.tcp import LENGTH_MAX, TcpFrame, TcpSplitter, tcp_frame
 from elitescript.modbus.port_image import PortImage, check_writable_coils, check_writable_registers
 from elitescript.modbus.port_map import View
-from elitescript.modbus.tcp_frames import LENGTH_MAX, TcpFrame, TcpSplitter, tcp_frame
 from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.outcomes import read_outcome
 from elitescript.protocol.query import RESTARTED
@@ -91,14 +91,14 @@ class ModbusPort:
         return max(REQUESTS_MIN, min(REQUESTS_PER_TICK, REQUESTS_OF_ALL // max(1, self.clients)))
 
     def image(self, output: Output) -> PortImage:
-        """Registers and coils of a tick."""
+        """Return registers and coils of a tick."""
         image = self._image
         if image is None or image.view.picture is not output.snapshot:
             image = self._image = PortImage(View(output.snapshot, self._version))
         return image
 
     def reply(self, output: Output, origin: str) -> str | None:
-        """What the robot answers in a tick to a request of an origin; None if nothing."""
+        """Return what the robot answers in a tick to a request of an origin; None if nothing."""
         if output is not self._output:
             self._output = output
             self._replies = {reply.origin: reply.text for reply in output.replies}
@@ -110,7 +110,7 @@ class _Write(NamedTuple):
 
     origin: str
     frame: TcpFrame
-    request: Request
+    request: ModbusRequest
 
 
 class ModbusConnection(Connection):
@@ -204,11 +204,11 @@ class ModbusConnection(Connection):
             if request.function in _WRITES:
                 return self._begin(frame, request, output)
             self._answer(frame, self._values(request, output))
-        except DeviceError as error:
+        except ExceptionResponse as error:
             self._refuse(frame, error.code)
         return []
 
-    def _begin(self, frame: TcpFrame, request: Request, output: Output) -> list[Input]:
+    def _begin(self, frame: TcpFrame, request: ModbusRequest, output: Output) -> list[Input]:
         change = _change(request)
         if request.function == READ_WRITE_REGISTERS:
             # What is to be read afterwards must be there before anything is written.
@@ -246,14 +246,14 @@ class ModbusConnection(Connection):
             # A robot that is not to be trusted any more.
             self._refuse(write.frame, DEVICE_FAILURE)
 
-    def _values(self, request: Request, output: Output) -> bytes:
+    def _values(self, request: ModbusRequest, output: Output) -> bytes:
         image, function = self._port.image(output), request.function
         read: Callable[[int, int], list[int] | list[bool]]
         answer, read = (bits_read, image.coils) if function in _BIT_READS else (registers_read, image.registers)
         try:
             return answer(function, read(request.address, request.quantity))
         except ArgumentRangeError as error:
-            raise DeviceError(ILLEGAL_ADDRESS, function) from error
+            raise ExceptionResponse(ILLEGAL_ADDRESS, function) from error
 
     def _answer(self, frame: TcpFrame, pdu: bytes) -> None:
         self.send(tcp_frame(frame.transaction, frame.unit, pdu))
@@ -262,8 +262,8 @@ class ModbusConnection(Connection):
         self._answer(frame, exception(frame.pdu[0] & 0x7F, code))
 
 
-def _change(request: Request) -> MachineRequest:
-    """What a write asks of the machine.
+def _change(request: ModbusRequest) -> MachineRequest:
+    """Return what a write asks of the machine.
 
     Raises:
         DeviceError: an address that is not there, or that nobody writes.
@@ -279,4 +279,4 @@ def _change(request: Request) -> MachineRequest:
             return WritePortRegisters(first, request.values, request.address, request.quantity)
         return WritePortRegisters(first, request.values)
     except ScriptError as error:
-        raise DeviceError(ILLEGAL_ADDRESS, request.function) from error
+        raise ExceptionResponse(ILLEGAL_ADDRESS, request.function) from error

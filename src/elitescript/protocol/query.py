@@ -18,7 +18,7 @@ from elitescript.messages.inputs import Input, Query
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol.connection import Connection
-from elitescript.protocol.lines import Line, PacedLines, one_line
+from elitescript.protocol.lines import PacedLines, TextLine, one_line
 
 LINE_LIMIT: Final = 16384
 """Bytes of a request."""
@@ -70,7 +70,7 @@ class QueryConnection(Connection):
         self._lines.feed(data)
         return self._inputs(self._lines.take(output.tick))
 
-    def _inputs(self, lines: list[Line]) -> list[Input]:
+    def _inputs(self, lines: list[TextLine]) -> list[Input]:
         inputs: list[Input] = []
         for line in lines:
             if not line.text.strip() and not line.problem:
@@ -117,8 +117,8 @@ class QueryConnection(Connection):
         self.send(one_line(text).encode() + b"\n")
 
 
-def read_request(line: Line) -> tuple[str, str]:
-    """Id and statement of a request; -1 if the id cannot be read, no statement if there is none to evaluate."""
+def read_request(line: TextLine) -> tuple[str, str]:
+    """Return the Id and statement of a request; -1 if the Id cannot be read, no statement if there is none."""
     word, _, rest = line.text.strip().partition(" ")
     rest = rest.lstrip()
     digits = next((index for index, char in enumerate(rest) if char not in "0123456789"), len(rest))

@@ -10,15 +10,15 @@ from collections.abc import Callable, Iterable, Mapping
 from types import CodeType, FrameType, TracebackType
 from typing import Any, Final, NamedTuple
 
-from elitescript.commands.quantities import shown
-from elitescript.commands.registry import Catalogue
-from elitescript.commands.vocabulary import newer_firmware_hint, newer_firmware_text, vocabulary_of
+from elitescript.commands.definition.quantities import shown
+from elitescript.commands.definition.registry import Catalogue
+from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text, vocabulary_of
 from elitescript.errors import CODES, ProgramError, ScriptError
 from elitescript.language.compiler import column_of
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile, release_of
-from elitescript.runtime.strand import INNER_TEXTS, Strand
+from elitescript.runtime.threads.strand import INNER_TEXTS, Strand
 
 UNCAUGHT: Final = "R100"
 _MISCALLED: Final = ("R101", "R102", "R103")
@@ -229,7 +229,7 @@ def _unknown_name(
 
 def _advice(name: str, place: Place, known: Iterable[str], profile: Profile) -> str:
     """What `check` says to the same name in the same place; of a text that the program made, what is written alike."""
-    from elitescript.language.unknown_names import advice, nearest
+    from elitescript.language.advice.unknown_names import advice, nearest
 
     if place.source is not None and not place.inner:
         from elitescript.language.parser import parse

@@ -10,28 +10,28 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.commands.context import Machine
+from elitescript.commands.definition.context import Machine
 from elitescript.errors import ScriptStateError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
 from elitescript.messages.timing import RPC_TIMEOUT_S
 from elitescript.runtime.alarms import abandoned, summary_of
-from elitescript.runtime.background import Background
-from elitescript.runtime.context import POPUP
+from elitescript.runtime.connections.background import Background
+from elitescript.runtime.environment import EmptyEnvironment, ProgramEnvironment
 from elitescript.runtime.interpreter import Interpreter
+from elitescript.runtime.names.context import POPUP
 from elitescript.runtime.program import Program
 from elitescript.runtime.queries import Queries
-from elitescript.runtime.scheduler import WORK_PER_TICK, Scheduler
 from elitescript.runtime.secondary import Secondaries
-from elitescript.runtime.strand import STOP, Strand
-from elitescript.runtime.thread_state import ThreadState, state_of
+from elitescript.runtime.threads.scheduler import WORK_PER_TICK, Scheduler
+from elitescript.runtime.threads.strand import STOP, Strand
+from elitescript.runtime.threads.thread_state import ThreadState, state_of
 from elitescript.runtime.watchdogs import Watchdogs
-from elitescript.runtime.world import NoWorld, World
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
-    from elitescript.runtime.connection import Receiver
+    from elitescript.runtime.connections.connection import Receiver
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -96,7 +96,7 @@ class ScriptHost:
         machine: Machine,
         *,
         profile: Profile,
-        world: World | None = None,
+        world: ProgramEnvironment | None = None,
         seed: int = 0,
         on_end: Callable[[str], None] = lambda state: None,
         confirms_popups: bool = True,
@@ -106,7 +106,7 @@ class ScriptHost:
     ) -> None:
         self._machine = machine
         self._profile = profile
-        self._world: World = NoWorld() if world is None else world
+        self._world: ProgramEnvironment = EmptyEnvironment() if world is None else world
         self._seed = seed
         self._on_end = on_end
         self._confirms_popups = confirms_popups
@@ -131,7 +131,7 @@ class ScriptHost:
     # ---------------------------------------------------------------- programs
 
     def start(
-        self, unit: CompiledUnit, presets: dict[str, object] | None = None, *, world: World | None = None
+        self, unit: CompiledUnit, presets: dict[str, object] | None = None, *, world: ProgramEnvironment | None = None
     ) -> None:
         """Start a program; it runs from the next `run_tick` on.
 
@@ -153,7 +153,7 @@ class ScriptHost:
         program.main = self._main
         self.interpreter.begin_program(program)
 
-    def start_secondary(self, unit: CompiledUnit, *, world: World | None = None) -> None:
+    def start_secondary(self, unit: CompiledUnit, *, world: ProgramEnvironment | None = None) -> None:
         """Run a secondary program as soon as those before it are over.
 
         Args:

@@ -22,10 +22,10 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 
 from elitescript.errors import ProgramError, ScriptStateError
 from elitescript.language.compiler import Statement, compile_statement
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.runtime.alarms import summary_of
-from elitescript.runtime.scheduler import Scheduler
-from elitescript.runtime.strand import is_stop
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import is_stop
 
 if TYPE_CHECKING:
     from elitescript.runtime.program import Program
@@ -54,7 +54,7 @@ STOPPED: Final = "stopped"
 SKIPPED: Final = "skipped"
 
 
-class Answers(Protocol):
+class StatementListener(Protocol):
     """Hears what becomes of statements."""
 
     def accepted(self, origin: str, number: int, text: str) -> None:
@@ -67,7 +67,7 @@ class Answers(Protocol):
         """It has begun, or is over; `step` is one of the last five. The text of a failure says why it failed."""
 
 
-class NoAnswers:
+class NoStatementListener:
     """Nobody listens."""
 
     __slots__ = ()
@@ -135,7 +135,7 @@ class Interpreter:
         self._skips_held = 0
         self._is_clearing = False
         self._is_ending = False
-        self.answers: Answers = NoAnswers()
+        self.answers: StatementListener = NoStatementListener()
         self.is_running = False
         self.last_accepted = self.last_executed = self.last_cleared = 0
 

@@ -13,8 +13,8 @@ from collections.abc import Callable, Mapping
 from types import CodeType, FunctionType
 from typing import Any, Final, NamedTuple
 
-from elitescript.commands.quantities import shown
-from elitescript.language.unknown_names import nearest
+from elitescript.commands.definition.quantities import shown
+from elitescript.language.advice.unknown_names import nearest
 
 _SCALARS: Final = (bool, int, float, str, type(None))
 _LISTS: Final = (list, tuple)

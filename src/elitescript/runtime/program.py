@@ -9,7 +9,7 @@ from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.context import Machine
+from elitescript.commands.definition.context import Machine
 from elitescript.errors import ProgramError, ScriptPermissionError
 from elitescript.language.compiler import (
     MAIN,
@@ -19,21 +19,21 @@ from elitescript.language.compiler import (
     compile_expression,
     compile_unit,
 )
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile
 from elitescript.runtime.alarms import alarm_of
-from elitescript.runtime.bindings import Bindings
-from elitescript.runtime.context import Context, TaskPort
-from elitescript.runtime.facades import Facade, ModuleShelf
-from elitescript.runtime.files import OpenFiles
-from elitescript.runtime.guards import Identities
-from elitescript.runtime.scheduler import Scheduler
-from elitescript.runtime.strand import Strand
-from elitescript.runtime.world import World
+from elitescript.runtime.environment import ProgramEnvironment
+from elitescript.runtime.names.bindings import Bindings
+from elitescript.runtime.names.context import Context, ProgramControl
+from elitescript.runtime.names.files import OpenFiles
+from elitescript.runtime.names.guards import Identities
+from elitescript.runtime.names.modules import Facade, ModuleShelf
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Strand
 
 if TYPE_CHECKING:
-    from elitescript.runtime.stdlib.processes import ProcessTable
+    from elitescript.runtime.stdlib.subprocess_module import ProcessTable
 
 SOURCES_MAX: Final = 256
 """Texts of `eval` and `exec` that are kept, to show their lines."""
@@ -85,9 +85,9 @@ class Program:
         machine: Machine,
         scheduler: Scheduler,
         profile: Profile,
-        world: World,
+        world: ProgramEnvironment,
         seed: int,
-        port: TaskPort,
+        port: ProgramControl,
         presets: dict[str, object],
     ) -> None:
         self.scheduler = scheduler
@@ -266,7 +266,7 @@ class Program:
 
     def module_names(self, name: str) -> dict[str, Any]:
         """Names of one of our own modules."""
-        from elitescript.runtime.stdlib.own import own_names
+        from elitescript.runtime.stdlib.own_modules import own_names
 
         return own_names(name, self)
 
@@ -274,8 +274,8 @@ class Program:
         """What private copies get in the place of modules."""
         from types import SimpleNamespace
 
-        from elitescript.runtime.stdlib.clock import clock_names, copy_clock
-        from elitescript.runtime.stdlib.thread import thread_module
+        from elitescript.runtime.stdlib.thread_module import thread_module
+        from elitescript.runtime.stdlib.time_module import clock_names, copy_clock
 
         clock = {**clock_names(self.context), "monotonic": copy_clock(self.context)}
         return {
@@ -300,7 +300,7 @@ class Program:
     def processes(self) -> ProcessTable:
         """The processes of the program, none of which exists."""
         if self._processes is None:
-            from elitescript.runtime.stdlib.processes import ProcessTable
+            from elitescript.runtime.stdlib.subprocess_module import ProcessTable
 
             self._processes = ProcessTable()
         return self._processes
@@ -317,7 +317,7 @@ class _LazyGenerator:
 
     def made(self) -> Any:
         if self._made is None:
-            from elitescript.runtime.stdlib.chance import new_generator
+            from elitescript.runtime.stdlib.random_module import new_generator
 
             self._made = new_generator(self._seed)
         return self._made

@@ -7,13 +7,13 @@ from types import CodeType
 from typing import Final, NamedTuple
 
 from elitescript.language.compiler import compile_expression
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.program import Program
-from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.secondary import Secondaries
-from elitescript.runtime.strand import Strand, is_stop
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Strand, is_stop
 
 LIMIT_TICKS: Final = TICKS_PER_S // 10
 """Virtual time that a query may take (*assumed*: only quick functions are allowed)."""
@@ -25,7 +25,7 @@ VALUE_MAX: Final = 65536
 """Characters of a value."""
 
 
-class Query(NamedTuple):
+class WaitingQuery(NamedTuple):
     """An expression that waits for its turn."""
 
     code: CodeType
@@ -33,7 +33,7 @@ class Query(NamedTuple):
     """Gets the value as `repr` writes it; None if there is none."""
 
 
-class Queries(Secondaries[Query]):
+class Queries(Secondaries[WaitingQuery]):
     """The queries of a host, one after the other.
 
     Args:
@@ -58,14 +58,14 @@ class Queries(Secondaries[Query]):
 
     def ask(self, text: str, answer: Callable[[str | None], None]) -> None:
         """See `ScriptHost.query`."""
-        self.put(Query(compile_expression(SourceFile("<query>", text)), answer))
+        self.put(WaitingQuery(compile_expression(SourceFile("<query>", text)), answer))
 
-    def _begin_query(self, query: Query) -> tuple[Strand, Program | None]:
+    def _begin_query(self, query: WaitingQuery) -> tuple[Strand, Program | None]:
         program, own = self._namespace()
         return self._spawn(program, "query", _body_of(query, program), is_secondary=True), own
 
 
-def _body_of(query: Query, program: Program) -> Callable[[], None]:
+def _body_of(query: WaitingQuery, program: Program) -> Callable[[], None]:
     """What a strand runs: it works the value out and answers exactly once, also if it is stopped."""
 
     def body() -> None:

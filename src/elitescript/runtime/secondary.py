@@ -9,8 +9,8 @@ from typing import Final, Generic, TypeVar
 from elitescript.errors import ScriptStateError
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.program import Program
-from elitescript.runtime.scheduler import Scheduler
-from elitescript.runtime.strand import Strand
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Strand
 
 LIMIT_TICKS: Final = TICKS_PER_S
 """Virtual time that a secondary program may take (*assumed*: the manual says not to run it for long)."""

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from math import ceil
 from typing import NamedTuple
 
-from elitescript.commands.context import Machine
+from elitescript.commands.definition.context import Machine
 from elitescript.errors import InvalidValueError
 from elitescript.messages.events import Warned
 from elitescript.messages.machine import PauseTask, StopTask

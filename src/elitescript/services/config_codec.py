@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from elitescript.controller.contact import ContactConfig, Plane
+from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.modes import PowerTimes
-from elitescript.controller.safety_limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
+from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
 from elitescript.kernel.config import KernelConfig
 from elitescript.messages.codec import Codec, to_text
 from elitescript.messages.events import Event, MotionStarted

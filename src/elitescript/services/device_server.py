@@ -13,7 +13,11 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
-from elitescript.controller.signal_view import signal_write
+from elitescript.controller.signals.by_name import signal_write
+from elitescript.devices.agenda import DeviceError
+from elitescript.devices.channels.network import Endpoint
+from elitescript.devices.kinds.serial import LineDevice
+from elitescript.devices.world import World
 from elitescript.errors import UsageError
 from elitescript.messages.events import DeviceNoted, Event
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened, Input
@@ -22,12 +26,8 @@ from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSign
 from elitescript.messages.outputs import CHANNEL_WINDOW, Output
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.protocol.connection import Connection
-from elitescript.services.cycle import Cycle
-from elitescript.services.serial_ports import SerialPorts
-from elitescript.worlds.virtual.agenda import DeviceError
-from elitescript.worlds.virtual.network import Endpoint
-from elitescript.worlds.virtual.serial import LineDevice
-from elitescript.worlds.virtual.world import World
+from elitescript.services.channels.serial_ports import SerialPorts
+from elitescript.services.time.cycle import Cycle
 
 USUAL_BAUD: Final = 115_200
 CONNECT_S: Final = 2.0
@@ -173,7 +173,7 @@ class DeviceServer:
         number = self._numbers.get(port, port)
         loop = asyncio.get_running_loop()
         try:
-            server = await loop.create_server(lambda: _Client(self, address, port), self._host, number)
+            server = await loop.create_server(lambda: _DeviceClient(self, address, port), self._host, number)
         except OSError as error:
             # What asyncio makes of the reason repeats address and port.
             reason = os.strerror(error.errno) if error.errno and error.errno > 0 else error
@@ -246,7 +246,7 @@ class _End:
         """Close at once."""
 
 
-class _Client(_End, asyncio.Protocol):
+class _DeviceClient(_End, asyncio.Protocol):
     """A TCP client of a device."""
 
     def __init__(self, server: DeviceServer, address: str, port: int) -> None:

@@ -14,7 +14,7 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 
 
-class Robot(Protocol):
+class TickedRobot(Protocol):
     """One robot as a function; `elitescript.kernel.Kernel` is one."""
 
     @property
@@ -58,7 +58,7 @@ class InProcessLink:
 
     __slots__ = ("robot",)
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: TickedRobot) -> None:
         self.robot = robot
 
     @property

@@ -6,20 +6,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from elitescript.devices.memory import MemoryFiles
+from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
+from elitescript.environment.local import LocalFiles
+from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
-from elitescript.runtime.world import Files
-from elitescript.services.child_link import ChildLink
-from elitescript.services.jail import Layer
-from elitescript.services.journal import Journal
-from elitescript.services.replay import RecordedRobot
+from elitescript.runtime.environment import Files
+from elitescript.services.child.jail import Layer
+from elitescript.services.child.link import ChildLink
+from elitescript.services.journal.replay import RecordedRobot
+from elitescript.services.journal.writer import Journal
 from elitescript.services.robot_link import InProcessLink, RobotLink
-from elitescript.worlds.allowance import TASK_DIR_BYTES, Allowance
-from elitescript.worlds.memory import MemoryFiles
-from elitescript.worlds.real import RealFiles
-from elitescript.worlds.request_channels import RequestWorld
 
 
 def robot_link(
@@ -45,12 +45,12 @@ def robot_link(
         UsageError: the journal cannot be written.
     """
     allowance = Allowance(task_dir_limit)
-    files: Files = MemoryFiles({}, allowance) if task_dir is None else RealFiles(task_dir.resolve(), allowance)
+    files: Files = MemoryFiles({}, allowance) if task_dir is None else LocalFiles(task_dir.resolve(), allowance)
     record = None if journal is None else Journal(journal, config)
     if not in_process:
         return ChildLink(config, files=files, is_jailed=is_jailed, journal=record)
     if record is None:
-        return InProcessLink(Kernel(config, RequestWorld(files)))
+        return InProcessLink(Kernel(config, RequestEnvironment(files)))
     return _RecordedLink(RecordedRobot(config, files, record), record)
 
 

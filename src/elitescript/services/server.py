@@ -8,8 +8,8 @@ import gc
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from elitescript.services.control import ControlChannel, address_of
-from elitescript.services.station import Station
+from elitescript.services.control.channel import ControlChannel, address_of
+from elitescript.services.robot_server import RobotServer
 
 LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1", "ip6-localhost"})
 
@@ -19,7 +19,7 @@ def is_loopback(host: str) -> bool:
     return host in LOOPBACK or (host.startswith("127.") and host.count(".") == 3)
 
 
-class Server:
+class ServeSession:
     """All robots of one `serve`.
 
     Args:
@@ -34,7 +34,7 @@ class Server:
 
     def __init__(
         self,
-        stations: Sequence[Station],
+        stations: Sequence[RobotServer],
         host: str,
         numbers: Sequence[Mapping[str, int]],
         instance: int,

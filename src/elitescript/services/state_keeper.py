@@ -11,9 +11,9 @@ import contextlib
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from elitescript.environment.state_file import StateFile, kept_levels
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
-from elitescript.worlds.state_file import StateFile, kept_levels
 
 INTERVAL_S: Final = 0.5
 RETRY_S: Final = 10.0

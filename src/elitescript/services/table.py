@@ -12,16 +12,17 @@ from typing import Final, NamedTuple
 from elitescript.errors import UsageError
 from elitescript.messages.profile import Release
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.protocol import modbus_port, primary
+from elitescript.protocol import modbus_port
 from elitescript.protocol.connection import Connection
-from elitescript.protocol.dashboard import DashboardConnection
+from elitescript.protocol.dashboard.connection import DashboardConnection
 from elitescript.protocol.interpreter import InterpreterConnection
 from elitescript.protocol.modbus_port import ModbusConnection, ModbusPort
-from elitescript.protocol.primary import PrimaryConnection, PrimaryFeed, PrimaryPort
-from elitescript.protocol.primary_packets import ROBOT_STATE
+from elitescript.protocol.primary import connection as primary
+from elitescript.protocol.primary.connection import PrimaryConnection, PrimaryFeed, PrimaryPort
+from elitescript.protocol.primary.packets import ROBOT_STATE
 from elitescript.protocol.query import QueryConnection
-from elitescript.protocol.rtsi import RtsiConnection
-from elitescript.protocol.rtsi_recipes import DATA_PACKAGE, RtsiPort
+from elitescript.protocol.rtsi.connection import RtsiConnection
+from elitescript.protocol.rtsi.recipes import DATA_PACKAGE, RtsiPort
 
 PORTS_PER_INSTANCE: Final = 100
 """Ports of instance N lie this many times N higher."""

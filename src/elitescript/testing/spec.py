@@ -27,7 +27,7 @@ FACTS: Final = frozenset(
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class ProgramBlock:
     """One `elite` block."""
 
     line: int
@@ -77,7 +77,7 @@ class Expectation:
         return " ".join(word if word == value else f"{word}={value}" for word, value in self.words.items())
 
     def values(self, key: str) -> list[str]:
-        """All values of one kind of fact."""
+        """Return all values of one kind of fact."""
         return [fact.value for fact in self.facts if fact.key == key]
 
 
@@ -88,7 +88,7 @@ class Case:
     title: str
     """The headings above it and its own, joined by `/`."""
     line: int
-    texts: tuple[Text, ...]
+    texts: tuple[ProgramBlock, ...]
     expectations: tuple[Expectation, ...]
     cell: str = ""
     """What is around the robot, as the text of a cell file."""
@@ -114,7 +114,7 @@ class Case:
 
 
 @dataclass(slots=True)
-class Outcome:
+class CaseOutcome:
     """What a case did, in the words of an `expect` block."""
 
     lists: dict[str, list[str]] = field(default_factory=lambda: {key: [] for key in LISTS})
@@ -131,7 +131,7 @@ class Outcome:
 
 
 def parse_page(page: str) -> list[Case]:
-    """The cases of a page, in order.
+    """Return the cases of a page, in order.
 
     Raises:
         UsageError: a block, a word or a line that the form does not have; the text names the line.
@@ -139,7 +139,7 @@ def parse_page(page: str) -> list[Case]:
     cases: list[Case] = []
     headings: list[str] = []
     line = 0
-    texts: list[Text] = []
+    texts: list[ProgramBlock] = []
     expectations: list[Expectation] = []
     cell: list[str] = []
     inputs: list[tuple[float, str, float]] = []
@@ -168,7 +168,7 @@ def parse_page(page: str) -> list[Case]:
         elif info.split(" ")[0] == "elite":
             if expectations:
                 raise UsageError(f"line {number}: a program after the expect block; start a new heading")
-            texts.append(Text(number + 1, body, _words(number, info, TEXT_WORDS)))
+            texts.append(ProgramBlock(number + 1, body, _words(number, info, TEXT_WORDS)))
         elif info == "cell":
             cell.append(body)
         elif info == "inputs":
@@ -187,7 +187,7 @@ def parse_page(page: str) -> list[Case]:
 
 
 def _blocks(page: str) -> Iterator[tuple[int, str, str, str]]:
-    """Headings and fenced blocks: line, kind, level marks or info, text."""
+    """Yield headings and fenced blocks: line, kind, level marks or info, text."""
     fence_line, info = 0, ""
     body: list[str] = []
     for number, line in enumerate(page.split("\n"), 1):
@@ -253,8 +253,8 @@ def _device(number: int, info: str) -> str:
     return device
 
 
-def differences(outcome: Outcome, expectation: Expectation) -> list[str]:
-    """What the outcome lacks or has too much of; empty when the expectation holds."""
+def differences(outcome: CaseOutcome, expectation: Expectation) -> list[str]:
+    """Return what the outcome lacks or has too much of; empty when the expectation holds."""
     found = list(outcome.wrong_replies)
     for key in LISTS:
         wanted, had = expectation.values(key), outcome.lists[key]
@@ -278,7 +278,7 @@ def _has(expectation: Expectation, key: str) -> bool:
 
 
 def _matches(wanted: str, had: str) -> bool:
-    """Whether an observed fact is the wanted one; alarms are observed as `CODE CLASS line N`."""
+    """Return whether an observed fact is the wanted one; alarms are observed as `CODE CLASS line N`."""
     if wanted == had:
         return True
     words = had.split(" ")
@@ -308,7 +308,7 @@ def _list_difference(key: str, wanted: list[str], had: list[str]) -> str:
     return "\n".join(rows)
 
 
-def _fact_difference(fact: Fact, outcome: Outcome) -> str:
+def _fact_difference(fact: Fact, outcome: CaseOutcome) -> str:
     key, value = fact.key, fact.value
     if key in {"warn", "finding"}:
         had = outcome.findings

@@ -14,10 +14,10 @@ from elitescript.messages.events import (
     Warned,
 )
 from elitescript.messages.timing import seconds
-from elitescript.testing.spec import Outcome
+from elitescript.testing.spec import CaseOutcome
 
 
-def note_event(outcome: Outcome, event: Event) -> None:
+def note_event(outcome: CaseOutcome, event: Event) -> None:
     """Note what an event means for an `expect` block."""
     if isinstance(event, TextMessage) and event.level != "warning":
         outcome.lists["out"].append(event.text)

@@ -6,22 +6,22 @@ import tomllib
 from collections.abc import Iterable
 from typing import Any, Final
 
-from elitescript.controller.contact import ContactConfig
+from elitescript.controller.force.contact import ContactConfig
+from elitescript.devices.memory import MemoryEnvironment
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import compile_unit
 from elitescript.language.options import SECONDARY, Options
-from elitescript.language.source import SourceFile
-from elitescript.language.units import Refusal, Unit, UnitSplitter
+from elitescript.language.text.source import SourceFile
+from elitescript.language.text.units import DiscardedText, Unit, UnitSplitter
 from elitescript.lint.engine import check_source
 from elitescript.messages.events import Event
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
 from elitescript.messages.timing import PERIOD_S
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
-from elitescript.testing.spec import Case, Expectation, Outcome, Text, differences
+from elitescript.testing.spec import Case, CaseOutcome, Expectation, ProgramBlock, differences
 from elitescript.testing.spec_events import note_event
 from elitescript.testing.spec_server import PageServer, network, written
-from elitescript.worlds.memory import MemoryWorld
 
 FILE_LIMIT_S: Final = 100_000.0
 """Virtual time after which a program of a page is cut; a simulated day passes in milliseconds."""
@@ -51,11 +51,11 @@ class _Observed:
         self._is_strict = "strict" in words
         self._firmware = words.get("firmware", DEFAULT_FIRMWARE)
         self._until_s = float(words.get("until", STREAM_S if case.is_stream else FILE_LIMIT_S))
-        self.outcome = Outcome()
+        self.outcome = CaseOutcome()
         self._servers = [PageServer(line, text) for _, line, text in case.servers]
         self._robot = VirtualRobot(
             "CS66",
-            world=MemoryWorld(channels=network(self._servers, (end for end, _, _ in case.servers))),
+            world=MemoryEnvironment(channels=network(self._servers, (end for end, _, _ in case.servers))),
             firmware=self._firmware,
             strict=self._is_strict,
             contact=ContactConfig.from_table(tomllib.loads(case.cell).get("contact", {})),
@@ -64,7 +64,7 @@ class _Observed:
         for time_s, name, value in case.inputs:
             self._robot.at(time_s, name, value)
 
-    def run(self, text: Text) -> None:
+    def run(self, text: ProgramBlock) -> None:
         """Run a text as the command line runs a file."""
         source = SourceFile("<page>", text.sent)
         problems = self._check(source)
@@ -79,7 +79,7 @@ class _Observed:
             return
         self._finish(run)
 
-    def converse(self, texts: Iterable[Text]) -> None:
+    def converse(self, texts: Iterable[ProgramBlock]) -> None:
         """Let texts arrive on the script port, and do what the port does with their units."""
         splitter = UnitSplitter()
         self._check(SourceFile("<page>", "".join(text.sent for text in texts)))
@@ -97,8 +97,8 @@ class _Observed:
         else:
             self._finish(run)
 
-    def _take(self, part: Unit | Refusal) -> None:
-        if isinstance(part, Refusal):
+    def _take(self, part: Unit | DiscardedText) -> None:
+        if isinstance(part, DiscardedText):
             self._refuse(part.problems)
             return
         try:

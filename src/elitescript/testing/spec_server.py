@@ -5,10 +5,10 @@ from __future__ import annotations
 from ast import literal_eval
 from collections.abc import Callable, Iterable
 
+from elitescript.devices.channels.network import DeviceLink, Peer, VirtualNetwork
 from elitescript.errors import UsageError
-from elitescript.worlds.virtual.network import Link, Peer, VirtualNetwork
 
-Act = Callable[[Link], None]
+Act = Callable[[DeviceLink], None]
 
 
 class PageServer:
@@ -51,19 +51,19 @@ class PageServer:
                 sent = _bytes(data)
                 self.plan.append((float(time_s), lambda link: link.send(sent)))
             elif action == "close":
-                self.plan.append((float(time_s), Link.close))
+                self.plan.append((float(time_s), DeviceLink.close))
             else:
                 raise ValueError(action)
         elif row:
             raise ValueError(row)
 
-    def accept(self, link: Link) -> Peer:
-        """A connection."""
+    def accept(self, link: DeviceLink) -> Peer:
+        """Return a connection."""
         return _PagePeer(link, self)
 
 
 class _PagePeer(Peer):
-    def __init__(self, link: Link, server: PageServer) -> None:
+    def __init__(self, link: DeviceLink, server: PageServer) -> None:
         super().__init__(link)
         self._server = server
         self._heard = b""
@@ -92,7 +92,7 @@ def _bytes(literal: str) -> bytes:
 
 
 def network(servers: Iterable[PageServer], ends: Iterable[int | str]) -> VirtualNetwork:
-    """A network with servers on ports, and devices on serial lines."""
+    """Return a network with servers on ports, and devices on serial lines."""
     found = VirtualNetwork()
     for end, server in zip(ends, servers, strict=True):
         if isinstance(end, int):
@@ -103,5 +103,5 @@ def network(servers: Iterable[PageServer], ends: Iterable[int | str]) -> Virtual
 
 
 def written(data: bytes | bytearray) -> str:
-    """Bytes as a page writes them."""
+    """Return bytes as a page writes them."""
     return repr(bytes(data))[2:-1]

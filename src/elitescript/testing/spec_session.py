@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.language.source import SourceFile
-from elitescript.language.units import Refusal, UnitSplitter
+from elitescript.language.text.source import SourceFile
+from elitescript.language.text.units import DiscardedText, UnitSplitter
 from elitescript.lint.engine import check_source
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm
@@ -17,7 +17,7 @@ from elitescript.messages.timing import ticks_for
 from elitescript.protocol.connection import Connection
 from elitescript.protocol.interpreter import InterpreterConnection
 from elitescript.protocol.query import QueryConnection
-from elitescript.testing.spec import Case, Expectation, Outcome
+from elitescript.testing.spec import Case, CaseOutcome, Expectation
 from elitescript.testing.spec_events import note_event
 
 CLIENT: Final = "primary#1"
@@ -41,7 +41,7 @@ end
 """The program of conversations with the query port."""
 
 
-def run_session(case: Case, expectation: Expectation) -> Outcome:
+def run_session(case: Case, expectation: Expectation) -> CaseOutcome:
     """Run a case; return what was seen."""
     session = _Session(expectation.words.get("firmware", DEFAULT_FIRMWARE))
     text = case.texts[0]
@@ -63,7 +63,7 @@ class _Session:
 
     def __init__(self, firmware: str) -> None:
         self.kernel = Kernel(KernelConfig(firmware=firmware, power_on=True))
-        self.outcome = Outcome()
+        self.outcome = CaseOutcome()
         self._profile = profile(firmware)
         self._last = self._tick()
 
@@ -74,12 +74,12 @@ class _Session:
             self.outcome.findings.append(f"{word}: {problem.code} line {problem.line}")
         splitter = UnitSplitter()
         for part in [*splitter.receive(text.encode()), *splitter.close()]:
-            if isinstance(part, Refusal):
+            if isinstance(part, DiscardedText):
                 self._note_refusal(part)
             else:
                 self._tick(RunUnit(CLIENT, part.kind, part.text, part.first_line))
 
-    def _note_refusal(self, refusal: Refusal) -> None:
+    def _note_refusal(self, refusal: DiscardedText) -> None:
         self.outcome.lists["error"] += [f"{problem.code} line {problem.line}" for problem in refusal.problems]
 
     def converse(self, text: str, connection: Connection) -> None:

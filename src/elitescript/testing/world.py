@@ -2,31 +2,31 @@
 
     >>> from elitescript.testing.world import TcpServer, World
 
-See `docs/devices.md`.
+See `docs/how-to/devices.md`.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from elitescript.devices.agenda import DeviceError
+from elitescript.devices.channels.faults import Fault
+from elitescript.devices.device import Device
+from elitescript.devices.kinds.client import ModbusClient, TcpClient
+from elitescript.devices.kinds.modbus import ModbusDevice
+from elitescript.devices.kinds.parts import Parts
+from elitescript.devices.kinds.serial import SerialDevice
+from elitescript.devices.kinds.tcp import TcpConnection, TcpServer
+from elitescript.devices.kinds.wiring import Schedule, Wire
+from elitescript.devices.kinds.xmlrpc import RpcFault, XmlRpcServer
+from elitescript.devices.signals import RobotSignals
+from elitescript.devices.world import World
+from elitescript.devices.world_file import load_cell
 from elitescript.errors import UsageError
-from elitescript.worlds.cell import load_cell
-from elitescript.worlds.virtual.agenda import DeviceError
-from elitescript.worlds.virtual.client import ModbusClient, TcpClient
-from elitescript.worlds.virtual.device import Device
-from elitescript.worlds.virtual.faults import Fault
-from elitescript.worlds.virtual.modbus import ModbusDevice
-from elitescript.worlds.virtual.parts import Parts
-from elitescript.worlds.virtual.serial import SerialDevice
-from elitescript.worlds.virtual.signals import RobotSignals
-from elitescript.worlds.virtual.tcp import TcpConnection, TcpServer
-from elitescript.worlds.virtual.wiring import Schedule, Wire
-from elitescript.worlds.virtual.world import World
-from elitescript.worlds.virtual.xmlrpc import RpcFault, XmlRpcServer
 
 
 def load_world(path: str | Path) -> World:
-    """The world that a file declares, to add devices to it before a robot gets it.
+    """Return the world that a file declares, to add devices to it before a robot gets it.
 
     Raises:
         UsageError: a mistake in the file, or nothing in it that is beside the robot; the text names file and line.

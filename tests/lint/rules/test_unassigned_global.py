@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import profile
 from tests.lint.checking import body, found, marked, only

@@ -51,6 +51,6 @@ def test_a_slip_is_recognised():
 
 def test_the_list_is_the_one_that_programs_get():
     from elitescript.language.modules import AVAILABLE
-    from elitescript.runtime import facades
+    from elitescript.runtime.names import modules as facades
 
     assert facades.AVAILABLE == AVAILABLE

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.foreign import FOREIGN
+from elitescript.commands.definition.foreign import FOREIGN
 from tests.lint.checking import body, found, marked, only, repaired
 
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.language.source import SourceFile
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import profile
 from elitescript.models.model import load_model

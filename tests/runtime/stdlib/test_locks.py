@@ -1,8 +1,8 @@
 import pytest
 
-from elitescript.runtime.scheduler import Scheduler
 from elitescript.runtime.stdlib.locks import TIMEOUT_MAX, lock, new_lock, new_rlock, release_at_end
-from elitescript.runtime.strand import Stopped
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Stopped
 
 
 class Bench:

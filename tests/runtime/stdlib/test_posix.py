@@ -2,7 +2,7 @@ import sys
 
 import pytest
 
-from elitescript.worlds.memory import MemoryWorld
+from elitescript.devices.memory import MemoryEnvironment
 from tests.runtime.machine import run
 
 
@@ -28,7 +28,7 @@ textmsg(os.listdir("a"), os.path.exists("points.csv"), os.path.abspath("a/../x")
 from os.path import dirname
 textmsg(dirname("/task/a/b"))
 """
-    assert logged(body, world=MemoryWorld({"points.csv": b"1,2\n"})) == [
+    assert logged(body, world=MemoryEnvironment({"points.csv": b"1,2\n"})) == [
         "a/b.txt('x', '.csv')y/",
         "1000{}None3/task",
         "['points.csv']TrueTrueFalse",
@@ -76,7 +76,7 @@ textmsg(path.pardir, path.curdir, path.extsep, os.pardir, os.curdir)
 )
 def test_nobody_knows_when_a_file_was_changed(path, error):
     body = f"import os\ntry:\n  os.path.getmtime({path!r})\nexcept {error} as e:\n  textmsg(e)\n"
-    bench = run(body, world=MemoryWorld({"points.csv": b""}))
+    bench = run(body, world=MemoryEnvironment({"points.csv": b""}))
     assert bench.alarms == [] and path in bench.log[0]
 
 

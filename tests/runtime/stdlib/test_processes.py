@@ -1,6 +1,6 @@
 import pytest
 
-from elitescript.runtime.stdlib.processes import PROCESSES_MAX, ProcessTable
+from elitescript.runtime.stdlib.subprocess_module import PROCESSES_MAX, ProcessTable
 from tests.runtime.machine import Bench, run
 
 

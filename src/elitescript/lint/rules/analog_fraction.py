@@ -13,11 +13,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.lint.doubts import findings
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W234", since="0.2")
-def analog_fraction(program: Program) -> Iterator[Finding]:
+def analog_fraction(program: AnalysedProgram) -> Iterator[Finding]:
     """Report levels of analog outputs outside their range."""
     return findings(program, "W234")

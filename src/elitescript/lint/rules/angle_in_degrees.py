@@ -14,11 +14,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.lint.doubts import findings
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W230", since="0.2")
-def angle_in_degrees(program: Program) -> Iterator[Finding]:
+def angle_in_degrees(program: AnalysedProgram) -> Iterator[Finding]:
     """Report joint positions and orientations that are degrees."""
     return findings(program, "W230")

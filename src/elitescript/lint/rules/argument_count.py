@@ -12,12 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="E303", since="0.1")
-def argument_count(program: Program) -> Iterator[Finding]:
+def argument_count(program: AnalysedProgram) -> Iterator[Finding]:
     """Report what is surplus, missing, misnamed or given twice."""
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):
         for misfit in arguments.misfits:

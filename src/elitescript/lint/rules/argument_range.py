@@ -13,12 +13,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.errors import ArgumentTypeError
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="E305", since="0.1")
-def argument_range(program: Program) -> Iterator[Finding]:
+def argument_range(program: AnalysedProgram) -> Iterator[Finding]:
     """Report arguments of the right type whose value is refused."""
     for refusal in program.refusals:
         if not isinstance(refusal.error, ArgumentTypeError):

@@ -13,12 +13,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.errors import ArgumentTypeError
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="E304", since="0.1")
-def argument_type(program: Program) -> Iterator[Finding]:
+def argument_type(program: AnalysedProgram) -> Iterator[Finding]:
     """Report arguments of the wrong type or length."""
     for refusal in program.refusals:
         if isinstance(refusal.error, ArgumentTypeError):

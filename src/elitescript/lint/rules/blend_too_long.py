@@ -17,9 +17,9 @@ from collections.abc import Iterator
 from math import dist
 from typing import Final
 
-from elitescript.commands.plausibility import BLEND_MOST_M
-from elitescript.lint.places import Places
-from elitescript.lint.program import Program
+from elitescript.commands.definition.plausibility import BLEND_MOST_M
+from elitescript.lint.places import TargetPlaces
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.messages.motion import BLEND_SHARE, RADIUS_HINT, RADIUS_SHORTENED, Six
 
@@ -29,9 +29,9 @@ _ROOM: Final = 1e-3
 
 
 @rule(code="W235", since="0.2")
-def blend_too_long(program: Program) -> Iterator[Finding]:
+def blend_too_long(program: AnalysedProgram) -> Iterator[Finding]:
     """Report radii that reach back further than the middle of their move."""
-    places = Places(program)
+    places = TargetPlaces(program)
     calls = {called.call: place for place, called in enumerate(program.command_calls)}
     moving = [place for place, called in enumerate(program.command_calls) if _name(program, place) in _MOVES]
     blocks = {id(block): block for place in moving if (block := _block(program, program.command_calls[place].call))}
@@ -39,13 +39,13 @@ def blend_too_long(program: Program) -> Iterator[Finding]:
         yield from _block_findings(program, places, calls, block)
 
 
-def _name(program: Program, place: int) -> str:
+def _name(program: AnalysedProgram, place: int) -> str:
     command = program.command_calls[place].command
     return command.alias_of or command.name
 
 
-def _block(program: Program, call: ast.Call) -> list[ast.stmt] | None:
-    """The statements of which a call is one."""
+def _block(program: AnalysedProgram, call: ast.Call) -> list[ast.stmt] | None:
+    """Return the statements of which a call is one."""
     statement = program.symbols.parent(call)
     above = program.symbols.parent(statement) if isinstance(statement, ast.Expr) else None
     for field in ("body", "orelse", "finalbody"):
@@ -56,7 +56,7 @@ def _block(program: Program, call: ast.Call) -> list[ast.stmt] | None:
 
 
 def _block_findings(
-    program: Program, places: Places, calls: dict[ast.Call, int], block: list[ast.stmt]
+    program: AnalysedProgram, places: TargetPlaces, calls: dict[ast.Call, int], block: list[ast.stmt]
 ) -> Iterator[Finding]:
     start: int | None = None
     for statement in block:
@@ -77,7 +77,7 @@ def _block_findings(
             start = None
 
 
-def _judged(program: Program, places: Places, start: int, place: int) -> Iterator[Finding]:
+def _judged(program: AnalysedProgram, places: TargetPlaces, start: int, place: int) -> Iterator[Finding]:
     found = program.command_calls[place]
     node = next((node for param, node in program.arguments[place].given if param.name == "r"), None)
     r = None if node is None else program.constants.value(node, found.scope)
@@ -89,8 +89,8 @@ def _judged(program: Program, places: Places, start: int, place: int) -> Iterato
         yield Finding(node, text, RADIUS_HINT.format(most=most))
 
 
-def _most(places: Places, program: Program, start: int, place: int) -> float | None:
-    """The longest radius that the way from one target to the next allows, m."""
+def _most(places: TargetPlaces, program: AnalysedProgram, start: int, place: int) -> float | None:
+    """Return the longest radius that the way from one target to the next allows, m."""
     name = _name(program, place)
     if name == "movel":
         ends: list[Six | None] = [places.position(program.command_calls[at], at) for at in (start, place)]

@@ -16,13 +16,13 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.lint.repetition import Analyst
 
 
 @rule(code="W204", since="0.1", needs_all_lines=True)
-def busy_loop(program: Program) -> Iterator[Finding]:
+def busy_loop(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such loop."""
     loops = program.nodes(ast.While)
     if not loops:

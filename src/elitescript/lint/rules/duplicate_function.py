@@ -21,12 +21,12 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W217", since="0.2")
-def duplicate_function(program: Program) -> Iterator[Finding]:
+def duplicate_function(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each later definition."""
     for scope in program.symbols.scopes:
         for block in _blocks(scope.statements):
@@ -49,12 +49,12 @@ def duplicate_function(program: Program) -> Iterator[Finding]:
                     latest[statement.name] = statement
 
 
-def _is_repeated(before: ast.FunctionDef, after: ast.FunctionDef, program: Program) -> bool:
+def _is_repeated(before: ast.FunctionDef, after: ast.FunctionDef, program: AnalysedProgram) -> bool:
     return program.parsed.has_line_marks and ast.dump(before) == ast.dump(after)
 
 
 def _blocks(statements: list[ast.stmt]) -> Iterator[list[ast.stmt]]:
-    """The statements of a scope, and those of the blocks in it that are no scopes of their own."""
+    """Yield the statements of a scope, and those of the blocks in it that are no scopes of their own."""
     stack = [statements]
     while stack:
         block = stack.pop()

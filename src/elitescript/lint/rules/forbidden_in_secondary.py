@@ -15,12 +15,12 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W205", since="0.1")
-def forbidden_in_secondary(program: Program) -> Iterator[Finding]:
+def forbidden_in_secondary(program: AnalysedProgram) -> Iterator[Finding]:
     """Report such calls inside `sec`."""
     inside = [(node.lineno, node.end_lineno or node.lineno) for node in program.secondaries]
     if not inside:
@@ -41,8 +41,8 @@ _PYTHON_SLEEP: Final = "time.sleep"
 """Python's own function that waits, and so is refused like the command `sleep`."""
 
 
-def _remote_calls(program: Program) -> Iterator[tuple[ast.Call, str]]:
-    """Remote procedures, called through what `rpc_factory` gave in the same text."""
+def _remote_calls(program: AnalysedProgram) -> Iterator[tuple[ast.Call, str]]:
+    """Yield remote procedures, called through what `rpc_factory` gave in the same text."""
     for scope in program.symbols.scopes:
         for call in scope.calls:
             base = call.func.value if isinstance(call.func, ast.Attribute) else None
@@ -56,13 +56,13 @@ def _remote_calls(program: Program) -> Iterator[tuple[ast.Call, str]]:
                 yield call, "remote procedures"
 
 
-def _is_factory(node: ast.AST | None, program: Program) -> bool:
+def _is_factory(node: ast.AST | None, program: AnalysedProgram) -> bool:
     if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name) or node.func.id != "rpc_factory":
         return False
     return program.command(node.func.id, program.symbols.scope_of(node)) is not None
 
 
-def _python_sleeps(program: Program) -> Iterator[ast.Call]:
+def _python_sleeps(program: AnalysedProgram) -> Iterator[ast.Call]:
     module, _, name = _PYTHON_SLEEP.partition(".")
     for scope in program.symbols.scopes:
         for call in scope.calls:

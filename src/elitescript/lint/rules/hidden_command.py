@@ -17,14 +17,14 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.reserved import RESERVED
+from elitescript.commands.definition.reserved import RESERVED
 from elitescript.language.symbols import Binding, Scope
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W203", since="0.1")
-def hidden_command(program: Program) -> Iterator[Finding]:
+def hidden_command(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first binding of each such variable."""
     seen = set()
     for scope in program.symbols.scopes:
@@ -66,8 +66,8 @@ def _is_private(binding: Binding, scope: Scope) -> bool:
     return scope.kind == "function" and scope.has_local(binding.name) and binding.kind not in ("def", "class")
 
 
-def _is_missed(name: str, first: Binding, scope: Scope, program: Program) -> bool:
-    """Whether a variable, which is no function, is called where the command would be."""
+def _is_missed(name: str, first: Binding, scope: Scope, program: AnalysedProgram) -> bool:
+    """Return whether a variable, which is no function, is called where the command would be."""
     if first.kind in ("def", "class", "parameter"):
         return False
     home = scope if scope.has_local(name) else None

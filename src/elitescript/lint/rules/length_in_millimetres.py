@@ -14,11 +14,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.lint.doubts import findings
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W231", since="0.2")
-def length_in_millimetres(program: Program) -> Iterator[Finding]:
+def length_in_millimetres(program: AnalysedProgram) -> Iterator[Finding]:
     """Report positions, tools, radii and centres of gravity beyond what any arm reaches."""
     return findings(program, "W231")

@@ -14,14 +14,14 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.errors import ArgumentRangeError, MirroredAddressError
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 _WRITERS: Final = ("write_port_bit", "write_port_register")
 
 
 @rule(code="W260", since="0.1")
-def mirrored_address(program: Program) -> Iterator[Finding]:
+def mirrored_address(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such write whose address is certain."""
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):
         name = called.command.name

@@ -21,13 +21,13 @@ from collections.abc import Iterator
 
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.options import LINE
-from elitescript.language.rewriting import BlockEnd
-from elitescript.lint.program import Program
+from elitescript.language.text.rewriting import BlockEnd
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, Span, rule
 
 
 @rule(code="W216", since="0.2", needs_all_lines=True)
-def missing_end(program: Program) -> Iterator[Finding]:
+def missing_end(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such block at its header."""
     if program.parsed.options.kind == LINE or program.parsed.has_line_marks:
         return
@@ -50,7 +50,7 @@ _CLOSED_FOR_EACH_OPEN = 3
 
 
 def _group(block: BlockEnd) -> str:
-    """What a block is compared with; empty for what needs no `end`."""
+    """Return what a block is compared with; empty for what needs no `end`."""
     if block.word in ("", "case", "async"):
         return ""
     if block.word in ("def", "sec", "thread"):
@@ -60,7 +60,7 @@ def _group(block: BlockEnd) -> str:
     return "class" if block.word == "class" else "statement"
 
 
-def _finding(program: Program, block: BlockEnd, closed: int) -> Finding:
+def _finding(program: AnalysedProgram, block: BlockEnd, closed: int) -> Finding:
     opener, last = block.opener, block.last
     row = program.source.line(opener.line)
     start = len(row) - len(row.lstrip()) + 1

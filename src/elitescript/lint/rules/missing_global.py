@@ -24,12 +24,12 @@ from typing import Final
 
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.symbols import Binding, Scope
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W202", since="0.1")
-def missing_global(program: Program) -> Iterator[Finding]:
+def missing_global(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first assignment of each such name in each scope."""
     for scope in program.symbols.scopes:
         if scope.kind not in ("function", "body"):
@@ -56,19 +56,19 @@ _LONGEST_COUNTER: Final = 2
 
 
 def _is_used(name: str, scope: Scope) -> bool:
-    """Whether something reads the variable `name` that `scope` has for itself."""
+    """Return whether something reads the variable `name` that `scope` has for itself."""
     return any(name in inner.reads for inner in scope.walk() if inner is scope or inner.home(name) is scope)
 
 
-def _is_for_others(name: str, scope: Scope, program: Program) -> bool:
-    """Whether the variable of a loop in `scope` is of no use there, while something reads a global of that name."""
+def _is_for_others(name: str, scope: Scope, program: AnalysedProgram) -> bool:
+    """Return whether a loop variable of `scope` is not used there, while something reads a global of that name."""
     if len(name) <= _LONGEST_COUNTER or name not in program.symbols.global_names or _is_used(name, scope):
         return False
     return any(name in other.reads and other.home(name) is None for other in program.symbols.scopes)
 
 
-def _declaring_scope(name: str, scope: Scope, program: Program) -> Scope | None:
-    """The scope whose `global` statement the assignment in `scope` misses."""
+def _declaring_scope(name: str, scope: Scope, program: AnalysedProgram) -> Scope | None:
+    """Return the scope whose `global` statement the assignment in `scope` misses."""
     if name not in program.symbols.global_names:
         return None
     others = [other for other in program.symbols.scopes if name in other.globals]
@@ -89,7 +89,7 @@ def _place(scope: Scope) -> str:
     return f"the function `{scope.name}`" if scope.name else "another function"
 
 
-def _fix(binding: Binding, scope: Scope, program: Program) -> Fix | None:
+def _fix(binding: Binding, scope: Scope, program: AnalysedProgram) -> Fix | None:
     statements = scope.statements
     first = statements[0]
     is_docstring = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)

@@ -21,12 +21,12 @@ from collections.abc import Iterator
 
 from elitescript.language.symbols import Scope
 from elitescript.lint.flow import Flow, own_nodes
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W220", since="0.2", needs_all_lines=True)
-def missing_return(program: Program) -> Iterator[Finding]:
+def missing_return(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such function at its name."""
     flow = Flow(program)
     calls = _calls_by_name(program)
@@ -58,7 +58,7 @@ def _is_none(node: ast.AST | None) -> bool:
     return isinstance(node, ast.Constant) and node.value is None
 
 
-def _calls_by_name(program: Program) -> dict[str, list[tuple[ast.Call, Scope]]]:
+def _calls_by_name(program: AnalysedProgram) -> dict[str, list[tuple[ast.Call, Scope]]]:
     calls: dict[str, list[tuple[ast.Call, Scope]]] = {}
     for scope in program.symbols.scopes:
         for call in scope.calls:
@@ -67,8 +67,8 @@ def _calls_by_name(program: Program) -> dict[str, list[tuple[ast.Call, Scope]]]:
     return calls
 
 
-def _line_of_use(function: Scope, calls: list[tuple[ast.Call, Scope]], program: Program) -> int:
-    """The first line that cannot do with `None` for the value; 0 if there is none, or if some caller expects it."""
+def _line_of_use(function: Scope, calls: list[tuple[ast.Call, Scope]], program: AnalysedProgram) -> int:
+    """Return the first line that cannot use `None` as the value; 0 if there is none or a caller expects it."""
     lines = []
     for call, scope in calls:
         if function not in program.symbols.definitions(function.name, scope):
@@ -80,8 +80,8 @@ def _line_of_use(function: Scope, calls: list[tuple[ast.Call, Scope]], program: 
     return min(lines, default=0)
 
 
-def _uses(call: ast.expr, scope: Scope, program: Program) -> Iterator[ast.expr]:
-    """The places at which the value of a call is looked at: the call itself, or the variable that gets it."""
+def _uses(call: ast.expr, scope: Scope, program: AnalysedProgram) -> Iterator[ast.expr]:
+    """Yield the places at which the value of a call is looked at: the call itself, or the variable that gets it."""
     above = program.symbols.parent(call)
     if isinstance(above, (ast.Assign, ast.AnnAssign)):
         targets = above.targets if isinstance(above, ast.Assign) else [above.target]
@@ -97,15 +97,15 @@ def _uses(call: ast.expr, scope: Scope, program: Program) -> Iterator[ast.expr]:
         yield call
 
 
-def _asks_for_none(use: ast.expr, program: Program) -> bool:
+def _asks_for_none(use: ast.expr, program: AnalysedProgram) -> bool:
     above = program.symbols.parent(use)
     if isinstance(above, ast.Compare):
         return any(_is_none(side) for side in (above.left, *above.comparators))
     return isinstance(above, ast.Call) and isinstance(above.func, ast.Name) and above.func.id in _KIND_QUESTIONS
 
 
-def _takes_none(use: ast.expr, program: Program) -> bool:
-    """Whether a value is only asked whether it is true or equal to something, handed on, or never looked at."""
+def _takes_none(use: ast.expr, program: AnalysedProgram) -> bool:
+    """Return whether a value is only asked whether it is true or equal to something, handed on, or never looked at."""
     above = program.symbols.parent(use)
     if isinstance(above, ast.Compare):
         return all(isinstance(operator, (ast.Eq, ast.NotEq, ast.Is, ast.IsNot)) for operator in above.ops)

@@ -13,15 +13,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import get_args
 
+from elitescript.commands.definition.quantities import BlendRadius
 from elitescript.commands.motion import NEGATIVE_RADIUS_HINT, negative_radius_text
-from elitescript.commands.quantities import BlendRadius
 from elitescript.errors import ScriptError
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W250", since="0.1")
-def negative_radius(program: Program) -> Iterator[Finding]:
+def negative_radius(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such argument that the command takes."""
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):
         for param, node in arguments.given:

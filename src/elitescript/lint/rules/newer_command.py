@@ -12,13 +12,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.vocabulary import newer_firmware_hint, newer_firmware_text
-from elitescript.lint.program import Program
+from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="E302", since="0.1")
-def newer_command(program: Program) -> Iterator[Finding]:
+def newer_command(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each use of such a command."""
     for use in program.outside:
         command = CATALOGUE.get(use.name)

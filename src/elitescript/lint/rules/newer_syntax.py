@@ -19,14 +19,14 @@ import sys
 from collections.abc import Iterator
 from typing import Final
 
-from elitescript.language.lexer import lex
 from elitescript.language.symbols import Resolution
-from elitescript.lint.program import Program
+from elitescript.language.text.lexer import lex
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, Span, rule
 
 
 @rule(code="W212", since="0.1")
-def newer_syntax(program: Program) -> Iterator[Finding]:
+def newer_syntax(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such construct."""
     for statement in program.nodes(ast.Match):
         yield _finding(program.header_span(statement), "`match`", "3.10", "write if and elif")
@@ -61,12 +61,12 @@ def _finding(where: Span, what: str, version: str, hint: str) -> Finding:
     return Finding(where, f"{what} is new in Python {version}; the robot's Python may be older", hint)
 
 
-def _is_python_name(node: ast.Name, program: Program) -> bool:
+def _is_python_name(node: ast.Name, program: AnalysedProgram) -> bool:
     return program.symbols.scope_of(node).resolve(node.id) is Resolution.BUILTIN
 
 
-def _is_never_computed(node: ast.expr, program: Program) -> bool:
-    """Whether it is the type of a variable of a function, which Python reads and forgets."""
+def _is_never_computed(node: ast.expr, program: AnalysedProgram) -> bool:
+    """Return whether it is the type of a variable of a function, which Python reads and forgets."""
     child: ast.AST = node
     for above in program.symbols.ancestors(node):
         if isinstance(above, ast.stmt):
@@ -80,7 +80,7 @@ def _is_none(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and node.value is None
 
 
-def _decorators(program: Program) -> Iterator[ast.expr]:
+def _decorators(program: AnalysedProgram) -> Iterator[ast.expr]:
     for function in program.nodes(ast.FunctionDef):
         yield from function.decorator_list
     for cls in program.nodes(ast.ClassDef):
@@ -95,8 +95,8 @@ def _is_plain_decorator(node: ast.expr) -> bool:
     return isinstance(node, ast.Name)
 
 
-def _is_bracketed(block: ast.With, program: Program) -> bool:
-    """One pair of brackets holds all items, and these are more than an expression."""
+def _is_bracketed(block: ast.With, program: AnalysedProgram) -> bool:
+    """Return one pair of brackets holds all items, and these are more than an expression."""
     if len(block.items) == 1 and block.items[0].optional_vars is None:
         return False
     line, column = program.symbols.place(block)
@@ -115,8 +115,8 @@ def _is_bracketed(block: ast.With, program: Program) -> bool:
     return False
 
 
-def _is_new_format(text: ast.JoinedStr, program: Program) -> bool:
-    """Whether the braces of a formatted string hold what older Pythons do not accept there."""
+def _is_new_format(text: ast.JoinedStr, program: AnalysedProgram) -> bool:
+    """Return whether the braces of a formatted string hold what older Pythons do not accept there."""
     holds_text = any(
         isinstance(node, (ast.JoinedStr, ast.Constant)) and isinstance(getattr(node, "value", ""), str)
         for part in text.values

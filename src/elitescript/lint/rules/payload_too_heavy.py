@@ -12,11 +12,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.lint.doubts import findings
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W233", since="0.2")
-def payload_too_heavy(program: Program) -> Iterator[Finding]:
+def payload_too_heavy(program: AnalysedProgram) -> Iterator[Finding]:
     """Report masses that the arm cannot carry."""
     return findings(program, "W233")

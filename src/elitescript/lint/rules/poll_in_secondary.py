@@ -13,12 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W221", since="0.2")
-def poll_in_secondary(program: Program) -> Iterator[Finding]:
+def poll_in_secondary(program: AnalysedProgram) -> Iterator[Finding]:
     """Report such calls inside `sec`."""
     inside = [(node.lineno, node.end_lineno or node.lineno) for node in program.secondaries]
     if not inside:

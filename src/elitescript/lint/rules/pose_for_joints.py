@@ -15,11 +15,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.lint.doubts import findings
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W237", since="0.2")
-def pose_for_joints(program: Program) -> Iterator[Finding]:
+def pose_for_joints(program: AnalysedProgram) -> Iterator[Finding]:
     """Report lists that come from a command of the other kind."""
     return findings(program, "W237")

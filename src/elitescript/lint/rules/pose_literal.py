@@ -14,12 +14,12 @@ from collections.abc import Iterator
 
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.symbols import Resolution
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W211", since="0.1", instead_of=("W201",))
-def pose_literal(program: Program) -> Iterator[Finding]:
+def pose_literal(program: AnalysedProgram) -> Iterator[Finding]:
     """Report `p[...]` where `p` is nothing, or has six numbers between its brackets."""
     for node in program.nodes(ast.Subscript):
         name = node.value

@@ -16,12 +16,12 @@ import ast
 from collections.abc import Iterator
 
 from elitescript.language.kinds import SCRIPT
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W208", since="0.1", instead_of=("W201", "E301"))
-def program_name(program: Program) -> Iterator[Finding]:
+def program_name(program: AnalysedProgram) -> Iterator[Finding]:
     """Report uses of the label inside the program, and calls of it behind."""
     parsed = program.parsed
     if parsed.unit is not None:

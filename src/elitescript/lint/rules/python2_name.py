@@ -19,12 +19,12 @@ from typing import Final
 
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.symbols import Resolution
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, Span, rule
 
 
 @rule(code="W209", since="0.1", instead_of=("W201", "E301"))
-def python2_name(program: Program) -> Iterator[Finding]:
+def python2_name(program: AnalysedProgram) -> Iterator[Finding]:
     """Report names, methods and the old form of `sort`."""
     for use in program.outside:
         is_old = use.name in _NAMES and use.name not in program.unread_names
@@ -53,7 +53,7 @@ _NAMES: Final = {
 _ITERATORS: Final = {"iteritems": "items", "iterkeys": "keys", "itervalues": "values"}
 
 
-def _method(call: ast.Call, function: ast.Attribute, program: Program) -> Iterator[Finding]:
+def _method(call: ast.Call, function: ast.Attribute, program: AnalysedProgram) -> Iterator[Finding]:
     name = function.attr
     if name not in ("has_key", "sort", *_ITERATORS) or _is_own_method(name, program):
         return
@@ -72,12 +72,12 @@ def _method(call: ast.Call, function: ast.Attribute, program: Program) -> Iterat
         yield Finding(call.args[0], text, hint)
 
 
-def _is_own_method(name: str, program: Program) -> bool:
-    """Whether a class of the program has a method of that name."""
+def _is_own_method(name: str, program: AnalysedProgram) -> bool:
+    """Return whether a class of the program has a method of that name."""
     return any(scope.kind == "class" and name in scope.bindings for scope in program.symbols.scopes)
 
 
-def _is_module(node: ast.expr, program: Program) -> bool:
+def _is_module(node: ast.expr, program: AnalysedProgram) -> bool:
     if not isinstance(node, ast.Name):
         return False
     scope = program.symbols.scope_of(node)
@@ -88,7 +88,7 @@ def _is_module(node: ast.expr, program: Program) -> bool:
     return any(binding.kind == "import" for binding in bindings)
 
 
-def _attribute_span(node: ast.Attribute, program: Program) -> Span:
+def _attribute_span(node: ast.Attribute, program: AnalysedProgram) -> Span:
     _, _, line, end = program.span(node)
     return Span(line, end - len(node.attr), line, end)
 
@@ -97,7 +97,7 @@ def _replacement(span: Span, new: str) -> Fix:
     return Fix(f"write {new}", (Edit(*span, new),), safe=True)
 
 
-def _membership(call: ast.Call, function: ast.Attribute, program: Program) -> Fix | None:
+def _membership(call: ast.Call, function: ast.Attribute, program: AnalysedProgram) -> Fix | None:
     line, column, end_line, end_column = program.span(call)
     if line != end_line:
         return None

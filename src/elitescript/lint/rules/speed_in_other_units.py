@@ -14,11 +14,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.lint.doubts import findings
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W232", since="0.2")
-def speed_in_other_units(program: Program) -> Iterator[Finding]:
+def speed_in_other_units(program: AnalysedProgram) -> Iterator[Finding]:
     """Report speeds and accelerations that no arm has."""
     return findings(program, "W232")

@@ -17,13 +17,13 @@ import re
 from collections.abc import Iterator
 
 from elitescript.language.kinds import SCRIPT
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, Span, rule
 from elitescript.lint.suggestions import nearest
 
 
 @rule(code="W206", since="0.1")
-def unassigned_global(program: Program) -> Iterator[Finding]:
+def unassigned_global(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first declaration of each such name."""
     if program.shares_globals or program.secondaries:
         return
@@ -42,8 +42,8 @@ def unassigned_global(program: Program) -> Iterator[Finding]:
         yield Finding(_name_in(first, name, program), f"nothing gives the global `{name}` a value", hint)
 
 
-def _name_in(statement: ast.Global, name: str, program: Program) -> Span:
-    """The place of the name in its declaration."""
+def _name_in(statement: ast.Global, name: str, program: AnalysedProgram) -> Span:
+    """Return the place of the name in its declaration."""
     line, column, end_line, end_column = program.span(statement)
     for number in range(line, end_line + 1):
         start = column if number == line else 1

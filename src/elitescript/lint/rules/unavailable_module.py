@@ -14,13 +14,13 @@ import ast
 from collections.abc import Iterator
 
 from elitescript.language.modules import AVAILABLE, NETWORK
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.lint.suggestions import nearest
 
 
 @rule(code="W213", since="0.1")
-def unavailable_module(program: Program) -> Iterator[Finding]:
+def unavailable_module(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each module that is imported and not available."""
     for statement in program.nodes(ast.Import):
         for alias in statement.names:

@@ -17,20 +17,20 @@ from collections.abc import Iterator
 
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.symbols import Scope
-from elitescript.lint.program import Program, Use
+from elitescript.lint.program import AnalysedProgram, Use
 from elitescript.lint.registry import Finding, rule
 
 _OPERATIONS = (ast.BoolOp, ast.BinOp, ast.Compare, ast.UnaryOp, ast.If, ast.While, ast.IfExp, ast.Assert)
 
 
 @rule(code="W215", since="0.1")
-def uncalled_command(program: Program) -> Iterator[Finding]:
+def uncalled_command(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the name of a command or function where only its call can be meant."""
     yield from _commands(program)
     yield from _functions(program)
 
 
-def _commands(program: Program) -> Iterator[Finding]:
+def _commands(program: AnalysedProgram) -> Iterator[Finding]:
     for use in program.outside:
         command = program.command(use.name, use.scope)
         if command is None or use.is_call or not _wants_the_result(program, use):
@@ -39,8 +39,8 @@ def _commands(program: Program) -> Iterator[Finding]:
         yield _finding(program, use.node, "command", needs_arguments=needs_arguments)
 
 
-def _functions(program: Program) -> Iterator[Finding]:
-    """Names of functions of the program, and of Python's own ones, as statements and conditions."""
+def _functions(program: AnalysedProgram) -> Iterator[Finding]:
+    """Yield names of functions of the program, and of Python's own ones, as statements and conditions."""
     for node in program.nodes(ast.Name):
         parent = program.symbols.parent(node)
         is_statement = isinstance(parent, ast.Expr)
@@ -59,7 +59,7 @@ _BUILTINS = frozenset(("exit", "input", "quit"))
 _WITHOUT_ARGUMENTS = frozenset(("exit", "quit"))
 
 
-def _finding(program: Program, node: ast.Name, kind: str, *, needs_arguments: bool) -> Finding:
+def _finding(program: AnalysedProgram, node: ast.Name, kind: str, *, needs_arguments: bool) -> Finding:
     line, _, end_line, end_column = program.span(node)
     fix = None
     if not needs_arguments:
@@ -78,8 +78,8 @@ def _is_condition(node: ast.Name, parent: ast.AST | None) -> bool:
     return isinstance(parent, ast.UnaryOp) and isinstance(parent.op, ast.Not)
 
 
-def _only_functions(name: str, scope: Scope, program: Program) -> list[ast.FunctionDef]:
-    """The functions that a name stands for; none if it may be something else."""
+def _only_functions(name: str, scope: Scope, program: AnalysedProgram) -> list[ast.FunctionDef]:
+    """Return the functions that a name stands for; none if it may be something else."""
     home = scope.home(name)
     bindings = home.bindings[name] if home else program.symbols.global_bindings(name)
     functions = [binding.node for binding in bindings if isinstance(binding.node, ast.FunctionDef)]
@@ -91,7 +91,7 @@ def _needs_arguments(function: ast.FunctionDef) -> bool:
     return len(args.posonlyargs) + len(args.args) > len(args.defaults) or None in args.kw_defaults
 
 
-def _wants_the_result(program: Program, use: Use) -> bool:
+def _wants_the_result(program: AnalysedProgram, use: Use) -> bool:
     parent = program.symbols.parent(use.node)
     if isinstance(parent, ast.Expr):
         return True
@@ -106,8 +106,8 @@ def _wants_the_result(program: Program, use: Use) -> bool:
     return False
 
 
-def _is_used_as_function(program: Program, name: str) -> bool:
-    """Whether a name is called, or handed on to somebody who may call it."""
+def _is_used_as_function(program: AnalysedProgram, name: str) -> bool:
+    """Return whether a name is called, or handed on to somebody who may call it."""
     parent = program.symbols.parent
     for node in program.nodes(ast.Name):
         if node.id == name and isinstance(node.ctx, ast.Load):

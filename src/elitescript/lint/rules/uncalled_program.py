@@ -17,12 +17,12 @@ from collections.abc import Iterator
 from elitescript.language.idle import idle_problem
 from elitescript.language.kinds import SCRIPT
 from elitescript.lint.effects import has_effect
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, Span, rule
 
 
 @rule(code="W214", since="0.1", needs_all_lines=True)
-def uncalled_program(program: Program) -> Iterator[Finding]:
+def uncalled_program(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the function with which a text that does nothing was meant to begin."""
     if program.parsed.kind == SCRIPT and not program.parsed.tree.body:
         text = "nothing runs: the text holds no statement"

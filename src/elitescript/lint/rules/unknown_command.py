@@ -13,16 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.commands.reserved import GENERATED_PREFIXES
+from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.kinds import SCRIPT
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.lint.suggestions import MOST_SUGGESTIONS, meant_by
 
 
 @rule(code="E301", since="0.1")
-def unknown_command(program: Program) -> Iterator[Finding]:
+def unknown_command(program: AnalysedProgram) -> Iterator[Finding]:
     """Report calls of unknown functions."""
     hints: dict[tuple[str, int], tuple[str, str]] = {}
     for use in program.unknown:

@@ -13,17 +13,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.commands.reserved import GENERATED_PREFIXES
+from elitescript.commands.definition.reserved import GENERATED_PREFIXES
+from elitescript.language.advice.unknown_names import WORDS
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.kinds import SCRIPT
-from elitescript.language.unknown_names import WORDS
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.lint.suggestions import MOST_SUGGESTIONS, meant_by
 
 
 @rule(code="W201", since="0.1")
-def unknown_name(program: Program) -> Iterator[Finding]:
+def unknown_name(program: AnalysedProgram) -> Iterator[Finding]:
     """Report uses of names that nothing defines, other than calls."""
     if program.shares_globals:
         return
@@ -44,6 +44,6 @@ def unknown_name(program: Program) -> Iterator[Finding]:
         yield Finding(use.node, f"the name `{name}` is not defined", hint, fix)
 
 
-def _belongs_to_a_pendant_program(name: str, program: Program) -> bool:
+def _belongs_to_a_pendant_program(name: str, program: AnalysedProgram) -> bool:
     """A script without a `def` may be a node of a program whose other parts the pendant writes."""
     return program.parsed.kind == SCRIPT and name.startswith(GENERATED_PREFIXES)

@@ -19,12 +19,12 @@ from typing import Final
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.language.hooks import LINE
 from elitescript.language.symbols import Resolution
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W207", since="0.1", needs_all_lines=True)
-def unreachable_code(program: Program) -> Iterator[Finding]:
+def unreachable_code(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first such statement of each block."""
     reported: list[tuple[int, int]] = []
     blocks = sorted(_blocks(program), key=lambda block: block[0].lineno)
@@ -71,7 +71,7 @@ _LONGEST_CHAIN: Final = 60
 _LEAVING: Final = frozenset(("exit", "halt", "quit"))
 
 
-def _blocks(program: Program) -> Iterator[list[ast.stmt]]:
+def _blocks(program: AnalysedProgram) -> Iterator[list[ast.stmt]]:
     for kind in _BLOCK_OWNERS:
         for owner in program.nodes(kind):
             for field in ("body", "orelse", "finalbody"):
@@ -80,8 +80,8 @@ def _blocks(program: Program) -> Iterator[list[ast.stmt]]:
                     yield block
 
 
-def _leaves(statement: ast.stmt, program: Program, depth: int = 0) -> bool:
-    """Whether the statement behind can never be reached from this one."""
+def _leaves(statement: ast.stmt, program: AnalysedProgram, depth: int = 0) -> bool:
+    """Return whether the statement behind can never be reached from this one."""
     if isinstance(statement, (ast.Return, ast.Raise, ast.Break, ast.Continue)):
         return True
     if isinstance(statement, ast.If):

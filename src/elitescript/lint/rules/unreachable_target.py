@@ -15,10 +15,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from elitescript.commands.plausibility import FULL_TURN
+from elitescript.commands.definition.plausibility import FULL_TURN
 from elitescript.lint.doubts import element
-from elitescript.lint.places import Places, six
-from elitescript.lint.program import Program
+from elitescript.lint.places import TargetPlaces, six
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 _JOINT_MOVES: Final = ("movej", "servoj")
@@ -30,9 +30,9 @@ _TARGETS: Final = ("W230", "W231", "W237")
 
 
 @rule(code="W236", since="0.2")
-def unreachable_target(program: Program) -> Iterator[Finding]:
+def unreachable_target(program: AnalysedProgram) -> Iterator[Finding]:
     """Report targets outside the joint limits, or out of reach."""
-    places = Places(program)
+    places = TargetPlaces(program)
     doubted = {node for node, doubt in program.doubts if doubt.code in _TARGETS}
     refused = {refusal.node for refusal in program.refusals}
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):

@@ -18,12 +18,12 @@ from collections.abc import Iterator
 
 from elitescript.language.options import LINE
 from elitescript.lint.effects import has_effect, is_tried
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W219", since="0.2")
-def unused_result(program: Program) -> Iterator[Finding]:
+def unused_result(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such statement."""
     if program.parsed.options.kind == LINE:
         return

@@ -19,12 +19,12 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.options import LINE
 from elitescript.language.symbols import Resolution
 from elitescript.lint.effects import has_effect, is_tried
-from elitescript.lint.program import Program
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="W218", since="0.2")
-def useless_statement(program: Program) -> Iterator[Finding]:
+def useless_statement(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such statement."""
     if program.parsed.options.kind == LINE:
         return
@@ -69,12 +69,12 @@ _OPERATOR_FREE = frozenset(("__init__", "__str__", "__repr__", "__call__", "__en
 
 
 def _is_text(value: ast.expr) -> bool:
-    """A comment in quotes, or the three dots of a body that is still to be written."""
+    """Return a comment in quotes, or the three dots of a body that is still to be written."""
     return isinstance(value, ast.Constant) and (isinstance(value.value, (str, bytes)) or value.value in (..., None))
 
 
-def _defines_operators(program: Program) -> bool:
-    """Whether a class of the program gives operators a meaning of their own."""
+def _defines_operators(program: AnalysedProgram) -> bool:
+    """Return whether a class of the program gives operators a meaning of their own."""
     return any(
         isinstance(inner, ast.FunctionDef) and inner.name.startswith("__") and inner.name not in _OPERATOR_FREE
         for node in program.nodes(ast.ClassDef)
@@ -82,7 +82,7 @@ def _defines_operators(program: Program) -> bool:
     )
 
 
-def _comparison(value: ast.Compare, program: Program) -> Finding:
+def _comparison(value: ast.Compare, program: AnalysedProgram) -> Finding:
     text = "this line only compares, and its result is not used"
     is_assignment = (
         len(value.ops) == 1

@@ -13,9 +13,9 @@ from collections import deque
 from typing import Any, Final
 
 from elitescript.messages.timing import ticks_for
-from elitescript.runtime.scheduler import Scheduler
-from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
-from elitescript.runtime.strand import Strand
+from elitescript.runtime.names.sealed import Sealed, hidden_slot, no_copy
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Strand
 
 TIMEOUT_MAX: Final = 9_223_372_036.0
 """Longest time-out, s; that of CPython on 64-bit systems."""

@@ -1,0 +1,218 @@
+"""How `elitescript check` reports: for people, as JSON lines, as GitHub workflow commands, as SARIF 2.1.0."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+from urllib.parse import quote
+
+from elitescript import __version__
+from elitescript.cli.output import jsonlines
+from elitescript.cli.output.screen import palette_of, rendered
+from elitescript.cli.output.writable import Writable
+from elitescript.errors import CODES
+from elitescript.language.diagnostics import Diagnostic, Fix, Severity, to_json
+from elitescript.language.text.source import SourceFile
+from elitescript.lint.fixing import Repair
+
+
+class CheckedFile(NamedTuple):
+    """What was found in one text.
+
+    Attributes:
+        name: of the text.
+        source: the text, after repairs.
+        problems: in the order of its lines.
+        repairs: what `--fix` has done.
+    """
+
+    name: str
+    source: SourceFile
+    problems: tuple[Diagnostic, ...]
+    repairs: tuple[Repair, ...] = ()
+
+
+class CheckReport:
+    """Writes problems for people."""
+
+    def __init__(self, out: Writable) -> None:
+        self._out = out
+        self._files = self._errors = self._warnings = self._repairs = 0
+
+    def file(self, checked: CheckedFile) -> None:
+        """Report one text."""
+        self._files += 1
+        self._repairs += len(checked.repairs)
+        for repair in checked.repairs:
+            self.repair(checked, repair)
+        for problem in checked.problems:
+            self._errors += problem.is_error
+            self._warnings += not problem.is_error
+            self.problem(checked, problem)
+
+    def repair(self, checked: CheckedFile, repair: Repair) -> None:
+        """Report one repair."""
+        self._line(f"{checked.name}:{repair.line}: repaired {repair.code}: {repair.title}")
+
+    def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
+        """Report one problem."""
+        self._line(rendered(problem, checked.source, palette_of(self._out)))
+
+    def end(self) -> None:
+        """All texts are reported."""
+
+    @property
+    def summary(self) -> str:
+        """Numbers of files, errors, warnings and repairs, as a line for people."""
+        repaired = f", {_count(self._repairs, 'repair')}" if self._repairs else ""
+        found = f"{_count(self._errors, 'error')}, {_count(self._warnings, 'warning')}"
+        return f"{_count(self._files, 'file')} checked: {found}{repaired}"
+
+    def _line(self, text: str) -> None:
+        self._out.write(text + "\n")
+
+
+class JsonCheckReport(CheckReport):
+    """Writes one JSON object per line."""
+
+    def repair(self, checked: CheckedFile, repair: Repair) -> None:
+        record = {"file": checked.name, "type": "fix", "code": repair.code, "line": repair.line, "text": repair.title}
+        self._line(jsonlines.line(record))
+
+    def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
+        self._line(jsonlines.line({"file": checked.name, **to_json(problem)}))
+
+
+class GithubReport(CheckReport):
+    """Writes workflow commands, which GitHub shows beside the lines of a change."""
+
+    def repair(self, checked: CheckedFile, repair: Repair) -> None:
+        place = f"file={_property(_relative(checked.name))},line={repair.line}"
+        self._line(f"::notice {place},title={repair.code}::{_message(f'repaired: {repair.title}')}")
+
+    def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
+        fields = {"file": _relative(checked.name), "line": problem.line, "col": problem.column}
+        fields["endLine"] = problem.end_line
+        if problem.end_line == problem.line:
+            fields["endColumn"] = problem.end_column
+        fields["title"] = f"{problem.code} {CODES[problem.code].title}"
+        text = f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text
+        place = ",".join(f"{name}={_property(str(value))}" for name, value in fields.items())
+        self._line(f"::{problem.severity} {place}::{_message(text)}")
+
+
+class SarifReport(CheckReport):
+    """Writes one SARIF 2.1.0 log, when all texts are checked."""
+
+    def __init__(self, out: Writable) -> None:
+        super().__init__(out)
+        self._results: list[dict[str, Any]] = []
+        self._codes: list[str] = []
+
+    def repair(self, checked: CheckedFile, repair: Repair) -> None:
+        """A log has problems only: what is repaired is none any more."""
+
+    def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
+        if problem.code not in self._codes:
+            self._codes.append(problem.code)
+        artifact = _artifact(checked.name)
+        text = f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text
+        region = _region(problem.line, problem.column, problem.end_line, problem.end_column)
+        result: dict[str, Any] = {
+            "ruleId": problem.code,
+            "ruleIndex": self._codes.index(problem.code),
+            "level": _LEVELS[problem.severity],
+            "message": {"text": text},
+            "locations": [{"physicalLocation": {"artifactLocation": artifact, "region": region}}],
+        }
+        if problem.fix is not None:
+            result["fixes"] = [_sarif_fix(problem.fix, artifact)]
+        self._results.append(result)
+
+    def end(self) -> None:
+        driver = {
+            "name": "elitescript",
+            "version": __version__,
+            "rules": [_sarif_rule(code) for code in self._codes],
+        }
+        run = {
+            "tool": {"driver": driver},
+            "columnKind": "unicodeCodePoints",
+            "invocations": [{"executionSuccessful": True}],
+            "results": self._results,
+        }
+        log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
+        self._line(jsonlines.line(log))
+
+
+FORMATS: Final[dict[str, type[CheckReport]]] = {
+    "text": CheckReport,
+    "json": JsonCheckReport,
+    "github": GithubReport,
+    "sarif": SarifReport,
+}
+"""By the word of `--format`."""
+
+_SCHEMA: Final = "https://json.schemastore.org/sarif-2.1.0.json"
+_LEVELS: Final = {Severity.ERROR: "error", Severity.WARNING: "warning"}
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _message(text: str) -> str:
+    """Return data of a workflow command."""
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    """Return a property of a workflow command."""
+    return _message(text).replace(":", "%3A").replace(",", "%2C")
+
+
+def _relative(name: str) -> str:
+    """Return a path as seen from the working directory, with slashes; unchanged if it is not below."""
+    try:
+        return Path(name).absolute().relative_to(Path.cwd()).as_posix()
+    except ValueError:
+        return Path(name).as_posix()
+
+
+def _artifact(name: str) -> dict[str, Any]:
+    if name.startswith("<"):
+        return {"uri": quote(name.strip("<>"))}
+    relative = _relative(name)
+    path = Path(relative)
+    if path.is_absolute():
+        return {"uri": path.as_uri()}
+    # A colon in the first part would be read as a scheme.
+    return {"uri": quote(relative), "uriBaseId": "%SRCROOT%"}
+
+
+def _region(line: int, column: int, end_line: int, end_column: int) -> dict[str, int]:
+    return {"startLine": line, "startColumn": column, "endLine": end_line, "endColumn": end_column}
+
+
+def _sarif_fix(fix: Fix, artifact: dict[str, Any]) -> dict[str, Any]:
+    replacements = [
+        {"deletedRegion": _region(*edit[:4]), "insertedContent": {"text": edit.text}} for edit in sorted(fix.edits)
+    ]
+    return {
+        "description": {"text": fix.title},
+        "artifactChanges": [{"artifactLocation": artifact, "replacements": replacements}],
+    }
+
+
+def _sarif_rule(code: str) -> dict[str, Any]:
+    from elitescript.lint.explanations import body, markdown
+
+    row = CODES[code]
+    return {
+        "id": code,
+        "name": "".join(word.capitalize() for word in row.title.split() if word.isalnum()),
+        "shortDescription": {"text": row.title},
+        "fullDescription": {"text": body(code).split("\n\n")[0].replace("\n", " ")},
+        "help": {"text": body(code), "markdown": markdown(code)},
+        "defaultConfiguration": {"level": row.default_severity},
+    }

@@ -1,0 +1,262 @@
+"""What a run prints: lines for people, or one JSON object per line for programs."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Collection, Iterable
+from pathlib import Path
+from typing import Any, Final, Protocol
+
+from elitescript.cli.output import jsonlines
+from elitescript.cli.output.event_records import record_of
+from elitescript.cli.output.screen import palette_of, rendered
+from elitescript.cli.output.writable import Writable
+from elitescript.controller.views.warning_limit import MOST
+from elitescript.errors import UsageError
+from elitescript.language.diagnostics import Diagnostic, to_json
+from elitescript.language.text.source import SourceFile
+from elitescript.messages.events import (
+    Alarm,
+    ChannelActivity,
+    DeviceNoted,
+    Event,
+    Popup,
+    Printed,
+    SafetyModeChanged,
+    SignalChanged,
+    TextMessage,
+    Warned,
+)
+from elitescript.messages.timing import seconds
+from elitescript.robot import VirtualRobot
+from elitescript.run import Run
+
+LOGS: Final = ("signals", "channels")
+"""What lines for people leave out unless `--log` asks for it."""
+
+
+def parse_logs(text: str | None) -> frozenset[str]:
+    """Return the names of `--log`, separated by commas; none if it is not given.
+
+    Raises:
+        UsageError: a name that is none of `LOGS`.
+    """
+    names = frozenset() if text is None else frozenset(name.strip() for name in text.split(","))
+    for name in sorted(names.difference(LOGS)):
+        raise UsageError(f"--log {text}: there is no {name!r}; there are {', '.join(LOGS)}")
+    return names
+
+
+class RunReport(Protocol):
+    """Where a run's words go."""
+
+    def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
+        """What was found before the run."""
+
+    def goes_on(self, errors: int) -> None:
+        """Say that the program starts though `errors` of its problems are errors."""
+
+    def start(self, robot: VirtualRobot, path: Path) -> None:
+        """The run begins."""
+
+    def event(self, event: Event) -> None:
+        """Something happened."""
+
+    def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
+        """The run takes long."""
+
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None) -> None:
+        """The run is over.
+
+        Args:
+            run: its record.
+            is_interrupted: Ctrl-C ended it.
+            overruns: ticks that began late, if it was paced.
+        """
+
+
+class JsonRunReport:
+    """One JSON object per line; hints for people go to standard error."""
+
+    def __init__(self, out: Writable) -> None:
+        self._out = out
+        self._said: set[tuple[str, int]] = set()
+        """Code and line of what was found before the run, which the run need not repeat."""
+
+    def _write(self, record: dict[str, Any]) -> None:
+        self._out.write(jsonlines.line(record) + "\n")
+        self._out.flush()
+
+    def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
+        for problem in problems:
+            self._said.add((problem.code, problem.line))
+            self._write(to_json(problem))
+
+    def goes_on(self, errors: int) -> None:
+        print(_why_it_runs(errors), file=sys.stderr)
+
+    def start(self, robot: VirtualRobot, path: Path) -> None:
+        pass
+
+    def event(self, event: Event) -> None:
+        is_said = isinstance(event, Warned) and (event.code, event.line) in self._said
+        record = None if is_said else record_of(event)
+        if record is not None:
+            self._write(record)
+
+    def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
+        print(_where(robot, wall_s), file=sys.stderr)
+
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None) -> None:
+        record: dict[str, Any] = {
+            "type": "end",
+            "state": run.state,
+            "t": run.time_s,
+            "globals": run.globals,
+            "joints": run.joints,
+            "tcp_pose": run.tcp_pose,
+            "signals": run.signals,
+        }
+        if overruns is not None:
+            record.update(paced=True, overruns=overruns)
+        elif run.is_paced:
+            record["paced"] = True
+        if run.undelivered:
+            record["undelivered"] = run.undelivered
+        if not run.is_reproducible:
+            record["reproducible"] = False
+        if run.state not in ("finished", "alarm"):
+            record["threads"] = [thread._asdict() for thread in run.threads]
+        self._write(record)
+
+
+class TextRunReport:
+    """Lines for people: messages on standard output, everything about mistakes on standard error.
+
+    Args:
+        out: for messages.
+        err: for mistakes.
+        logs: what is printed besides, of `LOGS`.
+    """
+
+    def __init__(self, out: Writable, err: Writable, logs: Collection[str] = ()) -> None:
+        self._logs = frozenset(logs)
+        self._out = out
+        self._err = err
+        self._palette = palette_of(err)
+        self._start_s = 0.0
+        self._said: set[tuple[str, int]] = set()
+        """Code and line of what was found before the run, which the run need not repeat."""
+
+    def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
+        counts: Counter[str] = Counter()
+        for problem in problems:
+            self._said.add((problem.code, problem.line))
+            counts[problem.code] += not problem.is_error
+            if counts[problem.code] <= MOST:
+                print(rendered(problem, source, self._palette), file=self._err)
+        for code, count in counts.items():
+            if count > MOST:
+                print(f"… {count - MOST:,} more {code}: `elitescript check` shows all of them", file=self._err)
+
+    def goes_on(self, errors: int) -> None:
+        print(_why_it_runs(errors), file=self._err)
+
+    def start(self, robot: VirtualRobot, path: Path) -> None:
+        self._start_s = time.perf_counter()
+
+    def event(self, event: Event) -> None:
+        if isinstance(event, TextMessage):
+            self._line(event.tick, event.text)
+        elif isinstance(event, Printed):
+            self._line(event.tick, event.text.rstrip("\n"))
+        elif isinstance(event, Popup):
+            note = " (confirmed at once: nobody is there to press the button)" if event.is_confirmed_at_once else ""
+            self._line(event.tick, f"[popup, {event.level}] {event.title}: {event.text}{note}")
+        elif isinstance(event, Warned):
+            self._warned(event)
+        elif isinstance(event, DeviceNoted) and event.is_warning:
+            self._problem(event.tick, f"{self._palette.paint('warning', 'warning')}: {event.device}: {event.text}")
+        elif isinstance(event, DeviceNoted):
+            self._line(event.tick, f"[{event.device}] {event.text}")
+        elif isinstance(event, SafetyModeChanged):
+            mode = self._palette.paint("warning", event.mode.name)
+            self._problem(event.tick, f"safety: {mode}" + (f": {event.reason}" if event.reason else ""))
+        elif isinstance(event, Alarm):
+            self._alarm(event)
+        elif isinstance(event, SignalChanged):
+            if "signals" in self._logs:
+                by = event.by if event.by != "program" or not event.line else f"line {event.line}"
+                self._line(event.tick, f"[signal] {event.name} = {event.value} ({by})")
+        elif isinstance(event, ChannelActivity) and "channels" in self._logs:
+            data = f" {event.data!r}" if event.data else ""
+            where = f" (line {event.line})" if event.line else ""
+            self._line(event.tick, f"[{event.kind} {event.channel!r}] {event.what}{data}{where}")
+
+    def _warned(self, event: Warned) -> None:
+        if (event.code, event.line) in self._said:
+            return
+        role = "error" if event.severity == "error" else "warning"
+        kind = self._palette.paint(role, f"{event.severity} {event.code}".rstrip())
+        where = f"line {event.line}: " if event.line else ""
+        self._problem(event.tick, f"{kind}: {where}{event.text}")
+        if event.hint:
+            print(self._palette.paint("hint", f"{'':14}hint: {event.hint}"), file=self._err)
+
+    def _line(self, tick: int, text: str) -> None:
+        print(f"{seconds(tick):10.3f} s  {text}", file=self._out)
+
+    def _problem(self, tick: int, text: str) -> None:
+        self._out.flush()
+        print(f"{seconds(tick):10.3f} s  {text}", file=self._err)
+
+    def _alarm(self, alarm: Alarm) -> None:
+        thread = "" if alarm.thread in ("", "main") else f", thread {alarm.thread}"
+        where = f" in line {alarm.line}{thread}" if alarm.line else thread
+        paint = self._palette.paint
+        self._problem(alarm.tick, f"{paint('alarm', f'ALARM {alarm.code}')}{where}: {alarm.class_name}: {alarm.text}")
+        if alarm.source_line.strip():
+            text = alarm.source_line.expandtabs(8)
+            print(f"{'':14}{alarm.line:>5} | {text}", file=self._err)
+            if alarm.column > 0:
+                before = len(alarm.source_line[: alarm.column - 1].expandtabs(8))
+                print(f"{'':14}      | {' ' * before}{paint('caret', '^')}", file=self._err)
+        if alarm.details.get("hint"):
+            print(paint("hint", f"{'':14}hint: {alarm.details['hint']}"), file=self._err)
+        for hint in alarm.details.get("hints", ()):
+            print(paint("hint", f"{'':14}try: {hint}"), file=self._err)
+
+    def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
+        self._out.flush()
+        print(_where(robot, wall_s), file=self._err)
+
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None) -> None:
+        wall_s = time.perf_counter() - self._start_s
+        words = {
+            "finished": "finished",
+            "alarm": "ended by an alarm",
+            "stopped": "interrupted" if is_interrupted else "stopped",
+            "time_limit": "still running at the time limit",
+            "stuck": "stuck: nothing can ever happen again",
+        }
+        self._out.flush()
+        if run.state not in ("finished", "alarm"):
+            for thread in run.threads:
+                print(f"{'':14}{thread.name}: line {thread.line}, {thread.doing}", file=self._err)
+        late = f"; {overruns} ticks began late" if overruns else ""
+        role = {"finished": "finished", "alarm": "alarm"}.get(run.state, "warning")
+        state = palette_of(self._out).paint(role, words[run.state])
+        print(f"{run.time_s:10.3f} s  {state} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
+
+
+def _why_it_runs(errors: int) -> str:
+    found = "1 error: its line raises an exception" if errors == 1 else f"{errors} errors: their lines raise exceptions"
+    return f"{found}, which the program may catch, so it runs anyway; --strict refuses it"
+
+
+def _where(robot: VirtualRobot, wall_s: float) -> str:
+    threads = "; ".join(f"{thread.name} in line {thread.line}, {thread.doing}" for thread in robot.threads())
+    hint = "(Ctrl-C ends it, --until limits it)"
+    return f"{robot.time_s:10.3f} s  still running after {wall_s:.0f} s of yours: {threads} {hint}"

@@ -1,0 +1,266 @@
+"""What a terminal gets besides text: colours, and a status line that every printed line replaces.
+
+Reports print as they would into a file. On a terminal the standard streams are wrapped while a command runs: the
+wrapper erases the status line before anything is printed, and carries the palette that reports paint with.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Final, TextIO
+
+from elitescript.cli.output.writable import Writable
+from elitescript.language.diagnostics import Diagnostic, Severity, render
+from elitescript.language.text.source import SourceFile
+
+COLORS: Final = ("auto", "always", "never")
+"""Values of `--color`."""
+
+FIRST_AFTER_S: Final = 1.0
+"""Wall time after which a command that goes on has a status line."""
+
+INTERVAL_S: Final = 0.1
+"""Least wall time from one status line to the next."""
+
+CALLS: Final = 8
+"""The clock is read at every so many calls of `Progress`: most ticks cost a subtraction."""
+
+ERASE: Final = "\r\x1b[2K"
+
+_CODES: Final = {
+    "alarm": "1;31",
+    "error": "1;31",
+    "warning": "33",
+    "finished": "32",
+    "caret": "1;31",
+    "hint": "36",
+    "place": "1",
+    "status": "2",
+}
+
+
+class Palette:
+    """Paints texts by their role.
+
+    Args:
+        is_colored: whether there are colours; without, texts stay as they are.
+    """
+
+    __slots__ = ("is_colored",)
+
+    def __init__(self, is_colored: bool) -> None:
+        self.is_colored = is_colored
+
+    def paint(self, role: str, text: str) -> str:
+        """Colour a text by its role: `alarm`, `error`, `warning`, `finished`, `caret`, `hint`, `place`."""
+        return f"\x1b[{_CODES[role]}m{text}\x1b[0m" if self.is_colored and text else text
+
+
+PLAIN: Final = Palette(False)
+
+
+def palette_of(stream: object) -> Palette:
+    """Return what reports paint with on a stream; no colours unless `on_screen` has wrapped it."""
+    return stream.palette if isinstance(stream, ScreenStream) else PLAIN
+
+
+def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -> str:
+    """Return a finding as people read it: severity, code, caret and hint in colours."""
+    text = str(problem) if source is None else render(problem, source)
+    if not palette.is_colored:
+        return text
+    rows = text.split("\n")
+    role = "error" if problem.severity is Severity.ERROR else "warning"
+    label = f"{problem.severity} {problem.code}"
+    place, found, rest = rows[0].partition(label)
+    rows[0] = palette.paint("place", place) + palette.paint(role, found) + rest if found else rows[0]
+    for index, row in enumerate(rows[1:], 1):
+        if row.strip() and not row.strip("^ "):
+            rows[index] = palette.paint("caret", row)
+        elif row.startswith("hint: "):
+            rows[index] = palette.paint("hint", row)
+    return "\n".join(rows)
+
+
+class StatusLine:
+    """The last line of a terminal, which shows where a command is until something is printed.
+
+    Args:
+        err: standard error, a terminal.
+        palette: its colours.
+    """
+
+    __slots__ = ("_err", "_palette", "_shown", "is_at_line_start")
+
+    def __init__(self, err: TextIO, palette: Palette) -> None:
+        self._err = err
+        self._palette = palette
+        self._shown = ""
+        self.is_at_line_start = True
+        """Whether what was printed last has ended with a line end; otherwise nothing is shown."""
+
+    def show(self, text: str) -> None:
+        """Put a text in the place of the line that is shown."""
+        if not self.is_at_line_start:
+            return
+        try:
+            columns = os.get_terminal_size(self._err.fileno()).columns or 80
+        except OSError:
+            columns = 80
+        # A character in the last column would make some terminals go on to the next line.
+        shown = "".join(letter if letter.isprintable() else "?" for letter in text)[: columns - 1]
+        self._err.write(ERASE + self._palette.paint("status", shown))
+        self._err.flush()
+        self._shown = shown
+
+    def erase(self) -> None:
+        """Leave the line as if nothing had been shown."""
+        if self._shown:
+            self._shown = ""
+            self._err.write(ERASE)
+            self._err.flush()
+
+
+class ScreenStream:
+    """A standard stream with a palette, which erases the status line before it writes.
+
+    Args:
+        target: the stream.
+        palette: what reports paint with.
+        status: the line on the same terminal; None if there is none.
+    """
+
+    def __init__(self, target: TextIO, palette: Palette, status: StatusLine | None) -> None:
+        self._target = target
+        self.palette = palette
+        self.status = status
+
+    def write(self, text: str) -> int:
+        """Write a text in the place of the status line."""
+        if self.status is not None and text:
+            self.status.erase()
+            self.status.is_at_line_start = text.endswith("\n")
+        return self._target.write(text)
+
+    def flush(self) -> None:
+        """Have what was written appear."""
+        self._target.flush()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._target, name)
+
+
+@contextmanager
+def on_screen(color: str) -> Iterator[None]:
+    """Wrap the standard streams as the terminal allows it, while the body runs.
+
+    Args:
+        color: of `COLORS`; `auto` means colours on a terminal that has them, unless `NO_COLOR` is set.
+    """
+    out, err = sys.stdout, sys.stderr
+    knows_escapes = understands_escapes(os.environ, os.name)
+    palettes = [Palette(is_colored(color, stream, os.environ, os.name)) for stream in (out, err)]
+    status = StatusLine(err, palettes[1]) if knows_escapes and err.isatty() else None
+    if status is None and not any(palette.is_colored for palette in palettes):
+        yield
+        return
+    # A line printed into a file or a pipe does not touch the terminal.
+    wrapped = ScreenStream(out, palettes[0], status if out.isatty() else None), ScreenStream(err, palettes[1], status)
+    sys.stdout, sys.stderr = wrapped
+    try:
+        yield
+    finally:
+        try:
+            if status is not None:
+                status.erase()
+        finally:
+            if (sys.stdout, sys.stderr) == wrapped:
+                sys.stdout, sys.stderr = out, err
+
+
+def is_colored(color: str, stream: TextIO, environment: Mapping[str, str], system: str) -> bool:
+    """Return whether texts on a stream have colours.
+
+    Args:
+        color: of `COLORS`.
+        stream: where they go.
+        environment: variables of the process.
+        system: as `os.name`.
+    """
+    if color != "auto":
+        return color == "always"
+    return not environment.get("NO_COLOR") and stream.isatty() and understands_escapes(environment, system)
+
+
+def understands_escapes(environment: Mapping[str, str], system: str) -> bool:
+    """Return whether the terminal is known to understand escape codes; an old Windows console would print them."""
+    terminal = environment.get("TERM", "")
+    if terminal == "dumb":
+        return False
+    if system == "nt":
+        return bool(terminal or environment.get("WT_SESSION") or environment.get("ConEmuANSI") == "ON")
+    return bool(terminal)
+
+
+class Progress:
+    """Shows robot time, line and speed of a run that lasts, in the status line.
+
+    Args:
+        status: where it is shown.
+        start_s: robot time at the start, s.
+    """
+
+    __slots__ = ("_calls", "_next_s", "_robot_s", "_status", "_wall_s")
+
+    def __init__(self, status: StatusLine, start_s: float = 0.0) -> None:
+        self._status = status
+        self._calls = CALLS
+        self._wall_s = time.monotonic()
+        self._next_s = self._wall_s + FIRST_AFTER_S
+        self._robot_s = start_s
+
+    def update(self, time_s: float, line: int) -> None:
+        """Show where the robot is, if it is time to; cheap enough for every tick."""
+        self._calls -= 1
+        if self._calls > 0:
+            return
+        self._calls = CALLS
+        now_s = time.monotonic()
+        if now_s >= self._next_s:
+            self._show(now_s, time_s, line)
+
+    def _show(self, now_s: float, time_s: float, line: int) -> None:
+        speed = (time_s - self._robot_s) / max(now_s - self._wall_s, 1e-9)
+        if now_s - self._wall_s >= _WINDOW_S:
+            # From here on the speed is that of what comes, beginning with half of what was.
+            self._wall_s += 0.5 * (now_s - self._wall_s)
+            self._robot_s += 0.5 * (time_s - self._robot_s)
+        where = f"line {line}" if line else "no program line"
+        self._status.show(f"{time_s:10.3f} s  {where}  {_times(speed)} real time  (Ctrl-C ends it)")
+        self._next_s = now_s + INTERVAL_S
+
+    def note(self, text: str) -> None:
+        """Show a text instead, if it is time to."""
+        now_s = time.monotonic()
+        if now_s >= self._next_s:
+            self._status.show(text)
+            self._next_s = now_s + INTERVAL_S
+
+
+_WINDOW_S: Final = 4.0
+"""The speed is a mean over half of this at least, once a run has lasted so long."""
+
+
+def progress_on(stream: Writable, start_s: float = 0.0) -> Progress | None:
+    """Return what shows where a command is; None where the stream has no status line."""
+    status = stream.status if isinstance(stream, ScreenStream) else None
+    return None if status is None else Progress(status, start_s)
+
+
+def _times(speed: float) -> str:
+    digits = f"{speed:,.0f}" if speed >= 10.0 else f"{speed:.2f}"
+    return f"{digits} \N{MULTIPLICATION SIGN}"

@@ -1,0 +1,272 @@
+"""What a command would accept, but nobody can mean: degrees for radians, millimetres for metres, and their like.
+
+`JUDGES` has a row for each `meaning` of a quantity: a pure function from a value to doubts. The checker asks it for
+values that are certain before the run, `Command.call` for the values of the run, so that both say the same.
+
+The bounds lie so far above what any arm does that no legal value meets them (*assumed*: a bound is a factor above
+the largest number that an arm of this family has, and below what the same quantity usually is in the other unit).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import hypot, pi, radians
+from typing import Any, Final, NamedTuple, Protocol
+
+from elitescript.kinematics.arm import Arm
+
+FULL_TURN: Final = 2.0 * pi + 0.01
+"""Joints of all arms end at a full turn to either side, rad; with room for rounded numbers."""
+
+SURELY_DEGREES: Final = 10.0
+"""An angle beyond it was meant in degrees, rad. Poses of programs that add up turns come beyond one full turn."""
+
+ROUND_DEGREES: Final = 0.5
+"""Between a full turn and `SURELY_DEGREES` multiples of this are taken for degrees: radians are hardly ever round."""
+
+POSE_MOST_M: Final = 6.0
+"""Coordinate of a pose: the largest arm reaches 1.8 m; twice that, and a tool of the same length again."""
+
+TCP_MOST_M: Final = 3.0
+"""Coordinate of a TCP: tools of a metre exist, none is much longer than the largest arm reaches."""
+
+COG_MOST_M: Final = 1.8
+"""Distance of a centre of gravity from the flange while the arm is not known: the reach of the largest one."""
+
+JOINT_SPEED_MOST: Final = 10.0
+"""rad/s; the fastest joint of all arms turns with 6.28."""
+
+JOINT_ACCELERATION_MOST: Final = 50.0
+"""rad/s^2; the vendor's driver streams with 40, and all arms are limited to it."""
+
+TOOL_SPEED_MOST: Final = 5.0
+"""m/s; the stretched CS620 would reach 3.8."""
+
+TOOL_ACCELERATION_MOST: Final = 50.0
+"""m/s^2; the vendor's driver streams with 40, and all arms are limited to it."""
+
+BLEND_MOST_M: Final = 2.0
+"""A radius beyond it holds the whole workspace of the largest arm."""
+
+PAYLOAD_MOST_KG: Final = 25.0
+"""What the strongest arm carries."""
+
+QUARTER_ROOM: Final = 2e-3
+"""Joint positions are often quarters of a turn, written as 1.57 or 3.14, rad."""
+
+_POSE: Final = ("x", "y", "z", "Rx", "Ry", "Rz")
+
+
+class Doubt(NamedTuple):
+    """Something that is hardly meant.
+
+    Attributes:
+        code: row of `errors.CODES`.
+        text: what it is, with value and unit; follows command and parameter.
+        hint: what to do about it.
+        element: index of the element that is meant; None for the whole value.
+    """
+
+    code: str
+    text: str
+    hint: str
+    element: int | None = None
+
+
+class ArmFacts(Protocol):
+    """What is known of the arm."""
+
+    @property
+    def arm(self) -> Arm: ...
+
+    @property
+    def joint_ranges(self) -> tuple[tuple[float, float], ...]: ...
+
+    @property
+    def payload_max_kg(self) -> float: ...
+
+
+Judge = Callable[[Any, ArmFacts | None], Iterator[Doubt]]
+
+
+def _numbers(value: Any) -> Iterator[tuple[int, float]]:
+    """Yield the elements of a list that are certain; a bool is none."""
+    if isinstance(value, (list, tuple)):
+        for index, number in enumerate(value):
+            if isinstance(number, (int, float)) and not isinstance(number, bool):
+                yield index, number
+
+
+def _is_within(value: Any, most: float) -> bool:
+    """Return whether all elements are certain and below any doubt, as most values of streams are."""
+    try:
+        return bool(-most <= min(value) and max(value) <= most)
+    except (TypeError, ValueError):
+        return False
+
+
+def _degrees(number: float) -> str:
+    return f"{number:g} looks like degrees: d2r({number:g}) is {radians(number):.5g}"
+
+
+def _millimetres(number: float) -> str:
+    return f"{number:g} looks like millimetres: {number:g} mm are {number / 1000.0:g} m"
+
+
+def _joints(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    if _is_within(value, FULL_TURN):
+        return
+    for index, number in _numbers(value):
+        if _is_degrees(abs(number)):
+            yield Doubt("W230", f"[{index}] is {number:g} rad, more than a full turn", _degrees(number), index)
+            return
+
+
+def _pose(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    quarters = [index for index, number in _numbers(value) if index < 3 and _is_quarter(abs(number))]
+    if len(quarters) > 1:
+        # A place with two of these coordinates is 2.2 m away: out of the reach of all arms.
+        text = " looks like joint positions: two of x, y and z are quarters of a turn"
+        yield Doubt("W237", text, "movej goes to joint positions, get_forward_kin turns them into a pose")
+    else:
+        yield from _transform(value, POSE_MOST_M)
+
+
+def _is_quarter(number: float) -> bool:
+    turns = round(number / (0.5 * pi))
+    return 1 <= turns <= 4 and abs(number - turns * 0.5 * pi) <= QUARTER_ROOM
+
+
+def _transform(value: Any, most_m: float) -> Iterator[Doubt]:
+    has_length = has_angle = False
+    for index, number in _numbers(value):
+        if index < 3 and not has_length and abs(number) > most_m:
+            has_length = True
+            yield Doubt("W231", f"[{index}], {_POSE[index]}, is {number:g} m", _millimetres(number), index)
+        elif index >= 3 and not has_angle and _is_degrees(abs(number)):
+            has_angle = True
+            text = f"[{index}], {_POSE[index]}, is {number:g} rad, more than a full turn"
+            yield Doubt("W230", text, _degrees(number), index)
+
+
+def _is_degrees(angle: float) -> bool:
+    return angle > SURELY_DEGREES or (angle > FULL_TURN and angle % ROUND_DEGREES == 0.0)
+
+
+def _tcp(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    return _transform(value, TCP_MOST_M)
+
+
+def _centre_of_gravity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    numbers = dict(_numbers(value))
+    if not numbers:
+        return
+    distance = hypot(*numbers.values())
+    index = max(numbers, key=lambda place: abs(numbers[place]))
+    if arm is None:
+        if distance > COG_MOST_M:
+            text = f" is {distance:g} m from the flange, and no arm reaches further than {COG_MOST_M:g} m"
+            yield Doubt("W231", text, _millimetres(numbers[index]), index)
+        return
+    reach = abs(arm.arm.a2) + abs(arm.arm.a3) + arm.arm.d5
+    if distance > reach:
+        text = f" is {distance:g} m from the flange, the arm reaches {reach:.3g} m"
+        yield Doubt("W231", text, _millimetres(numbers[index]), index)
+
+
+def _scalar(limit: float, unit: str, in_degrees: bool) -> Judge:
+    """Return a speed or an acceleration."""
+
+    def judge(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+        if isinstance(value, (int, float)) and value > limit:
+            yield _too_fast("", value, unit, in_degrees, None)
+
+    return judge
+
+
+def _too_fast(place: str, value: float, unit: str, in_degrees: bool, index: int | None) -> Doubt:
+    text = f"{place} is {value:g} {unit}, more than any arm does"
+    if in_degrees:
+        other = unit.replace("rad", "deg")
+        hint = f"{value:g} looks like {other}: d2r({value:g}) is {radians(value):.5g} {unit}"
+    else:
+        other = unit.replace("m/", "mm/", 1)
+        hint = f"{value:g} looks like {other}: that is {value / 1000.0:g} {unit}"
+    return Doubt("W232", text, hint, index)
+
+
+def _joint_speeds(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    if _is_within(value, JOINT_SPEED_MOST):
+        return
+    for index, number in _numbers(value):
+        if abs(number) > JOINT_SPEED_MOST:
+            yield _too_fast(f"[{index}]", number, "rad/s", True, index)
+            return
+
+
+def _tool_velocity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    if _is_within(value, TOOL_SPEED_MOST):
+        return
+    for index, number in _numbers(value):
+        is_turn = index >= 3
+        if abs(number) > (JOINT_SPEED_MOST if is_turn else TOOL_SPEED_MOST):
+            yield _too_fast(f"[{index}]", number, "rad/s" if is_turn else "m/s", is_turn, index)
+            return
+
+
+def _blend_radius(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    if isinstance(value, (int, float)) and value > BLEND_MOST_M:
+        yield Doubt("W231", f" is {value:g} m", _millimetres(value))
+
+
+def _payload(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    most = PAYLOAD_MOST_KG if arm is None else arm.payload_max_kg
+    if isinstance(value, (int, float)) and value > most:
+        whose = "any arm carries" if arm is None else "this arm carries"
+        hint = "the mass of gripper and part together, in kg"
+        if value >= 2.0 * PAYLOAD_MOST_KG:
+            hint = f"{value:g} looks like grams: {value:g} g are {value / 1000.0:g} kg"
+        yield Doubt("W233", f" is {value:g} kg; {whose} at most {most:g} kg", hint)
+
+
+def _fraction(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    if isinstance(value, (int, float)) and not 0.0 <= value <= 1.0:
+        hint = "it is a fraction of the range: 0 is 0 V or 4 mA, 1 is 10 V or 20 mA"
+        if 1.0 < value <= 10.0:
+            hint += f"; {value:g} V are {value / 10.0:g}"
+        yield Doubt("W234", f" is {value:g}, limited to {0 if value < 0.0 else 1}", hint)
+
+
+JUDGES: Final[dict[str, Judge]] = {
+    "joints": _joints,
+    "pose": _pose,
+    "tcp": _tcp,
+    "centre of gravity": _centre_of_gravity,
+    "joint speed": _scalar(JOINT_SPEED_MOST, "rad/s", True),
+    "joint speeds": _joint_speeds,
+    "joint acceleration": _scalar(JOINT_ACCELERATION_MOST, "rad/s^2", True),
+    "tool speed": _scalar(TOOL_SPEED_MOST, "m/s", False),
+    "tool velocity": _tool_velocity,
+    "tool acceleration": _scalar(TOOL_ACCELERATION_MOST, "m/s^2", False),
+    "blend radius": _blend_radius,
+    "payload": _payload,
+    "fraction": _fraction,
+}
+"""Meaning of a quantity, and who judges its values."""
+
+KINDS: Final = ("joints", "pose")
+"""Meanings that are lists of six numbers, and taken for each other."""
+
+
+def mistaken(meaning: str, kind: str) -> Doubt | None:
+    """Return the doubt about a value that is of one kind where another belongs; None if it fits.
+
+    Args:
+        meaning: of the parameter.
+        kind: what is known of the value: `joints`, `pose` or nothing.
+    """
+    if meaning == kind or meaning not in KINDS or kind not in KINDS:
+        return None
+    if meaning == "joints":
+        return Doubt("W237", " is a pose, where joint positions belong", "get_inverse_kin turns a pose into them")
+    return Doubt("W237", " are joint positions, where a pose belongs", "get_forward_kin turns them into a pose")

@@ -1,0 +1,538 @@
+"""A command is one decorated function; everything else about it is derived from that function.
+
+The signature gives names, order and defaults; the annotations give type, shape, unit and range; the
+docstring gives the words. Nothing of it is worked out before somebody asks, because most programs
+use few commands and all of them start often.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar, get_args
+
+from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, shown
+from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
+from elitescript.messages.profile import release_of
+
+if TYPE_CHECKING:
+    from elitescript.commands.definition.plausibility import Doubt, Judge
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+REQUIRED: Final = object()
+"""Default of a parameter that has none."""
+
+EVIDENCE: Final = ("documented", "observed", "assumed")
+
+_TARGET_REFUSALS: Final = ("R102", "R110", "R111")
+_TARGET_DOUBTS: Final = ("W230", "W231", "W233", "W237")
+"""Refusals of a target or load, and the doubts that can explain them."""
+
+NO_ARGUMENTS: Final[Mapping[str, str]] = {}
+
+_OMITTED: Final = object()
+_VARIADIC: Final = 0x04
+"""Flag of a code object whose function takes `*more` (`inspect.CO_VARARGS`, without importing it)."""
+
+
+class Param:
+    """One parameter of a command."""
+
+    __slots__ = ("default", "default_value", "name", "quantity", "spellings", "text")
+
+    def __init__(self, name: str, quantity: Quantity, default: Any, spellings: tuple[str, ...], text: str) -> None:
+        self.name = name
+        self.quantity = quantity
+        self.default = default
+        """As the function has it; `REQUIRED` when a call must pass the parameter."""
+        self.default_value = default if default is REQUIRED else quantity.coerce(default)
+        """What the function gets when a call leaves the parameter out."""
+        self.spellings = spellings
+        """Other keyword spellings that manuals or programs use."""
+        self.text = text
+
+    @property
+    def is_required(self) -> bool:
+        """Whether a call must pass it."""
+        return self.default is REQUIRED
+
+    @property
+    def default_text(self) -> str:
+        """The default as the manual prints it; empty when there is none."""
+        if self.is_required:
+            return ""
+        if self.default is None and isinstance(self.quantity, Optionally):
+            return repr(self.quantity.placeholder)
+        if isinstance(self.default, tuple) and self.default:
+            return repr(list(self.default))
+        return repr(self.default)
+
+
+class Misfit(NamedTuple):
+    """A reason for which a call cannot be made."""
+
+    at: int | str | None
+    """Index or keyword of the argument that is wrong; None if one is missing."""
+    text: str
+
+
+class Placement(NamedTuple):
+    """The arguments of a call, by parameter."""
+
+    slots: tuple[int | str | None, ...]
+    """For each parameter the index or the keyword of its argument; None if the call leaves it out."""
+    misfits: tuple[Misfit, ...]
+
+
+SPELLINGS: Final = {
+    "addr": ("address",),
+    "address": ("addr",),
+    "p": ("pose",),
+    "p_from": ("p_fom",),
+    "pose": ("p",),
+    "qNear": ("qnear",),
+    "qnear": ("qNear",),
+    "signal_name": ("singal_name", "ignal_name"),
+    "signal_type": ("singal_type",),
+    "time_out": ("timeout",),
+    "timeout": ("time_out",),
+    "update_frequency": ("update_freqency",),
+}
+"""How the manuals spell one parameter from command to command, misprints included: every command takes all of them."""
+
+
+class Command:
+    """One name of the catalogue; see `command` for the fields.
+
+    An alias is a `Command` of its own, so that messages repeat the name that the script used.
+    """
+
+    __slots__ = (
+        "_details",
+        "alias_of",
+        "aliases",
+        "arguments",
+        "evidence",
+        "family",
+        "function",
+        "is_simulated",
+        "manual",
+        "name",
+        "since",
+        "spellings",
+        "takes_more",
+        "takes_robot",
+        "waits",
+        "works_in_sec",
+    )
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        family: str,
+        since: str,
+        aliases: tuple[str, ...],
+        spellings: dict[str, str],
+        evidence: str,
+        waits: bool,
+        works_in_sec: bool,
+        is_simulated: bool,
+        manual: str = "",
+        name: str = "",
+        alias_of: str = "",
+        arguments: Mapping[str, str] = NO_ARGUMENTS,
+    ) -> None:
+        self.name = name or function.__name__
+        if evidence not in EVIDENCE:
+            raise InternalError(f"{self.name}: evidence {evidence!r} is not one of {EVIDENCE}")
+        release_of(since)
+        self.alias_of = alias_of
+        """Name of the command that this is another name of; empty for the command itself."""
+        self.function = function
+        self.family = family
+        self.since = since
+        self.aliases = aliases
+        self.arguments = arguments
+        """Texts of parameters that the docstring does not describe, by name."""
+        self.spellings = spellings
+        self.evidence = evidence
+        self.waits = waits
+        self.works_in_sec = works_in_sec
+        self.is_simulated = is_simulated
+        self.manual = manual
+        code = function.__code__
+        self.takes_robot = code.co_argcount > 0 and code.co_varnames[0] == "robot"
+        self.takes_more = bool(code.co_flags & _VARIADIC)
+        """Whether arguments beyond the signature are passed on as they are."""
+        self._details: _Details | None = None
+
+    def renamed(self, name: str, since: str = "", evidence: str = "", *, is_simulated: bool | None = None) -> Command:
+        """Return the same command under another name."""
+        return Command(
+            self.function,
+            self.family,
+            since or self.since,
+            (),
+            self.spellings,
+            evidence or self.evidence,
+            self.waits,
+            self.works_in_sec,
+            self.is_simulated if is_simulated is None else is_simulated,
+            self.manual,
+            name,
+            self.name,
+            self.arguments,
+        )
+
+    @property
+    def details(self) -> _Details:
+        """Signature, annotations and docstring, worked out once."""
+        if self._details is None:
+            self._details = _Details(self)
+        return self._details
+
+    @property
+    def params(self) -> tuple[Param, ...]:
+        """Parameters in order, without the robot."""
+        return self.details.params
+
+    @property
+    def summary(self) -> str:
+        """First line of the docstring."""
+        return self.details.summary
+
+    @property
+    def signature(self) -> str:
+        """The call as the manual prints it."""
+        parts = []
+        for param in self.params:
+            parts.append(param.name if param.is_required else f"{param.name}={param.default_text}")
+        return f"{self.name}({', '.join(parts)})"
+
+    # What is wrong with a call, in the words of both the checker and the run.
+
+    @property
+    def call_hint(self) -> str:
+        """What to do about a wrong call."""
+        return f"it is called as {self.signature}"
+
+    def surplus_text(self, given: int) -> str:
+        """Too many arguments."""
+        most = len(self.params)
+        if not most:
+            return f"{self.name} takes no arguments, got {given}"
+        at_most = "" if all(param.is_required for param in self.params) else "at most "
+        return f"{self.name} takes {at_most}{most} argument{'' if most == 1 else 's'}, got {given}"
+
+    def unknown_argument_text(self, keyword: str) -> str:
+        """Return an argument of a name that the command does not have."""
+        names = ", ".join(param.name for param in self.params) or "none"
+        return f"{self.name} has no argument `{keyword}`; its arguments: {names}"
+
+    def twice_text(self, name: str) -> str:
+        """Return one argument by place and by name, or under two names."""
+        return f"{self.name} gets the argument `{name}` twice"
+
+    def missing_text(self, names: list[str]) -> str:
+        """Return arguments that the call must pass."""
+        listed = ", ".join(f"`{name}`" for name in names)
+        return f"{self.name} misses the argument{'' if len(names) == 1 else 's'} {listed}"
+
+    def bind(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
+        """Put arguments in order, fill in defaults, coerce and check.
+
+        Raises:
+            ScriptError: complete with command, argument, value, limit and unit.
+        """
+        details = self._details or self.details
+        params = details.params
+        if not kwargs and details.required <= len(args) <= len(params):
+            values = [*args, *[_OMITTED] * (len(params) - len(args))]
+        else:
+            values = self._arrange(args, kwargs)
+        for index, param in enumerate(params):
+            value = values[index]
+            if value is _OMITTED:
+                values[index] = param.default_value
+                continue
+            try:
+                values[index] = param.quantity.coerce(value)
+            except ScriptError as error:
+                error.command = self.name
+                error.argument = param.name
+                error.args = (f"{self.name}: {param.name} {error.args[0]}",)
+                raise
+        return values
+
+    def call(self, robot: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
+        """Bind and run; tuples come back as the lists that scripts expect.
+
+        Raises:
+            ScriptError: bad arguments, a call that a secondary program may not make, or the command's own refusal.
+        """
+        if not self.works_in_sec and robot is not None and robot.is_secondary:
+            text = f"{self.name} moves or waits, which a secondary program (sec) may not do"
+            raise ScriptStateError(text, code="R120", command=self.name)
+        values = self.bind(args, kwargs)
+        details = self.details
+        doubts = self._doubts(robot, values) if details.judged and robot is not None else None
+        try:
+            if doubts:
+                robot.hold_doubts(doubts)
+            result = self.function(robot, *values) if self.takes_robot else self.function(*values)
+        except ScriptError as error:
+            if error.command is None:
+                error.command = self.name
+                error.args = (f"{self.name}: {error.args[0]}",)
+            if doubts:
+                # One finding about one argument: the refusal, with what the doubt knows to do.
+                robot.hold_doubts(())
+                if error.code in _TARGET_REFUSALS:
+                    error.hint = next((doubt.hint for doubt in doubts if doubt.code in _TARGET_DOUBTS), error.hint)
+            raise
+        if doubts:
+            robot.tell_doubts()
+        if details.kind and robot is not None:
+            robot.remember(details.kind, result)
+        return _as_script_value(result)
+
+    def _doubts(self, robot: Any, values: list[Any]) -> list[Doubt]:
+        """Return what is legal in these values, but hardly meant; with command and parameter in the text."""
+        found = []
+        for index, param, judge, is_kind in self.details.judged:
+            value = values[index]
+            if value is None or value is param.default_value:
+                continue
+            for doubt in judge(value, robot.machine):
+                found.append(doubt._replace(text=f"{self.name}: {param.name}{doubt.text}"))
+            if is_kind:
+                other = robot.mistaken(param.quantity.meaning, value)
+                if other is not None:
+                    found.append(other._replace(text=f"{self.name}: {param.name}{other.text}"))
+        return found
+
+    def place(self, positional: int, keywords: Sequence[str], *, is_complete: bool = True) -> Placement:
+        """Find out which argument of a call goes to which parameter: for values at run time, for expressions before.
+
+        Args:
+            positional: number of arguments without a keyword.
+            keywords: keywords of the others, in the order of the call.
+            is_complete: False if the call may have more arguments than these, such as `*list`; none is missed then.
+        """
+        params, indices, required = self.details.params, self.details.indices, self.details.required
+        slots: list[int | str | None] = [*range(min(positional, len(params))), *[None] * (len(params) - positional)]
+        misfits: list[Misfit] = []
+        if positional > len(params) and not self.takes_more:
+            misfits.append(Misfit(len(params), self.surplus_text(positional)))
+        for keyword in keywords:
+            index = indices.get(keyword)
+            if index is None:
+                misfits.append(Misfit(keyword, self.unknown_argument_text(keyword)))
+            elif slots[index] is not None:
+                misfits.append(Misfit(keyword, self.twice_text(params[index].name)))
+            else:
+                slots[index] = keyword
+        # A misspelt keyword is reported; that its parameter is missing then follows.
+        if is_complete and not misfits and None in slots[:required]:
+            missing = [params[index].name for index in range(required) if slots[index] is None]
+            misfits.append(Misfit(None, self.missing_text(missing)))
+        return Placement(tuple(slots), tuple(misfits))
+
+    def _arrange(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
+        """Return the arguments in the order of the parameters, `_OMITTED` where one is left out."""
+        slots, misfits = self.place(len(args), tuple(kwargs))
+        if misfits:
+            raise ArgumentCountError(misfits[0].text, command=self.name, hint=self.call_hint)
+        values = [_OMITTED if slot is None else kwargs[slot] if isinstance(slot, str) else args[slot] for slot in slots]
+        return [*values, *args[len(values) :]]
+
+
+def _as_script_value(result: Any) -> Any:
+    """Return tuples, also inside tuples, as lists."""
+    if type(result) is not tuple:
+        return result
+    return [_as_script_value(item) if type(item) is tuple else item for item in result]
+
+
+class _Details:
+    """What the function's own text says about a command."""
+
+    __slots__ = (
+        "behaviour",
+        "indices",
+        "judged",
+        "kind",
+        "params",
+        "raises",
+        "required",
+        "returns",
+        "returns_text",
+        "summary",
+    )
+
+    def __init__(self, command: Command) -> None:
+        from elitescript.commands.definition.docstring import read_docstring
+
+        function = command.function
+        doc = read_docstring(function.__doc__ or "")
+        self.summary = doc.summary
+        self.behaviour = doc.behaviour
+        self.returns_text = doc.returns
+        self.raises = doc.raises
+        texts = {**command.arguments, **doc.args}
+        names = function.__code__.co_varnames[: function.__code__.co_argcount]
+        defaults = function.__defaults__ or ()
+        first_default = len(names) - len(defaults)
+        params = []
+        for index, name in enumerate(names):
+            if index == 0 and command.takes_robot:
+                continue
+            quantity = _quantity(function, name)
+            if quantity is None or name not in texts:
+                raise InternalError(f"{command.name}: parameter {name!r} lacks a quantity or its line under Args")
+            default = defaults[index - first_default] if index >= first_default else REQUIRED
+            spellings = tuple(other for other, own in command.spellings.items() if own == name)
+            spellings += tuple(other for other in SPELLINGS.get(name, ()) if other not in names)
+            params.append(Param(name, quantity, default, spellings, texts[name]))
+        self.params = tuple(params)
+        self.required = sum(param.is_required for param in params)
+        """How many parameters every call must pass; they are the first ones."""
+        self.indices = {name: index for index, param in enumerate(params) for name in (param.name, *param.spellings)}
+        """Index of the parameter that a keyword means."""
+        self.returns = _quantity(function, "return") or Anything("None")
+        self.judged = _judged(self.params)
+        """Index, parameter, judge, and whether joints and poses are taken for each other there; see `plausibility`."""
+        self.kind = self.returns.meaning if self.returns.meaning in ("joints", "pose") else ""
+        """What a returned list is: `joints`, `pose` or nothing that is followed."""
+
+
+def _judged(params: tuple[Param, ...]) -> tuple[tuple[int, Param, Judge, bool], ...]:
+    if not any(param.quantity.meaning for param in params):
+        return ()
+    from elitescript.commands.definition.plausibility import JUDGES, KINDS
+
+    return tuple(
+        (index, param, JUDGES[param.quantity.meaning], param.quantity.meaning in KINDS)
+        for index, param in enumerate(params)
+        if param.quantity.meaning
+    )
+
+
+def _quantity(function: Callable[..., Any], name: str) -> Quantity | None:
+    annotation = function.__annotations__.get(name)
+    if isinstance(annotation, str):
+        annotation = eval(annotation, function.__globals__)  # our own source text, from this package
+    for extra in get_args(annotation)[1:]:
+        if isinstance(extra, Quantity):
+            return extra
+    return None
+
+
+class Catalogue:
+    """All commands, by name and by alias."""
+
+    __slots__ = ("_by_name", "_commands")
+
+    def __init__(self) -> None:
+        self._commands: dict[str, Command] = {}
+        self._by_name: dict[str, Command] = {}
+
+    def add(self, command: Command) -> None:
+        """Register a command under its name and its aliases."""
+        self._name(command)
+        self._commands[command.name] = command
+        for name in command.aliases:
+            self._name(command.renamed(name))
+
+    def add_alias(self, name: str, of: str, since: str = "", evidence: str = "") -> None:
+        """Register another name of a command that is registered already."""
+        command = self._commands[of]
+        self._name(command.renamed(name, since, evidence))
+        command.aliases = (*command.aliases, name)
+
+    def _name(self, command: Command) -> None:
+        if command.name in self._by_name:
+            raise InternalError(f"two commands are called {command.name!r}")
+        self._by_name[command.name] = command
+
+    def get(self, name: str) -> Command | None:
+        """Return the command of that name or alias."""
+        return self._by_name.get(name)
+
+    def names(self) -> Iterator[str]:
+        """Return every name and alias that scripts can call."""
+        return iter(self._by_name)
+
+    def __iter__(self) -> Iterator[Command]:
+        """Return the commands, each once, without the aliases."""
+        return iter(self._commands.values())
+
+    def __len__(self) -> int:
+        return len(self._commands)
+
+
+REGISTRY: Final = Catalogue()
+"""Filled when `elitescript.commands.catalogue` is imported; read it from there."""
+
+
+def command(
+    *,
+    family: str,
+    since: str = "2.10",
+    aliases: tuple[str, ...] = (),
+    spellings: dict[str, str] | None = None,
+    evidence: str = "documented",
+    waits: bool = False,
+    works_in_sec: bool = True,
+    is_simulated: bool = True,
+    manual: str = "",
+    arguments: Mapping[str, str] = NO_ARGUMENTS,
+) -> Callable[[Function], Function]:
+    """Make the function below a robot command.
+
+    A first parameter called `robot` receives the `Robot` context and is not part of the script's signature;
+    `*more` receives what a call passes beyond the signature.
+
+    Args:
+        family: chapter of the manual; see `page.CHAPTERS`.
+        since: firmware release that brought it, such as `"2.14"`.
+        aliases: other names of the same command, as old and as well known as the command (else: `alias`).
+        spellings: other keyword spellings, each with the parameter it stands for.
+        evidence: how we know: `documented` (manual), `observed` (real programs, clients) or `assumed`.
+        waits: whether a call can take time.
+        works_in_sec: whether a secondary program may call it.
+        is_simulated: False for a command whose body checks what it can and then raises `NotSimulatedError`.
+        manual: section of manual 2.10, such as `"2.1.1"`; of another one with its release, such as `"2.14: 3.1.25"`.
+        arguments: texts of parameters that several commands share, for those that the docstring does not describe.
+    """
+
+    def register(function: Function) -> Function:
+        REGISTRY.add(
+            Command(
+                function,
+                family,
+                since,
+                aliases,
+                spellings or {},
+                evidence,
+                waits,
+                works_in_sec,
+                is_simulated,
+                manual,
+                arguments=arguments,
+            )
+        )
+        return function
+
+    return register
+
+
+def alias(name: str, *, of: str, since: str = "", evidence: str = "") -> None:
+    """Give a command another name, with the release that brought it and how we know, where they differ."""
+    REGISTRY.add_alias(name, of, since, evidence)
+
+
+def describe_call(command_name: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:
+    """Return a call as a message repeats it."""
+    parts = [shown(arg) for arg in args] + [f"{name}={shown(value)}" for name, value in kwargs.items()]
+    return f"{command_name}({', '.join(parts)})"

@@ -1,0 +1,46 @@
+"""The names that a firmware gives to programs, and those of other languages, to advise on an unknown name."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Container, Mapping
+from functools import cache
+from typing import NamedTuple
+
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.definition.foreign import FOREIGN
+from elitescript.commands.definition.reserved import RESERVED
+from elitescript.messages.profile import PROFILES, Profile, release_of
+
+
+class Vocabulary(NamedTuple):
+    """Names around a program.
+
+    Attributes:
+        commands: the commands that the firmware has.
+        foreign: names of other languages, and the command that does the same.
+        reserved: names that no released command has, and that programs may not define.
+    """
+
+    commands: Collection[str]
+    foreign: Mapping[str, str]
+    reserved: Container[str]
+
+
+@cache
+def vocabulary_of(profile: Profile) -> Vocabulary:
+    """Return the names of one firmware."""
+    commands = frozenset(command.name for command in CATALOGUE if release_of(command.since) <= profile.release)
+    return Vocabulary(commands, FOREIGN, RESERVED)
+
+
+def newer_firmware_text(name: str, since: str, profile: Profile) -> str:
+    """Return what is said about a command that the firmware does not have yet, before and during the run."""
+    return f"{name} needs firmware {since} or newer; the chosen one is {profile.name}"
+
+
+def newer_firmware_hint(since: str) -> str:
+    """Return what to do about it."""
+    newest = max(PROFILES.values(), key=lambda profile: profile.release)
+    if release_of(since) > newest.release:
+        return f"the newest firmware that is simulated is {newest.name}"
+    return f"if the robot has it, choose --firmware {newest.name}"

@@ -1,0 +1,80 @@
+"""What the joints of a model have to apply: the arm alone, and with what it carries; torques and currents."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from elitescript.controller.arm.plant import friction_torques
+from elitescript.messages.motion import Six
+from elitescript.messages.plant import PlantConfig
+from elitescript.messages.state import Payload
+from elitescript.models.model import RobotModel
+
+if TYPE_CHECKING:
+    from elitescript.kinematics.dynamics import RigidBody
+
+
+class ArmDynamics:
+    """Torques of one model, N m, positive about the joint; see `kinematics.dynamics`.
+
+    Few programs ask for torques; the others pay neither for the import nor for the links.
+
+    Args:
+        model: geometry and links.
+        plant: says how much friction there is.
+    """
+
+    __slots__ = ("_carried", "_carried_of", "_effort_max", "_has_friction", "_links", "_model", "_plant", "_qd_max")
+
+    def __init__(self, model: RobotModel, plant: PlantConfig | None = None) -> None:
+        self._model = model
+        self._plant = PlantConfig() if plant is None else plant
+        self._has_friction = self._plant.coulomb_friction > 0.0 or self._plant.viscous_friction > 0.0
+        self._qd_max = tuple([joint.qd_max for joint in model.joints])
+        self._effort_max = tuple([joint.effort_max for joint in model.joints])
+        self._links: tuple[RigidBody, ...] = ()
+        self._carried_of: Payload | None = None
+        self._carried: RigidBody | None = None
+
+    def own_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float]) -> Six:
+        """Return what the arm needs to carry and to move itself, friction included."""
+        return self._with_friction(self.rigid_torques(q, qd, qdd, gravity, Payload()), qd)
+
+    def measured_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload) -> Six:
+        """Return what the joints apply altogether.
+
+        What is declared as payload is what hangs on the flange (*assumed*), and nothing else touches the arm.
+        """
+        return self._with_friction(self.rigid_torques(q, qd, qdd, gravity, payload), qd)
+
+    def remaining_torques(
+        self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload
+    ) -> Six:
+        """Return the measured torques less those that the arm needs itself; exactly zero without a payload."""
+        m1, m2, m3, m4, m5, m6 = self.rigid_torques(q, qd, qdd, gravity, payload)
+        o1, o2, o3, o4, o5, o6 = self.rigid_torques(q, qd, qdd, gravity, Payload())
+        return m1 - o1, m2 - o2, m3 - o3, m4 - o4, m5 - o5, m6 - o6
+
+    def currents(self, torques: Six) -> Six:
+        """Return the currents that the motors of the joints take for torques, A; the torque constants are *assumed*."""
+        a, b, c, d, e, f = [
+            torque / joint.torque_constant for torque, joint in zip(torques, self._model.joints, strict=True)
+        ]
+        return (a, b, c, d, e, f)
+
+    def _with_friction(self, torques: Six, qd: Six) -> Six:
+        if not self._has_friction:
+            return torques
+        a, b, c, d, e, f = torques
+        g, h, i, j, k, m = friction_torques(self._plant, qd, self._qd_max, self._effort_max)
+        return (a + g, b + h, c + i, d + j, e + k, f + m)
+
+    def rigid_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload) -> Six:
+        """Return what masses and inertias ask for, without friction."""
+        from elitescript.kinematics.dynamics import RigidBody, joint_torques
+
+        if not self._links:
+            self._links = tuple([RigidBody(link.mass, link.com, link.inertia) for link in self._model.links])
+        if payload is not self._carried_of:
+            self._carried_of, self._carried = payload, RigidBody(payload.mass_kg, payload.cog, payload.inertia)
+        return joint_torques(self._model.arm, self._links, q, qd, qdd, gravity, self._carried)

@@ -1,0 +1,102 @@
+"""From target to actual: joints whose drives lag behind and have to overcome friction.
+
+Each joint is a critically damped second-order system that is drawn to its target r,
+
+    x'' = w^2 (r - x) - 2 w x' - f,    w = 2 / lag
+
+The deceleration f by friction is that of its Coulomb part, against the motion, and of its viscous part. The drive knows
+neither. At a constant speed v the joint is behind by lag * v + f / w^2, at rest it is where the target is, and it never
+overshoots a target that does not turn back. Over one period the target is taken as a straight line; then the
+solution is a closed form and holds for any lag, however short beside the period.
+
+Friction holds a standing joint as long as the drive pulls less than its Coulomb part. When the target stands too, the
+integral part of the drive takes the rest of the way (*assumed*): the Coulomb part counts only while the target moves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import copysign, exp
+from typing import Final
+
+from elitescript.messages.motion import Six
+from elitescript.messages.plant import PlantConfig
+from elitescript.messages.state import JointState
+from elitescript.messages.timing import PERIOD_S
+from elitescript.motion.segment import Setpoint
+
+SETTLED_RAD: Final = 1e-8
+SETTLED_RAD_PER_S: Final = 1e-6
+"""So near to a target that stands, a joint has arrived: far below what an encoder tells apart."""
+
+SETTLING_LAGS: Final = 15.0
+"""Within so many times the lag after the target has come to rest, every joint has arrived."""
+
+
+class LaggingJoints:
+    """Implements `controller.arm.state.Plant`.
+
+    Args:
+        config: with `lag_s` above 0.
+        qd_max: largest speed of each joint, rad/s.
+    """
+
+    __slots__ = ("_coulomb", "_decay", "_omega", "_per_q", "_per_qd", "_viscous", "is_settled")
+
+    def __init__(self, config: PlantConfig, qd_max: Sequence[float]) -> None:
+        self._omega = omega = 2.0 / config.lag_s
+        self._decay = decay = exp(-omega * PERIOD_S)
+        # What a constant deceleration of 1 rad/s^2 takes from speed and position within a period.
+        self._per_qd = PERIOD_S * decay
+        self._per_q = (1.0 - (1.0 + omega * PERIOD_S) * decay) / (omega * omega)
+        self._coulomb = config.coulomb_friction * config.rated_acceleration
+        self._viscous = tuple([config.viscous_friction * config.rated_acceleration / speed for speed in qd_max])
+        self.is_settled = True
+        """Whether the joints are where the target is and rest there."""
+
+    def peek(self, tick: int, target: Setpoint, now: JointState) -> Setpoint:
+        """Return actual positions and speeds of a tick, one after the present one: rad, rad/s."""
+        a, b, c, d, e, f = [
+            self._joint(*joint)
+            for joint in zip(now.q_target, target.q, target.qd, now.q_actual, now.qd_actual, self._viscous, strict=True)
+        ]
+        return Setpoint((a[0], b[0], c[0], d[0], e[0], f[0]), (a[1], b[1], c[1], d[1], e[1], f[1]))
+
+    def commit(self, tick: int, target: Setpoint, now: JointState) -> None:
+        """Go on to that tick."""
+        self.is_settled = target.q == now.q_target and not any(target.qd) and self.peek(tick, target, now) == target
+
+    def _joint(
+        self, r_now: float, r_next: float, rd_next: float, x: float, xd: float, viscous: float
+    ) -> tuple[float, float]:
+        omega, decay = self._omega, self._decay
+        slope = (r_next - r_now) / PERIOD_S
+        stands = slope == 0.0 and rd_next == 0.0
+        behind = 2.0 * slope / omega
+        start = r_now - x - behind
+        rate = slope - xd + omega * start
+        left = start + rate * PERIOD_S
+        x_next = r_next - behind - left * decay
+        xd_next = slope - (rate - omega * left) * decay
+        if self._coulomb > 0.0 and not stands:
+            stopping = xd_next / self._per_qd
+            if abs(stopping) <= self._coulomb:
+                return (x if xd == 0.0 else x_next - stopping * self._per_q), 0.0
+            friction = copysign(self._coulomb, stopping)
+            x_next -= friction * self._per_q
+            xd_next -= friction * self._per_qd
+        if viscous > 0.0:
+            xd_next /= 1.0 + viscous * self._per_qd
+            x_next -= viscous * xd_next * self._per_q
+        if stands and abs(r_next - x_next) < SETTLED_RAD and abs(xd_next) < SETTLED_RAD_PER_S:
+            return r_next, 0.0
+        return x_next, xd_next
+
+
+def friction_torques(config: PlantConfig, qd: Six, qd_max: Sequence[float], effort_max: Sequence[float]) -> Six:
+    """Return the torques that friction asks of the joints, N m, in the direction of their motion; zero at rest."""
+    a, b, c, d, e, f = [
+        rated * (config.viscous_friction * speed / largest + (copysign(config.coulomb_friction, speed) if speed else 0))
+        for speed, largest, rated in zip(qd, qd_max, effort_max, strict=True)
+    ]
+    return (a, b, c, d, e, f)

@@ -1,0 +1,257 @@
+"""Where the arm is: from the nominal motion over its corrections to the target, and over the plant to the joints.
+
+The nominal motion (`motion_control`) is a function of time. *Corrections* (conveyor tracking, force control) change it
+and the *plant* follows the target; both go from tick to tick. While one of them is at work every tick is due, and the
+state of the next tick is worked out from that of the present one. While none is, target and actual are the nominal
+setpoint, at any tick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Final, Protocol
+
+from elitescript.controller.motion.control import MotionControl
+from elitescript.messages.motion import Six
+from elitescript.messages.state import JointState
+from elitescript.messages.timing import PERIOD_S
+from elitescript.motion.segment import Setpoint
+
+_INSTANT_S: Final = 1e-6
+"""Over this time the acceleration is taken as constant. Rounding of the speeds makes up some 1e-8 rad/s^2 of the
+difference, the bending of a path some 1e-5."""
+
+STANDING_RAD_PER_S: Final = 1e-6
+"""Joints that are slower than this stand: what a law leaves that comes to rest without end."""
+
+
+class Correction(Protocol):
+    """Changes the nominal setpoint from tick to tick.
+
+    It hears of pauses and stops whether it is active or not.
+    """
+
+    @property
+    def is_active(self) -> bool:
+        """Whether it changes anything; every tick is due then."""
+
+    def peek(self, tick: int, nominal: Setpoint, now: JointState) -> Setpoint:
+        """Return the target of a tick, one after the present one; changes nothing.
+
+        Args:
+            tick: present tick + 1.
+            nominal: its setpoint, changed by the corrections that come before.
+            now: joints of the present tick.
+        """
+
+    def commit(self, tick: int, nominal: Setpoint, now: JointState, is_resting: bool) -> None:
+        """Go on to that tick: take on what `peek` of the same arguments works out.
+
+        Args:
+            tick: present tick + 1.
+            nominal: as for `peek`.
+            now: as for `peek`.
+            is_resting: whether the nominal motion stands still at that tick, and no correction that comes before is
+                active; only then a correction may end with the arm away from its nominal place, which is then moved
+                to where this correction has left the arm.
+        """
+
+    def pause(self, tick: int) -> None:
+        """The task is paused: come to rest, to go on later."""
+
+    def resume(self, tick: int) -> None:
+        """The task goes on."""
+
+    def stop(self, tick: int) -> None:
+        """The program is over: come to rest and end."""
+
+
+class Plant(Protocol):
+    """What the joints do with their targets."""
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the joints are where the target is and rest there."""
+
+    def peek(self, tick: int, target: Setpoint, now: JointState) -> Setpoint:
+        """Return actual positions and speeds of a tick, one after the present one; changes nothing."""
+
+    def commit(self, tick: int, target: Setpoint, now: JointState) -> None:
+        """Go on to that tick: take on what `peek` of the same arguments works out."""
+
+
+class ArmState:
+    """Target and actual joints of the present tick and of those ahead, up to the next that is due.
+
+    Args:
+        motion: the nominal motion.
+        corrections: in the order in which they change it.
+        plant: None for joints that follow exactly.
+    """
+
+    __slots__ = ("_corrections", "_joints", "_joints_tick", "_motion", "_plant", "_tick")
+
+    def __init__(
+        self, motion: MotionControl, corrections: Iterable[Correction] = (), plant: Plant | None = None
+    ) -> None:
+        self._motion = motion
+        self._corrections = tuple(corrections)
+        self._plant = plant
+        self._tick = 0
+        self._joints_tick = -1
+        q, qd = motion.setpoint(0)
+        self._joints = JointState(q, qd, q, qd)
+
+    @property
+    def has_plant(self) -> bool:
+        """Whether actual may differ from target."""
+        return self._plant is not None
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the target moves, or may move by itself."""
+        return self._motion.is_moving or self._is_corrected
+
+    @property
+    def is_resting(self) -> bool:
+        """Whether target and joints stand at the same place, until something is asked of them."""
+        return not self.is_moving and not self._is_stepped
+
+    @property
+    def is_standing(self) -> bool:
+        """Whether target and joints stand at the present tick, and the nominal motion changes nothing by itself.
+
+        Every tick may be due all the same: while a conveyor that stands is tracked, in force mode where nothing
+        yields, in a pause of an arm with a plant.
+        """
+        if self._motion.next_tick is not None:
+            return False
+        joints = self.joints(self._tick)
+        return max(map(abs, (*joints.qd_target, *joints.qd_actual))) < STANDING_RAD_PER_S
+
+    @property
+    def next_tick(self) -> int | None:
+        """Next tick at which something changes by itself; None while it will not."""
+        return self._tick + 1 if self._is_stepped else self._motion.next_tick
+
+    def joints(self, tick: int) -> JointState:
+        """Target and actual joints at a tick from the present one up to the next that is due."""
+        if tick > self._tick and self._is_stepped:
+            return self._ahead()
+        if tick != self._joints_tick:
+            q, qd = self._motion.setpoint(tick)
+            joints = JointState(q, qd, q, qd)
+            if tick != self._tick:
+                return joints
+            self._joints, self._joints_tick = joints, tick
+        return self._joints
+
+    def target_acceleration(self) -> Six:
+        """Acceleration with which the target goes on from the present tick, rad/s^2.
+
+        Where it jumps, this is the value of the time that follows. It is a difference of the speeds of this instant and
+        the next (of the next tick, for what goes from tick to tick), because path, profile and speed percentage all
+        contribute; it asks for nothing before the tick, so it does not depend on which ticks were run.
+        """
+        before = self.joints(self._tick).qd_target
+        if self._is_stepped:
+            ahead_s, after = PERIOD_S, self.joints(self._tick + 1).qd_target
+        elif self._motion.is_stepped:
+            ahead_s, after = PERIOD_S, self._motion.sample(self._tick + 1).qd
+        else:
+            ahead_s, after = _INSTANT_S, self._motion.sample(self._tick + _INSTANT_S / PERIOD_S).qd
+        a, b, c, d, e, f = [(later - now) / ahead_s for now, later in zip(before, after, strict=True)]
+        return (a, b, c, d, e, f)
+
+    def actual_acceleration(self) -> Six:
+        """Acceleration with which the joints themselves go on from the present tick, rad/s^2."""
+        if self._plant is None or not self._is_stepped:
+            return self.target_acceleration()
+        before, after = self.joints(self._tick).qd_actual, self.joints(self._tick + 1).qd_actual
+        a, b, c, d, e, f = [(later - now) / PERIOD_S for now, later in zip(before, after, strict=True)]
+        return (a, b, c, d, e, f)
+
+    def settle(self, tick: int) -> None:
+        """Go on to a tick that is not later than the next one that is due, and note what has happened by then."""
+        q_left: Six | None = None
+        if tick > self._tick and self._is_stepped:
+            q_left = self._step(tick)
+        elif tick > self._tick or not self._is_stepped:
+            self._joints_tick = -1
+        self._tick = tick
+        self._motion.settle(tick)
+        if q_left is not None:
+            self._motion.rebase(q_left)
+
+    def pause(self, tick: int) -> None:
+        """Come to rest, to go on later."""
+        self._motion.pause(tick)
+        for correction in self._corrections:
+            correction.pause(tick)
+
+    def resume(self, tick: int) -> None:
+        """Go on after a pause."""
+        self._motion.resume(tick)
+        for correction in self._corrections:
+            correction.resume(tick)
+
+    def stop(self, tick: int, *, arrives: bool = False) -> None:
+        """Come to rest: the program is over.
+
+        Args:
+            tick: the present one.
+            arrives: what goes on to its target after its call may do so.
+        """
+        if arrives:
+            self._motion.finish(tick)
+        else:
+            self._motion.stop(tick)
+        for correction in self._corrections:
+            correction.stop(tick)
+
+    @property
+    def _is_stepped(self) -> bool:
+        plant = self._plant
+        if plant is not None and not (plant.is_settled and not self.is_moving):
+            return True
+        return self._is_corrected
+
+    @property
+    def _is_corrected(self) -> bool:
+        # Asked several times in every tick; a generator would take twice as long.
+        for correction in self._corrections:  # noqa: SIM110
+            if correction.is_active:
+                return True
+        return False
+
+    def _ahead(self) -> JointState:
+        tick, now = self._tick + 1, self.joints(self._tick)
+        target = self._motion.setpoint(tick)
+        for correction in self._corrections:
+            if correction.is_active:
+                target = correction.peek(tick, target, now)
+        actual = target if self._plant is None else self._plant.peek(tick, target, now)
+        return JointState(*target, *actual)
+
+    def _step(self, tick: int) -> Six | None:
+        """Go on to the next tick; return where a correction that has ended left the arm, beside its nominal place."""
+        now = self.joints(self._tick)
+        target = self._motion.setpoint(tick)
+        q_left: Six | None = None
+        is_resting = self._motion.rests_at(tick)
+        for correction in self._corrections:
+            if correction.is_active:
+                corrected = correction.peek(tick, target, now)
+                correction.commit(tick, target, now, is_resting)
+                target = corrected
+                if correction.is_active:
+                    # What comes after stands on something that moves, or has left the arm beside its nominal place.
+                    is_resting = False
+                elif is_resting:
+                    q_left = target.q
+        actual = target
+        if self._plant is not None:
+            actual = self._plant.peek(tick, target, now)
+            self._plant.commit(tick, target, now)
+        self._joints, self._joints_tick = JointState(*target, *actual), tick
+        return q_left

@@ -1,0 +1,1 @@
+"""Contact, the force sensor, force control and hand guiding."""

@@ -1,0 +1,224 @@
+"""Force control, hand guiding and the force sensor of one robot, and which of them may be on at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final, TypeGuard
+
+from elitescript.controller.arm.model_limits import motion_limits
+from elitescript.controller.arm.state import ArmState
+from elitescript.controller.force.contact import ContactConfig
+from elitescript.controller.force.force_control import ForceControl
+from elitescript.controller.force.hand_guiding import HandGuiding
+from elitescript.controller.force.wrench_sensor import WrenchSensor
+from elitescript.controller.force.yielding_correction import ArmAccess, Caller, YieldingCorrection
+from elitescript.controller.signals.image import SignalImage
+from elitescript.controller.tool_setup import Setup
+from elitescript.errors import MotionError
+from elitescript.messages.events import Event, Warned, YieldingChanged
+from elitescript.messages.machine import SetClientSensor, SetForceDamping, SetForceGain, ZeroForceSensor
+from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
+from elitescript.messages.state import JointState
+from elitescript.messages.yielding import EndForceMode, EndFreedrive, ForceMode, Freedrive, YieldRequest
+from elitescript.models.model import RobotModel
+
+FORCE_CALL: Final = -1
+GUIDING_CALL: Final = -2
+"""Numbers of the calls that wait for the end; numbers of moves are positive."""
+
+DONE_CALL: Final = 0
+"""Number of a call that is over at once."""
+
+
+class ComplianceControl:
+    """Everything about forces.
+
+    Args:
+        model: the arm.
+        setup: TCP, payload and gravity of the moment.
+        signals: for `external_wrench` and the inputs that ask for hand guiding.
+        contact: what the TCP can touch; None for nothing.
+        on_event: receives events.
+        on_end: called with the number of a call that waits for the end, and whether it was complete, when it is over.
+    """
+
+    __slots__ = ("_force", "_guiding", "_is_asked_by_input", "_is_guided_by_input", "_on_event", "_signals", "sensor")
+
+    def __init__(
+        self,
+        model: RobotModel,
+        setup: Setup,
+        signals: SignalImage,
+        contact: ContactConfig | None,
+        on_event: Callable[[Event], None],
+        on_end: Callable[[int, bool], None],
+    ) -> None:
+        self.sensor = WrenchSensor(model.arm, setup, signals, contact or ContactConfig())
+        body = ArmAccess(model.arm, motion_limits(model), model.stop_joint_deceleration, setup, self.sensor)
+        self._force = ForceControl(body, on_event, lambda: on_end(FORCE_CALL, True))
+        self._guiding = HandGuiding(body, on_event, lambda: on_end(GUIDING_CALL, True))
+        self._on_event = on_event
+        self._signals = signals
+        self._is_asked_by_input = False
+        self._is_guided_by_input = False
+
+    @property
+    def corrections(self) -> tuple[YieldingCorrection, ...]:
+        """What `ArmState` applies; never more than one at a time."""
+        return self._force, self._guiding
+
+    def limit_speed(self, speed: float | None) -> None:
+        """Let the TCP yield no faster than that, m/s; None lifts the limit."""
+        for correction in self.corrections:
+            correction.limit_speed(speed)
+
+    def begin_program(self) -> None:
+        """Say again what has been said to the program before."""
+        self._force.forget_warnings()
+        self._guiding.forget_warnings()
+
+    def request(self, request: YieldRequest | StopJ | StopL, tick: int, is_moving: bool, caller: Caller) -> int:
+        """Begin or end force mode or hand guiding; return the number of the call.
+
+        Args:
+            request: what is asked for.
+            tick: the present one.
+            is_moving: whether the arm moves besides.
+            caller: who asks.
+
+        Raises:
+            MotionError: two things at once; nothing has changed.
+        """
+        force = self._force
+        if isinstance(request, ForceMode):
+            self._require_no_guiding("force_mode")
+            force.begin(request, caller)
+            self._report(tick, request, caller)
+            return DONE_CALL
+        if isinstance(request, EndForceMode):
+            if force.is_on:
+                force.stop(tick)
+                self._report(tick, request, caller)
+            return FORCE_CALL if force.is_yielding else DONE_CALL
+        if isinstance(request, EndFreedrive | StopJ | StopL):
+            return self._end_guiding(tick, caller)
+        if force.is_active or is_moving:
+            raise MotionError(
+                f"hand guiding cannot begin {'in force mode' if force.is_active else 'while the arm moves'}",
+                code="R114",
+                hint=f"call {'end_force_mode' if force.is_active else 'stopj'} first",
+            )
+        self._guide(request, tick, caller)
+        self._is_guided_by_input = False
+        return DONE_CALL
+
+    def is_ended_by(self, request: MotionRequest | TrackRequest) -> TypeGuard[StopJ | StopL]:
+        """Let a motion begin, or say that it is a stop of what has no other motion: hand guiding.
+
+        Raises:
+            MotionError: the arm is guided by hand; or is in force mode, and a conveyor is to be tracked.
+        """
+        if isinstance(request, StopJ | StopL):
+            return self.is_guiding
+        if not isinstance(request, StopTracking):
+            self._require_no_guiding(type(request).__name__.lower())
+            if isinstance(request, TrackRequest) and self._force.is_active:
+                raise MotionError(
+                    "conveyor tracking cannot begin in force mode", code="R114", hint="begin it before force_mode"
+                )
+        return False
+
+    def wrench(self, arm: ArmState, tick: int, is_compensated: bool) -> Six:
+        """What the surroundings exert on the TCP at the present tick, TCP frame."""
+        joints = arm.joints(tick)
+        if is_compensated:
+            return self.sensor.compensated(joints.q_actual, joints.qd_actual)
+        return self.sensor.raw(joints.q_actual, joints.qd_actual, arm.actual_acceleration)
+
+    def is_done(self, call: int) -> bool:
+        """Whether the call of that number is over."""
+        if call == FORCE_CALL:
+            return not self._force.is_yielding
+        return call != GUIDING_CALL or not self._guiding.is_active
+
+    def guide_by_input(self, why_not: str, arm: ArmState, tick: int) -> None:
+        """Begin hand guiding when an input asks for it, and end it when none does any more.
+
+        Args:
+            why_not: why the arm may not move; empty if it may.
+            arm: has to stand for the beginning.
+            tick: present tick.
+        """
+        point = self._signals.freedrive_point
+        is_asked = point is not None
+        if is_asked == self._is_asked_by_input:
+            return
+        self._is_asked_by_input = is_asked
+        if not is_asked:
+            if self._is_guided_by_input:
+                self._end_guiding(tick, Caller(0, ""))
+            return
+        if arm.is_moving:
+            why_not = why_not or "the arm moves already"
+        if why_not:
+            self._on_event(Warned(tick, f"{point} asks for hand guiding, but {why_not}"))
+        elif not self._guiding.is_on:
+            self._guide(Freedrive((True,) * 6), tick, Caller(0, ""))
+            self._is_guided_by_input = True
+
+    @property
+    def is_guiding(self) -> bool:
+        """Whether a person may guide the arm, or the arm still comes to rest after that."""
+        return self._guiding.is_on or self._guiding.is_active
+
+    @property
+    def is_guided_by_input(self) -> bool:
+        """Whether a person may guide the arm because an input asks for it."""
+        return self._is_guided_by_input
+
+    def _guide(self, request: Freedrive, tick: int, caller: Caller) -> None:
+        self._guiding.begin(request, caller)
+        self._report(tick, request, caller)
+
+    def _end_guiding(self, tick: int, caller: Caller) -> int:
+        self._is_guided_by_input = False
+        if self._guiding.is_on:
+            self._guiding.stop(tick)
+            self._report(tick, EndFreedrive(), caller)
+        return GUIDING_CALL if self._guiding.is_active else DONE_CALL
+
+    def set_gain(self, request: SetForceGain, _joints: JointState) -> None:
+        """Counts from the next force mode on."""
+        self._force.gain_scaling = request.scaling
+
+    def set_damping(self, request: SetForceDamping, _joints: JointState) -> None:
+        """Counts from the next force mode on."""
+        self._force.damping = request.damping
+
+    def set_client_sensor(self, request: SetClientSensor, _joints: JointState) -> None:
+        """Read a client's sensor, or the arm's again."""
+        self.sensor.client_offset = request.offset if request.is_enabled else None
+
+    def zero_sensor(self, _request: ZeroForceSensor, joints: JointState) -> None:
+        """The present wrench becomes zero."""
+        self.sensor.tare(joints.q_actual, joints.qd_actual)
+
+    def _report(self, tick: int, request: YieldRequest, caller: Caller) -> None:
+        self._on_event(YieldingChanged(tick, request, caller.line, caller.thread))
+
+    def _require_no_guiding(self, what: str) -> None:
+        if self._guiding.is_on or self._guiding.is_active:
+            raise MotionError(
+                f"{what} is not possible while the arm is guided by hand",
+                code="R114",
+                hint="call end_freedrive_mode first",
+            )
+
+
+YIELD_SETTINGS: Final[dict[type, Callable[[ComplianceControl, Any, JointState], None]]] = {
+    SetForceGain: ComplianceControl.set_gain,
+    SetForceDamping: ComplianceControl.set_damping,
+    ZeroForceSensor: ComplianceControl.zero_sensor,
+    SetClientSensor: ComplianceControl.set_client_sensor,
+}
+"""Every request that only sets something about forces, and what handles it."""

@@ -1,0 +1,184 @@
+"""The force/torque sensor: what touches the TCP, and what hangs on the flange.
+
+All wrenches are what the surroundings exert on the arm: an arm that presses down on a table reads an upward force.
+`force_mode` counts the other way round, what the arm exerts on its surroundings. (*Assumed*: the manual calls the one
+the external force at the TCP and the other the force on the environment.)
+
+A program can have the readings of a client's sensor taken instead (`ft_rtsi_input_enable`); they are believed, also by
+force control.
+
+The sensor is ideal. What `set_payload` declares is what hangs on the flange (*assumed*), so that the compensated wrench
+is exactly what touches the TCP.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import hypot
+
+from elitescript.controller.force.contact import ContactConfig
+from elitescript.controller.signals.image import SignalImage
+from elitescript.controller.tool_setup import Setup
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.jacobian import tcp_twist
+from elitescript.kinematics.rotations import Rotation, Vector3, multiply, rotate, transpose
+from elitescript.kinematics.transforms import IDENTITY, Transform, position_of, rotation_of
+from elitescript.messages.motion import Six
+from elitescript.messages.state import ZERO_SIX
+
+_INSTANT_S = 1e-4
+"""Accelerations are central differences of velocities over this time; the error is some 1e-8 of them."""
+
+
+class WrenchSensor:
+    """Reads wrenches for given joints; keeps nothing but its zero.
+
+    Args:
+        arm: geometry.
+        setup: TCP, payload and gravity of the moment.
+        signals: for `external_wrench`, which pushes the TCP.
+        contact: what the TCP can touch.
+    """
+
+    __slots__ = ("_arm", "_setup", "_signals", "client_offset", "contact", "zero")
+
+    def __init__(self, arm: Arm, setup: Setup, signals: SignalImage, contact: ContactConfig) -> None:
+        self._arm = arm
+        self._setup = setup
+        self._signals = signals
+        self.contact = contact
+        self.client_offset: Vector3 | None = None
+        """Where a client's sensor measures, flange frame, m; None while the arm's own is read."""
+        self.zero: Six = ZERO_SIX
+        """What `compensated` leaves out, TCP frame."""
+
+    @property
+    def external_wrench(self) -> Six:
+        """What pushes the TCP besides the contacts: N, N m, base frame."""
+        a, b, c, d, e, f = map(float, self._signals.levels("external_wrench"))
+        return (a, b, c, d, e, f)
+
+    @property
+    def is_in_use(self) -> bool:
+        """Whether anything can push the TCP."""
+        return bool(self.contact.planes) or self.external_wrench != ZERO_SIX
+
+    def force(self, q: Six, qd: Six) -> float:
+        """Return the force of everything that touches the TCP, N, for actual joints (rad, rad/s)."""
+        return hypot(*self.external(q, qd)[:3])
+
+    def external(self, q: Six, qd: Six) -> Six:
+        """Return everything that touches the TCP for actual joints (rad, rad/s), in the base frame."""
+        if self.client_offset is not None:
+            return self._client_reading(q, self.client_offset)
+        if not self.contact.planes:
+            return self.external_wrench
+        T_flange_tcp = self._setup.T_flange_tcp
+        p = position_of(self._arm.forward_tcp(q, T_flange_tcp))
+        v = tcp_twist(self._arm, q, qd, T_flange_tcp)[:3]
+        return self.contact.wrench(p, v, self.external_wrench)
+
+    def _client_reading(self, q: Six, offset: Vector3) -> Six:
+        """What a client's sensor reads, along the axes of the base frame, with moments about the TCP.
+
+        Its axes are those of the flange, and what it sends is free of the weight of tool and sensor (*assumed*).
+        """
+        reading = [float(self._signals.read("external_force_torque", index)) for index in range(6)]
+        T_base_tcp = self._arm.forward_tcp(q, self._setup.T_flange_tcp)
+        R_base_flange = rotation_of(self._arm.forward(q))
+        force, moment = rotate(R_base_flange, reading[:3]), rotate(R_base_flange, reading[3:])
+        lever = _minus(position_of(self._arm.forward_tcp(q, (*IDENTITY[:9], *offset))), position_of(T_base_tcp))
+        mx, my, mz = [about + swing for about, swing in zip(moment, _cross(lever, force), strict=True)]
+        return (*force, mx, my, mz)
+
+    def compensated(self, q: Six, qd: Six) -> Six:
+        """Return the wrench without the payload and less the zero, in the TCP frame."""
+        return _difference(self._untared(q, qd), self.zero)
+
+    def compensated_in_base(self, q: Six, qd: Six) -> Six:
+        """Return the compensated wrench along the axes of the base frame, moments about the TCP."""
+        if self.zero == ZERO_SIX:
+            return self.external(q, qd)
+        return _turned(rotation_of(self._arm.forward_tcp(q, self._setup.T_flange_tcp)), self.compensated(q, qd))
+
+    def raw(self, q: Six, qd: Six, qdd: Callable[[], Six]) -> Six:
+        """Return the wrench with weight and inertia of the payload, not tared, in the TCP frame.
+
+        Args:
+            q: actual joints, rad.
+            qd: their speeds, rad/s.
+            qdd: works out their accelerations, rad/s^2, which only a payload needs.
+        """
+        if self.client_offset is not None or self._setup.payload.mass_kg == 0.0:
+            return self._untared(q, qd)
+        load = self._payload_wrench(q, qd, qdd())
+        a, b, c, d, e, f = [x + y for x, y in zip(self._untared(q, qd), load, strict=True)]
+        return (a, b, c, d, e, f)
+
+    def tare(self, q: Six, qd: Six) -> None:
+        """Take the present compensated wrench as zero, whatever the zero was."""
+        self.zero = self._untared(q, qd)
+
+    def _untared(self, q: Six, qd: Six) -> Six:
+        external = self.external(q, qd)
+        if external == ZERO_SIX:
+            return ZERO_SIX
+        R_base_tcp = rotation_of(self._arm.forward_tcp(q, self._setup.T_flange_tcp))
+        return _turned(transpose(R_base_tcp), external)
+
+    def _payload_wrench(self, q: Six, qd: Six, qdd: Six) -> Six:
+        """What the payload exerts on the flange, about the TCP and along its axes."""
+        payload = self._setup.payload
+        T_flange_com: Transform = (*IDENTITY[:9], *payload.cog)
+        ax, ay, az, *alpha = self._acceleration(q, qd, qdd, T_flange_com)
+        gx, gy, gz = self._setup.gravity
+        m = payload.mass_kg
+        force = (-m * (ax + gx), -m * (ay + gy), -m * (az + gz))
+        T_base_com = self._arm.forward_tcp(q, T_flange_com)
+        R_base_flange = rotation_of(T_base_com)
+        T_base_tcp = self._arm.forward_tcp(q, self._setup.T_flange_tcp)
+        lever = _minus(position_of(T_base_com), position_of(T_base_tcp))
+        inertia = _in_base(R_base_flange, payload.inertia)
+        omega = tcp_twist(self._arm, q, qd)[3:]
+        spin = rotate(inertia, alpha)
+        gyro = _cross(omega, rotate(inertia, omega))
+        swing = _cross(lever, force)
+        mx, my, mz = [s - t - g for s, t, g in zip(swing, spin, gyro, strict=True)]
+        return _turned(transpose(rotation_of(T_base_tcp)), (*force, mx, my, mz))
+
+    def _acceleration(self, q: Six, qd: Six, qdd: Six, T_flange_point: Transform) -> Six:
+        """Acceleration of a point of the flange and angular acceleration, base frame."""
+        before, after = [
+            tcp_twist(
+                self._arm,
+                [a + h * w for a, w in zip(q, qd, strict=True)],
+                [w + h * dw for w, dw in zip(qd, qdd, strict=True)],
+                T_flange_point,
+            )
+            for h in (-_INSTANT_S, _INSTANT_S)
+        ]
+        a, b, c, d, e, f = [(y - x) / (2.0 * _INSTANT_S) for x, y in zip(before, after, strict=True)]
+        return (a, b, c, d, e, f)
+
+
+def _turned(R: Rotation, wrench: Sequence[float]) -> Six:
+    return (*rotate(R, wrench[:3]), *rotate(R, wrench[3:]))
+
+
+def _difference(one: Six, other: Six) -> Six:
+    a, b, c, d, e, f = [x - y for x, y in zip(one, other, strict=True)]
+    return (a, b, c, d, e, f)
+
+
+def _minus(a: Vector3, b: Vector3) -> Vector3:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def _cross(a: Sequence[float], b: Sequence[float]) -> Vector3:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _in_base(R: Rotation, inertia: Six) -> Rotation:
+    """A tensor of the flange frame along the axes of the base frame."""
+    xx, yy, zz, xy, xz, yz = inertia
+    return multiply(multiply(R, (xx, xy, xz, xy, yy, yz, xz, yz, zz)), transpose(R))

@@ -1,0 +1,457 @@
+"""Takes motion requests, holds the one active source of motion, and says where the arm is at any tick.
+
+A move that is accepted at tick N begins at the time of tick N. The setpoint of tick K is the state at the
+time of tick K: what scripts read during tick K, and what the plant reached after the motion phase of tick K-1. Speed
+percentage, pause, resume and stop change only how path time of a planned move runs against time
+(`motion.timing.timescale`), so its position never jumps; whatever takes over from something else begins with its
+position and speed.
+
+A planned move begins at standstill, or with a blend (`succession`). Motions at a speed and streams (`drives`) begin in
+any state, and end what ran before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from elitescript.controller.motion.joint_drive import Drive, JointDrive
+from elitescript.controller.motion.move_sequencing import (
+    CurrentMoveAction,
+    MoveCall,
+    MoveSequencing,
+    bounded,
+    lay_behind,
+)
+from elitescript.controller.motion.notices import Notices
+from elitescript.controller.motion.sources import NEVER, Braking, Move
+from elitescript.controller.motion.stepped_drives import ServoDrive, ToolDrive
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.jacobian import tcp_twist
+from elitescript.kinematics.transforms import Transform
+from elitescript.messages.events import Event, MotionEnded, MotionStarted, Warned
+from elitescript.messages.motion import (
+    DriveRequest,
+    MotionRequest,
+    ServoJ,
+    Six,
+    SpeedJ,
+    SpeedL,
+    StopJ,
+    StopL,
+)
+from elitescript.messages.state import ZERO_SIX
+from elitescript.messages.timing import PERIOD_S
+from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error
+from elitescript.motion.segment import Setpoint
+from elitescript.motion.streaming.speed import Obstacle, SpeedProfile, braked, halted
+from elitescript.motion.streaming.twist import ToolMotion
+from elitescript.motion.timing.timescale import stop_ramp, stop_ramp_tool
+
+AnyDrive = JointDrive | ToolDrive | ServoDrive
+AnySource = Move | Braking | AnyDrive
+
+
+class MotionControl:
+    """The arm's position, now and for as long as nobody asks for something else.
+
+    Args:
+        arm: geometry.
+        limits: joint and tool limits.
+        home: joint positions at power-on.
+        stop_joint_deceleration: rad/s^2, for a program that is stopped.
+        speed_ramp_s: time in which a new speed percentage takes hold of a planned move.
+        on_event: receives motion events and warnings.
+        on_end: called with number and completeness of a move when the arm has come to rest.
+
+    Attributes:
+        speed_scale: speed percentage as a fraction; changed by `set_speed_scale`.
+    """
+
+    __slots__ = (
+        "_arm",
+        "_count",
+        "_next",
+        "_notices",
+        "_on_end",
+        "_on_event",
+        "_q_rest",
+        "_sampled",
+        "_sampled_tick",
+        "_source",
+        "_started",
+        "_stop_joint_deceleration",
+        "_succession",
+        "is_paused",
+        "limits",
+        "on_obstacle",
+        "speed_ramp_s",
+        "speed_scale",
+        "waypoint",
+    )
+
+    def __init__(
+        self,
+        arm: Arm,
+        limits: MotionLimits,
+        home: Six,
+        stop_joint_deceleration: float,
+        speed_ramp_s: float,
+        on_event: Callable[[Event], None],
+        on_end: Callable[[int, bool], None],
+    ) -> None:
+        self._arm = arm
+        self.limits = limits
+        self._succession = MoveSequencing(arm, limits)
+        self._q_rest = home
+        self._stop_joint_deceleration = stop_joint_deceleration
+        self.speed_ramp_s = speed_ramp_s
+        self._on_event = on_event
+        self._on_end = on_end
+        self._source: AnySource | None = None
+        self._next: Move | None = None
+        self._started: MotionStarted | None = None
+        self._count = 0
+        self.speed_scale = 1.0
+        self.is_paused = False
+        self._sampled_tick = -1
+        self._sampled = Setpoint(home, ZERO_SIX)
+        self._notices = Notices(on_event)
+        self.waypoint: Six | None = None
+        self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
+
+    def begin_program(self) -> None:
+        """Say again, once for each line, what has been said to the program before."""
+        self._notices.said.clear()
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether a motion is under way (paused or braking included)."""
+        return self._source is not None
+
+    def rate(self, tick: int) -> float:
+        """How fast planned time passes, 0 to 1; the speed percentage while no planned move runs."""
+        source = self._source
+        return source.scale.rate(tick * PERIOD_S) if isinstance(source, Move) else self.speed_scale
+
+    @property
+    def source(self) -> AnySource | None:
+        """What moves the arm; None at standstill."""
+        return self._source
+
+    @property
+    def next_tick(self) -> int | None:
+        """Tick at which the present motion changes by itself; None while it will not."""
+        source = self._source
+        return None if source is None or source.due_tick >= NEVER else source.due_tick
+
+    def setpoint(self, tick: int) -> Setpoint:
+        """Target joints at the time of a tick, from the present one up to the next that is due: rad, rad/s."""
+        if tick != self._sampled_tick:
+            self._sampled = self.sample(tick)
+            self._sampled_tick = tick
+        return self._sampled
+
+    def rests_at(self, tick: int) -> bool:
+        """Whether the arm stands still from a tick on, which is not after the next one that is due."""
+        return self._next is None and (self._source is None or self._source.end_tick <= tick)
+
+    def rebase(self, q: Six) -> None:
+        """Take another place (rad) as the one where the arm rests: a correction of its motion has ended there."""
+        self._q_rest = q
+        self._sampled_tick = -1
+
+    @property
+    def is_stepped(self) -> bool:
+        """Whether the present motion is known for the next tick only, not in between."""
+        return isinstance(self._source, ToolDrive | ServoDrive)
+
+    def sample(self, tick: float) -> Setpoint:
+        """Target joints at any time, in ticks, from the present tick up to the next that is due: rad, rad/s."""
+        source = self._source
+        if source is None:
+            return Setpoint(self._q_rest, ZERO_SIX)
+        if self._next is not None and tick >= source.end_tick:
+            source = self._next
+        return source.setpoint(tick)
+
+    def request(self, request: MotionRequest, tick: int, T_flange_tcp: Transform, line: int, thread: str) -> int:
+        """Begin a motion or a stop; return the number of the call whose end is the end of it.
+
+        Raises:
+            MotionError: refused; nothing has changed.
+        """
+        self._advance(tick)
+        if isinstance(request, StopJ | StopL):
+            return self._brake(request, tick, T_flange_tcp)
+        if isinstance(request, SpeedJ | SpeedL | ServoJ):
+            return self._drive(request, tick, T_flange_tcp, line, thread)
+        rate = 0.0 if self.is_paused else self.speed_scale
+        call = MoveCall(self._count + 1, tick, line, thread, T_flange_tcp)
+        move, order, cautions = self._succession.accept(request, call, self._source, self._next, self._q_rest, rate)
+        self._count += 1
+        if order is CurrentMoveAction.NEXT:
+            self._next = move
+        elif order is not CurrentMoveAction.EXTENDED:
+            self._source = move
+        self._sampled_tick = -1
+        if order is CurrentMoveAction.BLENDED:
+            self._on_event(MotionEnded(tick, True))
+        self.waypoint = move.waypoint
+        started = MotionStarted(tick, request, line, thread, move.segment.duration_s)
+        if order is CurrentMoveAction.NEXT:
+            self._started = started
+        else:
+            self._on_event(started)
+        for caution in bounded(cautions, self._notices.said):
+            warned = Warned(tick, caution.text, thread, caution.line, caution.code, caution.hint)
+            self._notices.once(caution.key_line, caution.kind, warned)
+        return call.number
+
+    def is_done(self, number: int) -> bool:
+        """Whether the call of that number is over."""
+        return all(source is None or not source.is_awaited(number) for source in (self._source, self._next))
+
+    def cancel(self, number: int, tick: int) -> None:
+        """Brake what that call waits for, if it is under way or about to be."""
+        if self._next is not None and self._next.number == number:
+            self._drop_next()
+        elif self._source is not None and self._source.is_awaited(number):
+            self.stop(tick)
+
+    def stop(self, tick: int) -> None:
+        """Brake whatever is under way with the program-stop deceleration."""
+        self._drop_next()
+        self._advance(tick)
+        source = self._source
+        if isinstance(source, Move):
+            if not source.is_stopping:
+                source.stop(tick, source.stop_ramp_s(tick, self._stop_joint_deceleration))
+                self._sampled_tick = -1
+        elif source is not None:
+            qd = self.setpoint(tick).qd
+            self._brake_joints(source.number, tick, max(map(abs, qd)) / self._stop_joint_deceleration)
+
+    def finish(self, tick: int) -> None:
+        """The program is over by itself: what goes on to its target after its call may arrive, anything else brakes."""
+        source = self._source
+        if not (isinstance(source, Move) and source.is_returned and self._next is None):
+            self.stop(tick)
+
+    def take_over(self, profile: SpeedProfile, tick: int, thread: str) -> int:
+        """Come to rest by a profile that begins in the present state; return the number of the call that ends then."""
+        self._drop_next()
+        number = 0 if self._source is None else self._source.number
+        if not number or self.is_done(number):
+            number = self._count = self._count + 1
+        self._source = Braking(number, thread, profile, tick)
+        self._sampled_tick = -1
+        return number
+
+    def set_speed_scale(self, fraction: float, tick: int) -> None:
+        """New speed percentage, taken on in a ramp."""
+        self.speed_scale = fraction
+        if not self.is_paused:
+            self._set_rates(fraction, tick)
+
+    def path_rate(self, rate: float, tick: int) -> None:
+        """Let the move under way reach a rate, which the joints have to be able to do, at the next tick and keep it."""
+        source = self._source
+        if isinstance(source, Move):
+            source.set_rate(tick, rate, PERIOD_S)
+            if self._next is not None:
+                lay_behind(source, self._next)
+            self._changed(tick)
+
+    def pause(self, tick: int) -> None:
+        """Brake, to go on later."""
+        self.is_paused = True
+        self._advance(tick)
+        source = self._source
+        if isinstance(source, Move) and not source.is_stopping:
+            source.pause(tick, source.stop_ramp_s(tick, self._stop_joint_deceleration))
+        elif isinstance(source, Drive) and not source.is_stopping:
+            source.pause(tick)
+        self._changed(tick)
+        if source is not None and self._next is not None:
+            # A move that is nearly over comes to its end all the same.
+            self._next.hold(min(source.end_tick, self._next.start_tick))
+
+    def resume(self, tick: int) -> None:
+        """Go on after a pause, with the speed percentage of now."""
+        self.is_paused = False
+        self._advance(tick)
+        source = self._source
+        if isinstance(source, Drive) and not source.is_stopping:
+            source.resume(tick, self.speed_scale)
+            self._changed(tick)
+        else:
+            self._set_rates(self.speed_scale, tick)
+
+    def settle(self, tick: int) -> None:
+        """Note what has happened by `tick`; call it before scripts run in that tick."""
+        self._advance(tick)
+        while (source := self._source) is not None and source.end_tick <= tick:
+            self._q_rest = source.q_rest
+            self._sampled_tick = -1
+            end_tick = source.end_tick
+            self._source, self._next = self._next, None
+            self._on_event(MotionEnded(end_tick, source.reaches_end))
+            if self._source is not None and self._started is not None:
+                self._on_event(replace(self._started, tick=end_tick))
+            self._started = None
+            self._on_end(source.number if source.is_awaited(source.number) else 0, source.reaches_end)
+        if isinstance(source, Drive | Move) and source.return_tick <= tick:
+            source.note_return(tick)
+            self._on_end(source.number, True)
+
+    def _drop_next(self) -> None:
+        """Forget the move that was to begin at standstill."""
+        move, self._next = self._next, None
+        self._started = None
+        if move is not None:
+            self._on_end(move.number, False)
+
+    def _set_rates(self, rate: float, tick: int) -> None:
+        self._advance(tick)
+        source, waiting = self._source, self._next
+        if isinstance(source, Drive):
+            source.set_fraction(tick, rate)
+        elif isinstance(source, Move) and not source.is_stopping:
+            source.change_rate(tick, rate, self.speed_ramp_s, self.limits.qdd_max)
+            if waiting is not None:
+                lay_behind(source, waiting)
+                waiting = None
+        if waiting is not None:
+            waiting.change_rate(tick, rate, self.speed_ramp_s, self.limits.qdd_max)
+        self._changed(tick)
+
+    # ---------------------------------------------------------------- drives and brakes
+
+    def _drive(self, request: DriveRequest, tick: int, T_flange_tcp: Transform, line: int, thread: str) -> int:
+        source = self._source
+        number = self._count + 1
+        if isinstance(request, ServoJ):
+            joint = joint_outside(self.limits, request.q_target)
+            if joint is not None:
+                raise joint_range_error(self.limits, joint, request.q_target[joint], "at the target of servoj")
+            if isinstance(source, ServoDrive):
+                self._count = number
+                if not source.is_returned:
+                    self._on_end(source.number, False)
+                source.take(number, thread, line, request, tick)
+                self._changed(tick)
+                return number
+        drive = self._new_drive(request, number, tick, T_flange_tcp, line, thread)
+        obstacle = drive.obstacle(tick)
+        if obstacle is not None and drive.leads_into(obstacle, self.setpoint(tick).q):
+            raise obstacle.error()
+        self._count = number
+        self._drop_next()
+        if self.is_paused:
+            drive.pause(tick)
+        self._source = drive
+        self._report_take_over(source, request, tick, line, thread)
+        if drive.is_lowered:
+            name = type(request).__name__.lower()
+            text = f"{name} asks for more than the arm can do; it goes as fast as it can, in the same direction"
+            self._notices.once(line, "speed", Warned(tick, text, thread, line))
+        self._changed(tick)
+        return number
+
+    def _new_drive(
+        self, request: DriveRequest, number: int, tick: int, T_flange_tcp: Transform, line: int, thread: str
+    ) -> AnyDrive:
+        start, deceleration = self.setpoint(tick), self._stop_joint_deceleration
+        if isinstance(request, SpeedJ):
+            return JointDrive(number, thread, line, request, tick, start, self.speed_scale, self.limits, deceleration)
+        if isinstance(request, SpeedL):
+            motion = ToolMotion(self._arm, self.limits, T_flange_tcp, deceleration)
+            return ToolDrive(number, thread, line, request, tick, start, self.speed_scale, motion)
+        return ServoDrive(number, thread, line, request, tick, start, self.limits, deceleration)
+
+    def _report_take_over(
+        self,
+        before: AnySource | None,
+        request: DriveRequest,
+        tick: int,
+        line: int,
+        thread: str,
+    ) -> None:
+        """Say that another motion runs now; a stream of the same request is one motion."""
+        if isinstance(before, Move | Braking):
+            self._on_event(MotionEnded(tick, False))
+        if before is not None and before.is_awaited(before.number):
+            self._on_end(before.number, False)
+        if not isinstance(before, Drive) or before.request != request:
+            source = self._source
+            duration_s = source.profile.duration_s if isinstance(source, JointDrive) else 0.0
+            self._on_event(MotionStarted(tick, request, line, thread, duration_s))
+
+    def _advance(self, tick: int) -> None:
+        """Bring what goes from period to period to a tick, and brake it where it cannot go on."""
+        if isinstance(self._source, Drive):
+            self._source.advance(tick)
+            self._guard(tick)
+
+    def _changed(self, tick: int) -> None:
+        self._sampled_tick = -1
+        self._guard(tick)
+
+    def _guard(self, tick: int) -> None:
+        source = self._source
+        if not isinstance(source, JointDrive | ToolDrive | ServoDrive):
+            return
+        obstacle = source.obstacle(tick)
+        if obstacle is None:
+            if isinstance(source, ServoDrive) and source.is_lowered:
+                text = "servoj: the targets come faster than the joints can turn; the arm falls behind"
+                self._notices.once(0, "servoj", Warned(tick, text, source.thread, source.line))
+            return
+        profile = halted(source.setpoint(tick), obstacle, self._stop_joint_deceleration, self.limits)
+        self.take_over(profile, tick, source.thread)
+        if isinstance(source, ServoDrive):
+            # The target is inside the range: the stream can go on from where the arm has braked.
+            self._warn_of_obstacle(tick, obstacle, source.thread, source.line)
+        else:
+            self.on_obstacle(tick, obstacle, source.thread, source.line)
+
+    def _warn_of_obstacle(self, tick: int, obstacle: Obstacle, thread: str, line: int) -> None:
+        self._notices.once(line, "obstacle", Warned(tick, f"{obstacle.text}; the arm brakes", thread, line))
+
+    def _brake(self, request: StopJ | StopL, tick: int, T_flange_tcp: Transform) -> int:
+        source = self._source
+        if source is None:
+            return 0
+        self._drop_next()
+        if isinstance(source, Move):
+            if not source.is_stopping:
+                path_time_s, rate = source.path_time_s(tick), source.scale.rate(tick * PERIOD_S)
+                ramp = stop_ramp if isinstance(request, StopJ) else stop_ramp_tool
+                source.stop(tick, max(ramp(source.segment, path_time_s, rate, request.a), PERIOD_S))
+                self._sampled_tick = -1
+            return source.number
+        if isinstance(source, ToolDrive) and isinstance(request, StopL):
+            if not source.is_stopping:
+                if source.is_awaited(source.number):
+                    self._on_end(source.number, False)
+                self._count += 1
+                source.stop(self._count, request.a)
+                self._changed(tick)
+            return source.number if self._source is None else self._source.number
+        start = self.setpoint(tick)
+        if isinstance(request, StopJ):
+            return self._brake_joints(source.number, tick, max(map(abs, start.qd)) / request.a)
+        vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, start.q, start.qd, T_flange_tcp)
+        ramp_s = max((vx * vx + vy * vy + vz * vz) ** 0.5, (wx * wx + wy * wy + wz * wz) ** 0.5) / request.a
+        return self._brake_joints(source.number, tick, ramp_s)
+
+    def _brake_joints(self, number: int, tick: int, ramp_s: float) -> int:
+        """Bring the joints to rest; a braking under way is taken over if that is sooner."""
+        source = self._source
+        assert source is not None
+        braking = Braking(number, source.thread, braked(self.setpoint(tick), ramp_s, self.limits), tick)
+        if not isinstance(source, Braking) or braking.end_tick < source.end_tick:
+            self._source = braking
+            self._sampled_tick = -1
+        return number

@@ -1,0 +1,218 @@
+"""Motions that begin in any state and go on after the call: what they have in common, and `speedj`.
+
+A drive is a `MotionSource` that other requests, the speed percentage and pauses change while it runs. The call
+that asked for it returns at `return_tick`; the drive lives on until another request takes over, until it
+is stopped, or until it stands for good. Before anything is changed at a tick, `advance` brings it there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from elitescript.controller.motion.sources import NEVER, MotionSource
+from elitescript.errors import MotionError
+from elitescript.messages.motion import DriveRequest, Six, SpeedJ
+from elitescript.messages.state import ZERO_SIX
+from elitescript.messages.timing import PERIOD_S, ticks_for
+from elitescript.motion.limits import MotionLimits
+from elitescript.motion.segment import Setpoint
+from elitescript.motion.streaming.speed import (
+    Obstacle,
+    SpeedProfile,
+    accelerated,
+    braked,
+    obstacle_time,
+    range_obstacle,
+    within_speed_limits,
+)
+
+
+class Drive:
+    """What all drives have in common: the call, and when it returns.
+
+    Args:
+        number: of the call.
+        thread: whose call.
+        line: of the call.
+        request: what it asked for.
+        tick: of the call.
+        t_s: time after which the call returns; None returns when the speed is reached.
+    """
+
+    __slots__ = ("_held_ticks", "_timeout_tick", "is_returned", "is_stopping", "line", "number", "request", "thread")
+
+    reaches_end = True
+
+    def __init__(
+        self, number: int, thread: str, line: int, request: DriveRequest, tick: int, t_s: float | None
+    ) -> None:
+        self.is_stopping = False
+        self._call(number, thread, line, request, tick, t_s)
+
+    def _call(self, number: int, thread: str, line: int, request: DriveRequest, tick: int, t_s: float | None) -> None:
+        self.number = number
+        self.thread = thread
+        self.line = line
+        self.request = request
+        self.is_returned = False
+        self._timeout_tick = None if t_s is None else tick + max(1, ticks_for(t_s))
+        self._held_ticks = -1
+
+    def is_awaited(self, number: int) -> bool:
+        """Whether the call of that number is not over."""
+        return number == self.number and not self.is_returned
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether the time of the call is held."""
+        return self._held_ticks >= 0
+
+    @property
+    def return_tick(self) -> int:
+        """Tick at which the call returns; NEVER when it has, and while that is not known."""
+        if self.is_returned or self.is_paused:
+            return NEVER
+        return self._reached_tick if self._timeout_tick is None else self._timeout_tick
+
+    @property
+    def _reached_tick(self) -> int:
+        return NEVER
+
+    @property
+    def _may_end_tick(self) -> int:
+        """Tick from which standstill ends the drive: a call lasts as long as it was asked to."""
+        return NEVER if self.is_paused else 0 if self.is_returned else self._timeout_tick or 0
+
+    def note_return(self, tick: int) -> None:
+        """The call is over; the motion goes on."""
+        self.is_returned = True
+
+    def advance(self, tick: int) -> None:
+        """Let the state be that of a tick which is not after the next one that is due."""
+
+    def _hold(self, tick: int) -> None:
+        self._held_ticks = max(0, (self._timeout_tick or tick) - tick)
+
+    def _release(self, tick: int) -> None:
+        if self.is_paused and self._timeout_tick is not None:
+            self._timeout_tick = tick + max(1, self._held_ticks)
+        self._held_ticks = -1
+
+
+class JointDrive(Drive):
+    """`speedj`: a function of time, laid anew when speed percentage or pause change."""
+
+    __slots__ = ("_a", "_deceleration", "_limit_tick", "_limits", "_obstacle_joint", "_qd", "_start_tick", "profile")
+
+    def __init__(
+        self,
+        number: int,
+        thread: str,
+        line: int,
+        request: SpeedJ,
+        tick: int,
+        start: Setpoint,
+        fraction: float,
+        limits: MotionLimits,
+        deceleration: float,
+    ) -> None:
+        super().__init__(number, thread, line, request, tick, request.t_s)
+        self._qd = within_speed_limits(request.qd, limits)
+        self._a = request.a
+        self._limits = limits
+        self._deceleration = deceleration
+        self._accelerate(tick, start, fraction)
+
+    @property
+    def is_lowered(self) -> bool:
+        """Whether a joint cannot turn as fast as asked."""
+        return isinstance(self.request, SpeedJ) and self._qd != self.request.qd
+
+    @property
+    def end_tick(self) -> int:
+        """Tick at which the arm rests for good, which it does when it is asked for speeds of zero."""
+        return max(self._ramp_end_tick, self._may_end_tick) if self._qd == ZERO_SIX else NEVER
+
+    @property
+    def q_rest(self) -> Six:
+        """Where it rests then, rad."""
+        return self.profile.at(self.profile.duration_s).q
+
+    @property
+    def due_tick(self) -> int:
+        """Next tick at which something changes by itself."""
+        return min(self.return_tick, self._limit_tick, self.end_tick)
+
+    @property
+    def _reached_tick(self) -> int:
+        return self._ramp_end_tick
+
+    @property
+    def _ramp_end_tick(self) -> int:
+        return self._start_tick + max(1, ticks_for(self.profile.duration_s))
+
+    def setpoint(self, tick: float) -> Setpoint:
+        """Target joints at a tick up to `due_tick`."""
+        return self.profile.at((tick - self._start_tick) * PERIOD_S)
+
+    def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
+        """States up to the next tick that is due, with the speeds that were asked for."""
+        due_tick = self.due_tick
+        step = (due_tick - tick) / points if due_tick < NEVER else 0.0
+        return (Setpoint(self.setpoint(tick + k * step).q, self._qd) for k in range(points + 1 if step else 1))
+
+    def obstacle(self, tick: int) -> Obstacle | None:
+        """What keeps the drive from going on beyond a tick."""
+        if tick < self._limit_tick:
+            return None
+        return range_obstacle(self._limits, self._obstacle_joint, self.setpoint(tick).q, "speedj")
+
+    def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
+        """Whether a joint that has no room left is meant to go further out."""
+        joint = obstacle.joint
+        middle = 0.5 * (self._limits.q_min[joint] + self._limits.q_max[joint])
+        return self._qd[joint] * (q[joint] - middle) > 0.0
+
+    def set_fraction(self, tick: int, fraction: float) -> None:
+        """New speed percentage; the acceleration of the call leads to it."""
+        self._accelerate(tick, self.setpoint(tick), fraction)
+
+    def pause(self, tick: int) -> None:
+        """Brake, to go on later."""
+        self._hold(tick)
+        start = self.setpoint(tick)
+        ramp_s = max(map(abs, start.qd)) / self._deceleration
+        self._lay(tick, braked(start, ramp_s, self._limits))
+
+    def resume(self, tick: int, fraction: float) -> None:
+        """Go on after a pause."""
+        self._release(tick)
+        self.set_fraction(tick, fraction)
+
+    def _accelerate(self, tick: int, start: Setpoint, fraction: float) -> None:
+        a, b, c, d, e, f = self._qd
+        qd = (a * fraction, b * fraction, c * fraction, d * fraction, e * fraction, f * fraction)
+        self._lay(tick, accelerated(start, qd, self._a, self._limits))
+
+    def _lay(self, tick: int, profile: SpeedProfile) -> None:
+        self._start_tick = tick
+        self.profile = profile
+        time_s, self._obstacle_joint = obstacle_time(profile, self._deceleration, self._limits)
+        self._limit_tick = tick + int(time_s / PERIOD_S) if time_s < 1e9 else NEVER
+
+
+def busy_error(source: MotionSource, thread: str) -> MotionError:
+    """Return the refusal (R114) of a planned move, because something else moves the arm for a thread."""
+    if isinstance(source, Drive):
+        what = type(source.request).__name__.lower()
+        return MotionError(
+            f"the arm is moving already: {what} of line {source.line}, thread {source.thread!r}, goes on after its "
+            "call, and a planned move begins at standstill",
+            code="R114",
+            hint="brake with stopj or stopl first",
+        )
+    return MotionError(
+        f"the arm is moving already, for the thread {thread!r}; one motion at a time",
+        code="R114",
+        hint="let one thread do all moves, or wait for the other with join_thread",
+    )

@@ -1,0 +1,61 @@
+"""What comes from outside, in the order of its ticks: one bounded queue.
+
+Every outside influence enters here and takes effect at a tick boundary, so that a run is a function of
+its program and of this list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from heapq import heappop, heappush
+from typing import Final
+
+from elitescript.controller.refusals import refusal_text
+from elitescript.errors import ScriptError, UsageError
+from elitescript.messages.events import Warned
+from elitescript.messages.machine import MachineRequest
+
+CAPACITY: Final = 1_000_000
+"""Most entries that may wait; a full inbox refuses the newcomer and says so."""
+
+
+class RequestQueue:
+    """Requests that wait for their tick."""
+
+    __slots__ = ("_heap", "_sequence")
+
+    def __init__(self) -> None:
+        self._heap: list[tuple[int, int, str, MachineRequest]] = []
+        self._sequence = 0
+
+    def put(self, tick: int, request: MachineRequest, by: str = "client") -> None:
+        """Have `request` handled at `tick`, after those that were put before it for the same tick.
+
+        Args:
+            tick: when.
+            request: what.
+            by: where it comes from, as `events.SignalChanged.by`.
+
+        Raises:
+            UsageError: the inbox is full.
+        """
+        if len(self._heap) >= CAPACITY:
+            raise UsageError(f"the controller's inbox is full: {CAPACITY} requests wait already")
+        self._sequence += 1
+        heappush(self._heap, (tick, self._sequence, by, request))
+
+    def deliver(
+        self, tick: int, handle: Callable[[MachineRequest, str], None], refuse: Callable[[Warned], None]
+    ) -> None:
+        """Hand over what is due at `tick`, each request with where it comes from; a refusal becomes a warning."""
+        while self._heap and self._heap[0][0] <= tick:
+            _, _, by, request = heappop(self._heap)
+            try:
+                handle(request, by)
+            except ScriptError as error:
+                refuse(Warned(tick, refusal_text(request, error)))
+
+    @property
+    def next_tick(self) -> int | None:
+        """Tick of the earliest entry."""
+        return self._heap[0][0] if self._heap else None

@@ -1,0 +1,226 @@
+"""What the safety system watches: joint ranges and speeds, the speed of the TCP, planes, the direction of the tool.
+
+No speed or place is watched in normal mode unless it is configured, because the limits of an installation are not
+known. Reduced mode limits the TCP to `REDUCED_TCP_SPEED` (*assumed*: the usual value of collaborative arms of this
+size). The force at the TCP is limited in every mode (*assumed* as well), where anything can touch the TCP.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from math import inf, isfinite, pi
+from typing import Any, Final
+
+from elitescript.errors import UsageError
+from elitescript.kinematics.transforms import Transform
+from elitescript.messages.enums import SafetyMode
+from elitescript.messages.motion import Six
+from elitescript.motion.limits import JOINT_NAMES
+
+REDUCED_TCP_SPEED: Final = 0.75
+"""m/s"""
+
+NORMAL_TCP_FORCE: Final = 250.0
+REDUCED_TCP_FORCE: Final = 150.0
+"""N; the order of magnitude that collaborative arms are delivered with (*assumed*)."""
+
+NOT_REPORTED: Final = "not reported"
+CONFIGURABLE_MODES: Final = ("automatic", "manual")
+OPERATIONAL_MODES: Final = {NOT_REPORTED: -1, "manual": 0, "automatic": 1}
+"""Number of every operational mode on the wire. *Assumed*."""
+
+PLANE_USES: Final = ("always", "normal", "reduced", "trigger_reduced")
+
+PAIRS: Final = ((0, 1), (2, 3), (4, 5), (6, 7))
+"""Configurable inputs that belong together (manual 2.14, `is_within_safety_limits`)."""
+
+Vector3 = tuple[float, float, float]
+
+
+def switched_pairs(read: Callable[[str, int], object]) -> tuple[bool, ...]:
+    """For each pair of configurable inputs, whether both are high; `read` gives the level of a signal."""
+    name = "configurable_digital_in"
+    return tuple([bool(read(name, first)) and bool(read(name, second)) for first, second in PAIRS])
+
+
+def _check_positive(what: str, value: float, unit: str) -> None:
+    if not (isfinite(value) and value > 0.0):
+        raise UsageError(f"{what} must be a positive number in {unit}, got {value!r}")
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyBounds:
+    """Limits of one mode; None where only the model limits.
+
+    Args:
+        q_min: lower ends of the joint ranges, rad.
+        q_max: upper ends, rad.
+        qd_max: joint speeds, rad/s.
+        tcp_speed_max: speed of the TCP, m/s.
+        tcp_force_max: force between the TCP and what it touches, N; None takes `NORMAL_TCP_FORCE` or
+            `REDUCED_TCP_FORCE` (`SafetyLimits.tcp_force_max`).
+
+    Raises:
+        UsageError: an empty range, or a speed or force that is not a positive number.
+    """
+
+    q_min: Six | None = None
+    q_max: Six | None = None
+    qd_max: Six | None = None
+    tcp_speed_max: float | None = None
+    tcp_force_max: float | None = None
+
+    def __post_init__(self) -> None:
+        low, high = self.q_min or (-inf,) * 6, self.q_max or (inf,) * 6
+        for name, a, b in zip(JOINT_NAMES, low, high, strict=True):
+            if not a < b:
+                raise UsageError(f"the safety range of joint {name} is empty: {a:g} to {b:g} rad")
+        for name, speed in zip(JOINT_NAMES, self.qd_max or (1.0,) * 6, strict=True):
+            _check_positive(f"the safety limit of the speed of joint {name}", speed, "rad/s")
+        if self.tcp_speed_max is not None:
+            _check_positive("the safety limit of the TCP speed", self.tcp_speed_max, "m/s")
+        if self.tcp_force_max is not None:
+            _check_positive("the safety limit of the TCP force", self.tcp_force_max, "N")
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no range and no speed is limited."""
+        return replace(self, tcp_force_max=None) == _NO_BOUNDS
+
+    def within(self, other: SafetyBounds) -> SafetyBounds:
+        """These ranges and speeds, with the ranges of `other` where there are none, and no speed above its speeds."""
+        qd_max = self.qd_max or other.qd_max
+        if self.qd_max is not None and other.qd_max is not None:
+            a, b, c, d, e, f = map(min, self.qd_max, other.qd_max)
+            qd_max = (a, b, c, d, e, f)
+        speeds = [speed for speed in (self.tcp_speed_max, other.tcp_speed_max) if speed is not None]
+        return SafetyBounds(
+            self.q_min or other.q_min, self.q_max or other.q_max, qd_max, min(speeds) if speeds else None
+        )
+
+
+_NO_BOUNDS: Final = SafetyBounds()
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyPlane:
+    """A plane in the base frame that the TCP may not pass.
+
+    Args:
+        name: how messages call it.
+        point: a point of it, m.
+        normal: direction to the allowed side; its length does not count.
+        offset_m: moves the plane along the normal.
+        use: in which mode it counts; `trigger_reduced` asks for reduced mode behind it instead of stopping the arm.
+        pair: index of the pair of configurable inputs that switches it on while both are high (*assumed*); None
+            for a plane that always counts.
+
+    Raises:
+        UsageError: a normal without direction, or an unknown use or pair.
+    """
+
+    name: str
+    point: Vector3
+    normal: Vector3
+    offset_m: float = 0.0
+    use: str = "always"
+    pair: int | None = None
+
+    def __post_init__(self) -> None:
+        length = sum(part * part for part in self.normal) ** 0.5
+        if not (isfinite(length) and length > 1e-9):
+            raise UsageError(f"the normal of safety plane {self.name!r} has no direction: {self.normal}")
+        if not all(map(isfinite, (*self.point, self.offset_m))):
+            raise UsageError(f"point and offset of safety plane {self.name!r} must be finite numbers")
+        if self.use not in PLANE_USES:
+            raise UsageError(f"the use of safety plane {self.name!r} must be one of {', '.join(PLANE_USES)}")
+        if self.pair is not None and self.pair not in range(len(PAIRS)):
+            raise UsageError(f"the input pair of safety plane {self.name!r} must be 0 to 3, got {self.pair}")
+        x, y, z = self.normal
+        if abs(length - 1.0) > 1e-12:
+            object.__setattr__(self, "normal", (x / length, y / length, z / length))
+
+    def distance(self, T_base_tcp: Transform) -> float:
+        """How far the TCP is on the allowed side, m; negative behind the plane."""
+        x, y, z = T_base_tcp[9:]
+        a, b, c = self.point
+        u, v, w = self.normal
+        return (x - a) * u + (y - b) * v + (z - c) * w - self.offset_m
+
+
+@dataclass(frozen=True, slots=True)
+class ToolDirection:
+    """A cone, fixed in the base frame, that the tool's z axis stays in.
+
+    Args:
+        axis: of the cone, of length 1.
+        angle: from the axis to the surface, rad.
+    """
+
+    axis: Vector3
+    angle: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.angle <= pi:
+            raise UsageError(f"the angle of the tool direction must be in (0, pi] rad, got {self.angle:g}")
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyLimits:
+    """The safety configuration of one installation.
+
+    Args:
+        normal: limits of normal mode.
+        reduced: limits of reduced mode and of recovery; where it has none, or where speeds or the force of normal mode
+            are lower, those of normal mode hold.
+        planes: planes that the TCP may not pass.
+        tool_direction: a cone that the tool stays in.
+        operational_mode: one of `OPERATIONAL_MODES`; the primary port shows it, nothing else depends on it.
+
+    Raises:
+        UsageError: an unknown operational mode.
+    """
+
+    normal: SafetyBounds = _NO_BOUNDS
+    reduced: SafetyBounds = SafetyBounds(tcp_speed_max=REDUCED_TCP_SPEED)
+    planes: tuple[SafetyPlane, ...] = ()
+    tool_direction: ToolDirection | None = None
+    operational_mode: str = NOT_REPORTED
+
+    def __post_init__(self) -> None:
+        if self.operational_mode not in OPERATIONAL_MODES:
+            modes = " or ".join(map(repr, CONFIGURABLE_MODES))
+            raise UsageError(f"operational_mode must be {modes}, got {self.operational_mode!r}")
+
+    @property
+    def is_default(self) -> bool:
+        """Whether normal mode is not watched at all."""
+        return self.normal.is_empty and not self.planes and self.tool_direction is None
+
+    def bounds(self, mode: SafetyMode) -> SafetyBounds:
+        """Limits of speed and range in a mode."""
+        return self.normal if mode is SafetyMode.NORMAL else self.reduced.within(self.normal)
+
+    def tcp_force_max(self, mode: SafetyMode) -> float:
+        """Limit of the force at the TCP in a mode, N."""
+        normal = self.normal.tcp_force_max or NORMAL_TCP_FORCE
+        if mode is SafetyMode.NORMAL:
+            return normal
+        return min(normal, self.reduced.tcp_force_max or REDUCED_TCP_FORCE)
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any]) -> SafetyLimits:
+        """Read the section `[safety]` of a cell file.
+
+        Keys: `joint_range` and `joint_speed` (rad, rad/s; with `_deg` in degrees), `tcp_speed` (m/s), `tcp_force` (N),
+        the same in `[safety.reduced]`; `[[safety.planes]]` with `name`, `point`, `normal`, `offset` (m), `use` and
+        `inputs`; `[safety.tool_direction]` with `axis` and `angle` or `angle_deg`; `operational_mode`, `automatic` or
+        `manual`.
+
+        Raises:
+            UsageError: a key that is not known, or a value that makes no sense.
+        """
+        from elitescript.controller.safety.limits_table import read_safety_limits
+
+        return read_safety_limits(table)

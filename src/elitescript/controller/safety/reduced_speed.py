@@ -1,0 +1,125 @@
+"""Keeps motions below the speeds of reduced mode, so that a program for normal mode runs on, slower (*assumed*).
+
+Motions are planned as in normal mode. A planned move runs as planned wherever that is slow enough; where it is not,
+its time passes so much more slowly that the limit is kept. So it is at the limit for as long as it was meant to be
+faster, and takes up its own speed when reduced mode ends. A motion at a speed goes at the share of its speed that the
+limits allow, in the same direction. Streams of `servoj` and conveyor tracking are not slowed: their speed is what they
+mean, so the arm is stopped when it is too fast.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from elitescript.controller.motion.control import MotionControl
+from elitescript.controller.motion.joint_drive import Drive
+from elitescript.controller.motion.sources import Move
+from elitescript.controller.safety.monitor import SPEED_TOLERANCE, SafetyMonitor
+from elitescript.controller.tool_setup import Setup
+from elitescript.messages.enums import SafetyMode
+from elitescript.messages.motion import Six
+from elitescript.messages.timing import PERIOD_S, ticks_for
+
+SLOWED_MODES: Final = (SafetyMode.REDUCED, SafetyMode.RECOVERY)
+
+GRACE_TICKS: Final = ticks_for(0.5)
+"""From the change to reduced mode until its limits of speed hold: the time to brake to them (*assumed*)."""
+
+SAMPLES: Final = 64
+"""Places of a motion at a speed at which it is compared with the limits."""
+
+MARGIN: Final = 0.99
+"""Share of a limit that motions are slowed down to: between two samples they may be a little faster."""
+
+_ROUNDS: Final = 3
+"""How far a move gets in a period depends on its rate there, which depends on how far it gets."""
+
+
+class ReducedSpeed:
+    """The speed percentage, and what reduced mode leaves of it.
+
+    Args:
+        monitor: knows the limits.
+        motion: the nominal motion.
+        setup: the active TCP.
+        scale: speed percentage at the start, as a fraction.
+    """
+
+    __slots__ = ("_cap", "_is_move_slowed", "_monitor", "_motion", "_setup", "scale")
+
+    def __init__(self, monitor: SafetyMonitor, motion: MotionControl, setup: Setup, scale: float) -> None:
+        self._monitor = monitor
+        self._motion = motion
+        self._setup = setup
+        self._cap = 1.0
+        self._is_move_slowed = False
+        self.scale = scale
+
+    def set_scale(self, fraction: float, tick: int) -> None:
+        """New speed percentage."""
+        self.scale = fraction
+        self._motion.set_speed_scale(min(fraction, self._cap), tick)
+
+    def release(self, tick: int) -> None:
+        """The motion that was slowed down is over, or reduced mode is."""
+        if self._cap != 1.0 or self._is_move_slowed:
+            self._cap = 1.0
+            self._is_move_slowed = False
+            self._motion.set_speed_scale(self.scale, tick)
+
+    def slow_down(self, tick: int) -> bool:
+        """Lower the speed with which what is under way goes on; to be called in every tick of reduced mode.
+
+        Returns:
+            Whether the motion is slower than it would be in normal mode.
+        """
+        source = self._motion.source
+        if isinstance(source, Move):
+            if self._cap != 1.0:
+                self.release(tick)
+            return self._slow_move(source, tick)
+        cap = 1.0
+        if isinstance(source, Drive):
+            share = max([self._share(*state) for state in source.at_full_speed(tick, SAMPLES)] or [0.0])
+            cap = MARGIN / share if share > 1.0 + SPEED_TOLERANCE else 1.0
+        if cap != self._cap:
+            self._cap = cap
+            self._motion.set_speed_scale(min(self.scale, cap), tick)
+        return self._cap < self.scale
+
+    def _slow_move(self, move: Move, tick: int) -> bool:
+        if self._motion.is_paused or move.is_stopping or tick < move.start_tick:
+            return False
+        now_s = tick * PERIOD_S
+        rate, path_time_s = move.scale.rate(now_s), move.path_time_s(tick)
+        planned = move.segment.setpoint(path_time_s)
+        share = self._share(*planned)
+        wanted, share_ahead, ahead = rate, share, planned
+        for _ in range(_ROUNDS):
+            ahead = move.segment.setpoint(path_time_s + 0.5 * (rate + wanted) * PERIOD_S)
+            share_ahead = self._share(*ahead)
+            before, wanted = wanted, min(self.scale, MARGIN / share_ahead) if share_ahead > MARGIN else self.scale
+            if wanted == before:
+                break
+        if not self._is_move_slowed and wanted >= min(self.scale, move.scale.rate(now_s + PERIOD_S)):
+            return False
+        self._is_move_slowed = wanted < self.scale or rate < self.scale
+        # What keeps the speed as it is, and beside that no more than a new speed percentage may change.
+        level = min(rate * share / share_ahead, self.scale) if share_ahead > 0.0 else wanted
+        most = PERIOD_S / self._motion.speed_ramp_s
+        wanted = max(level - most, min(level + most, wanted))
+        self._motion.path_rate(self._possible(rate, planned.qd, wanted, ahead.qd), tick)
+        return True
+
+    def _possible(self, rate: float, qd: Six, wanted: float, qd_ahead: Six) -> float:
+        """The rate nearest to the wanted one that the joints can take on within a period."""
+        low, high = 0.0, 1.0
+        for w, w_ahead, limit in zip(qd, qd_ahead, self._motion.limits.qdd_max, strict=True):
+            if w_ahead:
+                room = MARGIN * limit * PERIOD_S / abs(w_ahead)
+                level = rate * w / w_ahead
+                low, high = max(low, level - room), min(high, level + room)
+        return max(low, min(high, wanted)) if low <= high else rate
+
+    def _share(self, q: Six, qd: Six) -> float:
+        return self._monitor.speed_share(q, qd, self._setup.T_flange_tcp, SafetyMode.REDUCED)

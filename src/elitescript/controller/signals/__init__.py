@@ -1,0 +1,1 @@
+"""The signal image: levels, faults of inputs, access by name and by Modbus address."""

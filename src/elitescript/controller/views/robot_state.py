@@ -1,0 +1,110 @@
+"""Builds the picture of the machine that everybody reads."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.jacobian import tcp_twist
+from elitescript.kinematics.transforms import Transform, compose, pose_from_transform
+from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.motion import Six
+from elitescript.messages.state import ZERO_SIX, JointState, Payload, RobotState
+from elitescript.messages.timing import seconds
+
+
+class CartesianState(NamedTuple):
+    """Poses and speeds that follow from joints and TCP, base frame: m, rad, m/s, rad/s."""
+
+    pose_target: Six
+    pose_actual: Six
+    speed_target: Six
+    speed_actual: Six
+    flange_pose: Six
+
+
+class CartesianStateFinder:
+    """Works places out, anew only for other joints or another TCP: an arm that rests asks for the same in every tick.
+
+    Args:
+        arm: the kinematics.
+    """
+
+    __slots__ = ("_T_flange_tcp", "_arm", "_joints", "_places")
+
+    def __init__(self, arm: Arm) -> None:
+        self._arm = arm
+        self._joints: JointState | None = None
+        self._T_flange_tcp: Transform | None = None
+        self._places = CartesianState(ZERO_SIX, ZERO_SIX, ZERO_SIX, ZERO_SIX, ZERO_SIX)
+
+    def places(self, joints: JointState, T_flange_tcp: Transform) -> CartesianState:
+        """Return what follows from joints (rad, rad/s) and the TCP."""
+        if T_flange_tcp is not self._T_flange_tcp or not _are_same(joints, self._joints):
+            self._joints, self._T_flange_tcp = joints, T_flange_tcp
+            self._places = self._worked_out(joints, T_flange_tcp)
+        return self._places
+
+    def _worked_out(self, joints: JointState, T_flange_tcp: Transform) -> CartesianState:
+        arm = self._arm
+        T_base_flange = arm.forward(joints.q_target)
+        pose_target = pose_from_transform(compose(T_base_flange, T_flange_tcp))
+        speed_target = tcp_twist(arm, joints.q_target, joints.qd_target, T_flange_tcp)
+        pose_actual, speed_actual = pose_target, speed_target
+        if joints.q_actual != joints.q_target or joints.qd_actual != joints.qd_target:
+            T_base_flange = arm.forward(joints.q_actual)
+            pose_actual = pose_from_transform(compose(T_base_flange, T_flange_tcp))
+            speed_actual = tcp_twist(arm, joints.q_actual, joints.qd_actual, T_flange_tcp)
+        return CartesianState(pose_target, pose_actual, speed_target, speed_actual, pose_from_transform(T_base_flange))
+
+
+def _are_same(joints: JointState, other: JointState | None) -> bool:
+    """Whether they are the very same tuples; equal ones may differ in the sign of a zero."""
+    return other is not None and (
+        joints.q_target is other.q_target
+        and joints.qd_target is other.qd_target
+        and joints.q_actual is other.q_actual
+        and joints.qd_actual is other.qd_actual
+    )
+
+
+def build_state(
+    *,
+    tick: int,
+    joints: JointState,
+    places: CartesianState,
+    tcp_offset: Six,
+    robot_mode: RobotMode,
+    safety_mode: SafetyMode,
+    task_state: TaskState,
+    payload: Payload,
+    gravity: tuple[float, float, float],
+    speed_scale: float,
+    is_moving: bool,
+    line: int,
+    node: tuple[int, str],
+) -> RobotState:
+    """Put together the state of one tick."""
+    return RobotState(
+        tick=tick,
+        time_s=seconds(tick),
+        robot_mode=robot_mode,
+        safety_mode=safety_mode,
+        task_state=task_state,
+        q_target=joints.q_target,
+        qd_target=joints.qd_target,
+        q_actual=joints.q_actual,
+        qd_actual=joints.qd_actual,
+        tcp_offset=tcp_offset,
+        tcp_pose_target=places.pose_target,
+        tcp_pose_actual=places.pose_actual,
+        tcp_speed_target=places.speed_target,
+        tcp_speed_actual=places.speed_actual,
+        flange_pose_actual=places.flange_pose,
+        payload=payload,
+        gravity=gravity,
+        speed_scale=speed_scale,
+        is_moving=is_moving,
+        line=line,
+        node=node,
+    )

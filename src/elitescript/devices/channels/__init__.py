@@ -1,0 +1,1 @@
+"""Simulated connections and lines: their delay, and what goes wrong on them."""

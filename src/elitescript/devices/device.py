@@ -1,0 +1,255 @@
+"""What every device is: settings, time, signals, words for the record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Final
+
+from elitescript.devices.signals import RobotSignals
+from elitescript.errors import UsageError, did_you_mean
+from elitescript.messages.signals import Value
+from elitescript.messages.timing import ticks_for
+
+if TYPE_CHECKING:
+    from random import Random
+
+    from elitescript.devices.world import World
+
+
+class TakenError(UsageError):
+    """Another device has the place already.
+
+    Args:
+        text: what is taken.
+        other: the device that has it.
+    """
+
+    def __init__(self, text: str, other: object) -> None:
+        super().__init__(text)
+        self.other = other
+
+
+_ALIKE: Final = 0.85
+"""Of two names, as `difflib` counts: one letter wrong in seven, or two that have changed places in fourteen."""
+
+
+class Device:
+    """Something beside the robot; the base class of all devices.
+
+    A setting is a public attribute of the class. A subclass may give it another value, and whoever makes the device
+    may too: `Camera(port=5001)`, or `port = 5001` in a scenario file. A subclass may have settings of its own.
+
+    Attributes:
+        name: for messages; the name of the class if empty. A setting, like those of the subclasses.
+        cell: the robot's signals.
+        acts_as: what the record of a run calls it when it changes a signal: `device`, `wire` or `schedule`.
+        protocol: which one it speaks, `MODBUS` or `XML-RPC`, or neither; faults that are of a protocol go by it.
+
+    Raises:
+        UsageError: a keyword that is no setting, or a value that makes no sense.
+
+    Example:
+        A button that somebody presses every ten seconds.
+
+        >>> from elitescript.testing.world import Device, World
+        >>> class Button(Device):
+        ...     input = "standard_digital_in[0]"
+        ...     def started(self):
+        ...         self.every(10.0, self.press)
+        ...     def press(self):
+        ...         self.cell.pulse(self.input, 0.2)
+        >>> world = World(devices=[Button(input="standard_digital_in[3]")])
+    """
+
+    name: str = ""
+    cell: RobotSignals
+    protocol: str = ""
+    acts_as: str = "device"
+    _kept: tuple[str, ...] = ("cell", "protocol", "acts_as")
+    """Public attributes that are no settings."""
+    _world: World | None = None
+    _random: Random | None = None
+    _is_gone: bool = False
+
+    def __init__(self, **settings: Any) -> None:
+        known = setting_names(type(self))
+        for key, value in settings.items():
+            if key not in known:
+                near = did_you_mean(str(key), known)
+                raise UsageError(f"{key}: is not known; settings are {', '.join(known)}{near}")
+            setattr(self, key, value)
+        self.check()
+
+    # ---------------------------------------------------------------- what a subclass may override
+
+    def check(self) -> None:
+        """Look at the settings.
+
+        Raises:
+            UsageError: one makes no sense; the text begins with its name and a colon.
+        """
+
+    def started(self) -> None:
+        """The robot's time begins; called once, before its first tick."""
+
+    def signal_changed(self, name: str, value: Value) -> None:
+        """A signal of the robot has changed; called after the tick in which it did."""
+
+    # ---------------------------------------------------------------- what a subclass may use
+
+    @property
+    def title(self) -> str:
+        """What messages call it."""
+        return self.name or type(self).__name__
+
+    @property
+    def driven_inputs(self) -> list[str]:
+        """Inputs of the robot that its settings name; for faults of what it sets."""
+        from elitescript.devices.channels.faults import INPUTS
+
+        values = [getattr(self, name) for name in setting_names(type(self))]
+        return [value for value in values if isinstance(value, str) and value.partition("[")[0] in INPUTS]
+
+    @property
+    def author(self) -> Device:
+        """Whose code ran last on its behalf; for messages about what went wrong."""
+        return self
+
+    @property
+    def random(self) -> Random:
+        """Random numbers; the same in every run, from the seed of the world and the name of the device."""
+        if self._random is None:
+            from random import Random
+
+            self._random = Random(f"{self._in_world().seed}/{self.title}")
+        return self._random
+
+    def after(self, delay_s: float, call: Callable[..., Any], *arguments: Any) -> None:
+        """Have something called when so much time has passed; one tick at least."""
+        ticks = max(1, ticks_for(delay_s))
+        self._in_world().agenda.put(ticks, lambda: call(*arguments), self)
+
+    def every(self, period_s: float, call: Callable[..., Any], *arguments: Any) -> None:
+        """Have something called again and again, for the first time after one period.
+
+        Raises:
+            UsageError: a period that is not above 0.
+        """
+        if not period_s > 0.0:
+            raise UsageError(f"the period must be > 0 s, got {period_s:g}")
+        agenda = self._in_world().agenda
+        start, count = agenda.tick, 0
+
+        def act() -> None:
+            plan()
+            call(*arguments)
+
+        def plan() -> None:
+            nonlocal count
+            count += 1
+            agenda.put(max(1, start + ticks_for(count * period_s) - agenda.tick), act, self)
+
+        plan()
+
+    def log(self, text: str) -> None:
+        """Say something in the record of the run."""
+        self._in_world().say(self, text)
+
+    def warn(self, text: str) -> None:
+        """Say in the record of the run that something is not as it should be."""
+        self._in_world().say(self, text, is_warning=True)
+
+    # ---------------------------------------------------------------- the world's side
+
+    def _in_world(self) -> World:
+        if self._world is None:
+            raise UsageError(f"{self.title} is in no world yet; what it does at the start belongs into `started`")
+        return self._world
+
+    def join(self, world: World) -> None:
+        """Become part of a world.
+
+        Raises:
+            UsageError: it is part of another one, or its place is taken.
+        """
+        if self._world is not None:
+            raise UsageError(f"{self.title} is part of another world already; make a new one for each robot")
+        self.check()
+        self._world = world
+        self.cell = RobotSignals(world.signals, self)
+
+    def begin(self) -> None:
+        """The robot's time begins; for what a kind of devices does by itself, before `started`."""
+
+    def run_ended(self) -> None:
+        """A run is over: report what has come and is not complete."""
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether its code has failed: it does nothing any more."""
+        return self._is_gone
+
+    def leave(self) -> None:
+        """Its code has failed: do nothing any more."""
+        self._is_gone = True
+
+
+def setting_names(device_class: type[Device]) -> list[str]:
+    """Names of the settings of a class, in the order in which they were written."""
+    import inspect
+
+    hidden = {name for owner in device_class.__mro__ for name in vars(owner).get("_kept", ())}
+    names: list[str] = []
+    for owner in reversed(device_class.__mro__):
+        for name in (*inspect.get_annotations(owner), *vars(owner)):
+            value = getattr(device_class, name, None)
+            is_setting = not callable(value) and not isinstance(value, (property, staticmethod, classmethod))
+            if not name.startswith("_") and name not in hidden and name not in names and is_setting:
+                names.append(name)
+    return names
+
+
+def misspelt(device_class: type[Device]) -> list[tuple[str, str]]:
+    """Methods of a user's class that are almost called like one of ours, each with that one."""
+    own = {
+        name
+        for owner in device_class.__mro__
+        if not _is_ours(owner)
+        for name, value in vars(owner).items()
+        if callable(value)
+    }
+    if not own:
+        return []
+    from difflib import get_close_matches
+
+    ours = {name for owner in device_class.__mro__ if _is_ours(owner) for name in vars(owner) if name[0] != "_"}
+    near = {name: get_close_matches(name, ours, 1, _ALIKE) for name in sorted(own - ours) if name[0] != "_"}
+    return [(name, found[0]) for name, found in near.items() if found]
+
+
+def _is_ours(owner: type) -> bool:
+    return owner.__module__.partition(".")[0] in ("elitescript", "builtins")
+
+
+def check_number(name: str, value: object, low: float, high: float, unit: str = "", *, is_whole: bool = False) -> None:
+    """Refuse a setting that is no number, or outside its range.
+
+    Raises:
+        UsageError: it is; the text begins with the name of the setting.
+    """
+    limits = f"in [{low:g}, {high:g}] {unit}".rstrip()
+    kind = "a whole number" if is_whole else "a number"
+    if isinstance(value, bool) or not isinstance(value, int if is_whole else (int, float)):
+        raise UsageError(f"{name}: must be {kind} {limits}, got {value!r}")
+    if not low <= value <= high:
+        raise UsageError(f"{name}: must be {limits}, got {value!r}")
+
+
+def check_text(name: str, value: object) -> None:
+    """Refuse a setting that is no text.
+
+    Raises:
+        UsageError: it is none.
+    """
+    if not isinstance(value, str):
+        raise UsageError(f"{name}: must be a text, got {value!r}")

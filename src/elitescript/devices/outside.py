@@ -1,0 +1,116 @@
+"""Everything outside one robot of `VirtualRobot`: its task folder, its network, what is beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from elitescript.devices.surroundings import Surroundings
+from elitescript.devices.world_file import WorldFile, load_cell
+from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
+from elitescript.environment.local_channels import LocalChannels
+from elitescript.errors import UsageError
+from elitescript.messages.machine import DisturbInput
+from elitescript.messages.timing import seconds
+from elitescript.runtime.environment import Channels, ProgramEnvironment
+
+
+class Outside:
+    """See above.
+
+    Args:
+        world: devices, the path of a world file, or a folder and a network by themselves; this computer if None.
+        task_dir: the task folder; that of the program if None.
+        lines: serial ports of this computer by those of the robot.
+        task_dir_limit: bytes that programs may add to a task folder.
+
+    Attributes:
+        cell: what a world file says about the robot itself.
+        channels: the network.
+        surroundings: what lives in the robot's time; None if nothing does.
+
+    Raises:
+        UsageError: arguments that do not go together, or a mistake in the file.
+    """
+
+    __slots__ = ("_allowance", "_task_dir", "_task_dir_limit", "_world", "cell", "channels", "surroundings")
+
+    def __init__(
+        self,
+        world: ProgramEnvironment | Surroundings | str | Path | None,
+        task_dir: str | Path | None,
+        lines: Mapping[str, str] | None,
+        task_dir_limit: int = TASK_DIR_BYTES,
+    ) -> None:
+        self.cell = WorldFile()
+        if isinstance(world, str | Path):
+            self.cell = load_cell(world)
+            world = self.cell.world
+        elif isinstance(world, Surroundings) and world.cell is not None:
+            self.cell = world.cell
+        self._task_dir = None if task_dir is None else Path(task_dir)
+        self._task_dir_limit = task_dir_limit
+        self._allowance = Allowance(task_dir_limit)
+        self._world: ProgramEnvironment | None = None
+        self.surroundings: Surroundings | None = None
+        self.channels: Channels
+        if isinstance(world, Surroundings):
+            self.surroundings = world
+            self.channels = world.channels
+            if lines:
+                world.lead_outside(LocalChannels(lines))
+        elif world is None:
+            self.channels = LocalChannels(lines)
+        elif lines:
+            raise UsageError("lines are ports of this computer; a world has its own: give one of them")
+        else:
+            self._world = world
+            self.channels = world.channels
+
+    def world_for(self, source_name: str) -> ProgramEnvironment:
+        """The world of a program; a file's own folder is its task folder unless another one was given."""
+        if self._world is not None:
+            return self._world
+        folder = self._task_dir
+        if folder is None and not source_name.startswith("<"):
+            folder = Path(source_name).resolve().parent
+        if folder is None:
+            from elitescript.devices.memory import MemoryEnvironment
+
+            return MemoryEnvironment(channels=self.channels, allowance=Allowance(self._task_dir_limit))
+        from elitescript.environment.local import LocalEnvironment
+
+        return LocalEnvironment(folder, self.channels, self._allowance)
+
+    def fault(self, tick: int, kind: str, on: int | str, settings: Mapping[str, Any]) -> DisturbInput | None:
+        """Let something go wrong on channels, from a tick on or later; see `devices.channels.faults.Fault`.
+
+        Returns:
+            What to ask of the robot, if it is a fault of an input and there is no `ProgramEnvironment` that asks.
+
+        Raises:
+            UsageError: there is no such fault, or it makes no sense there; or no fault can be added any more.
+        """
+        if self.surroundings is not None:
+            self.surroundings.fault(kind, on, **settings)
+            return None
+        from elitescript.devices.channels.faults import DEVICE, Fault, input_request, is_of_input, nowhere, place_of
+        from elitescript.devices.channels.faulty_channels import FaultyChannels
+
+        fault = Fault(kind, on, **settings)
+        if place_of(fault.on)[0] == DEVICE:
+            raise nowhere(fault.on, ())
+        if is_of_input(fault):
+            return input_request(fault, tick)
+        fault = replace(fault, at_s=max(fault.at_s, seconds(tick)))
+        if not isinstance(self.channels, FaultyChannels):
+            if tick or self._world is not None:
+                raise UsageError(
+                    "the first fault of a robot without a `ProgramEnvironment` must be given before its time begins; "
+                    "VirtualRobot(world=World(network='real')) takes faults at any time"
+                )
+            self.channels = FaultyChannels(self.channels)
+        self.channels.add(fault)
+        return None

@@ -1,0 +1,99 @@
+"""What a robot asks of the surroundings that live in its time; `worlds.virtual` is made of this."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from elitescript.devices.world_file import WorldFile
+    from elitescript.messages.events import Event
+    from elitescript.messages.inputs import Input
+    from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
+    from elitescript.messages.outputs import Output
+    from elitescript.messages.signals import Value
+    from elitescript.protocol.connection import Connection
+    from elitescript.runtime.environment import Channels
+
+
+VIRTUAL: Final = "virtual"
+REAL: Final = "real"
+"""Where connections lead that no device takes: nowhere, or into the network of this computer."""
+
+
+class RobotAccess(Protocol):
+    """The robot as its surroundings see it."""
+
+    @property
+    def tick(self) -> int:
+        """The present tick."""
+
+    def read(self, name: str, index: int) -> Value:
+        """A point of the signal image."""
+
+    def write(self, request: WriteSignal, by: str) -> None:
+        """Set a point; it takes effect in the tick that is about to run.
+
+        Args:
+            request: the point and its level.
+            by: `device`, `wire` or `schedule`; see `events.SignalChanged.by`.
+        """
+
+    def disturb(self, request: DisturbInput | EndInputFaults) -> None:
+        """Let an input read something else than what is applied to it, from the tick on that is about to run."""
+
+    def emit(self, event: Event) -> None:
+        """Add to the record of what happens."""
+
+    def connect(self, service: str, origin: str) -> Connection:
+        """A connection to a port of the robot, as its server sees it.
+
+        Raises:
+            UsageError: there is no such port.
+        """
+
+    def output(self) -> Output:
+        """What the last tick gives to whoever is connected to a port."""
+
+    def post(self, inputs: Sequence[Input]) -> None:
+        """What somebody asks for who is connected to a port, in the tick that is about to run."""
+
+
+class Surroundings:
+    """Devices and wires around one robot; the base class is an empty cell without a network.
+
+    Attributes:
+        channels: the network that programs see.
+        cell: what a world file says besides; None without one.
+    """
+
+    channels: Channels
+    cell: WorldFile | None = None
+
+    def begin(self, robot: RobotAccess) -> None:
+        """Belong to a robot from now on."""
+
+    def fault(self, kind: str, on: int | str, **settings: Any) -> None:
+        """Let something go wrong on channels or at inputs from now on."""
+
+    @property
+    def input_faults(self) -> Sequence[DisturbInput]:
+        """Faults of inputs that the robot has from its start."""
+        return ()
+
+    def lead_outside(self, channels: Channels) -> None:
+        """Let what is not declared here be reached through other channels."""
+
+    def signal_changed(self, name: str, value: Value) -> None:
+        """A signal of the robot has changed in the tick that runs."""
+
+    def next_tick(self, tick: int) -> int | None:
+        """The next tick after `tick` at which a device does something."""
+        return None
+
+    def settle(self) -> None:
+        """The tick has run: act on the signals that have changed in it."""
+
+    def run_ended(self) -> None:
+        """A run is over, and all that it gave away has arrived: report what cannot be meant to be incomplete."""

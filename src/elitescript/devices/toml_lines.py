@@ -1,0 +1,159 @@
+"""Where the keys of a TOML text are: `tomllib` gives values without lines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+Path = tuple[str | int, ...]
+"""Keys, and numbers of list elements from 0: `("tcp", 1, "replies", 0, "to")`."""
+
+_QUOTES: Final = ("'''", '"""', "'", '"')
+
+
+def lines_of(text: str) -> dict[Path, int]:
+    """Return the line, from 1, of every table, key and list element.
+
+    Args:
+        text: TOML that `tomllib` accepts; of other texts the lines make no sense.
+    """
+    return _TomlScanner(text).scan()
+
+
+def nearest(lines: Mapping[Path, int], path: Path) -> int:
+    """Return the line of a path, or of the nearest one above it; 1 if there is none."""
+    while path and path not in lines:
+        path = path[:-1]
+    return lines.get(path, 1)
+
+
+class _TomlScanner:
+    """One pass over the text."""
+
+    __slots__ = ("_at", "_counts", "_line", "_lines", "_text")
+
+    def __init__(self, text: str) -> None:
+        self._text = text.replace("\r\n", "\n")
+        self._at = 0
+        self._line = 1
+        self._lines: dict[Path, int] = {}
+        self._counts: dict[Path, int] = {}
+        """How many `[[...]]` tables there have been, by path."""
+
+    def scan(self) -> dict[Path, int]:
+        table: Path = ()
+        while self._blank():
+            if self._peek() == "[":
+                table = self._header()
+            else:
+                self._assignment(table)
+        return self._lines
+
+    def _peek(self) -> str:
+        return self._text[self._at : self._at + 1]
+
+    def _step(self, size: int = 1) -> str:
+        passed = self._text[self._at : self._at + size]
+        self._line += passed.count("\n")
+        self._at += size
+        return passed
+
+    def _blank(self) -> bool:
+        """Pass white space and comments; return whether something follows."""
+        while (here := self._peek()) and (here in " \t\n" or here == "#"):
+            if here == "#":
+                end = self._text.find("\n", self._at)
+                self._at = len(self._text) if end < 0 else end
+            else:
+                self._step()
+        return bool(self._peek())
+
+    def _string(self) -> str:
+        """Pass a string and return what is between its quotes, escapes as they are written."""
+        quote = next(quote for quote in _QUOTES if self._text.startswith(quote, self._at))
+        self._step(len(quote))
+        begin = self._at
+        while self._peek() and not self._text.startswith(quote, self._at):
+            self._step(2 if self._peek() == "\\" and quote[0] == '"' else 1)
+        content = self._text[begin : self._at]
+        self._step(len(quote))
+        while len(quote) == 3 and self._peek() == quote[0]:
+            self._step()  # a string in three quotes may end with up to two more of them
+        return content
+
+    def _key(self, ends: str) -> list[str]:
+        """Pass a dotted key up to one of some characters."""
+        parts = [""]
+        while (here := self._peek()) and here not in ends:
+            if here in "\"'":
+                parts[-1] = self._string()
+            elif here == ".":
+                parts.append("")
+                self._step()
+            elif here in " \t\n":
+                self._step()
+            else:
+                parts[-1] += self._step()
+        self._step()
+        return parts
+
+    def _header(self) -> Path:
+        line = self._line
+        self._step()
+        is_list = self._peek() == "["
+        if is_list:
+            self._step()
+        *parents, last = self._key("]")
+        if is_list:
+            self._step()
+        path: Path = ()
+        for part in parents:
+            path = self._inside((*path, part))
+            self._lines.setdefault(path, line)
+        path = (*path, last)
+        self._lines.setdefault(path, line)
+        if is_list:
+            self._counts[path] = self._counts.get(path, 0) + 1
+        path = self._inside(path)
+        self._lines[path] = line
+        return path
+
+    def _inside(self, path: Path) -> Path:
+        """The last table of a list of tables, or the table itself."""
+        return (*path, self._counts[path] - 1) if path in self._counts else path
+
+    def _assignment(self, table: Path) -> None:
+        line = self._line
+        path = table
+        for part in self._key("="):
+            path = (*path, part)
+            self._lines.setdefault(path, line)
+        self._blank()
+        self._value(path)
+
+    def _value(self, path: Path) -> None:
+        self._lines.setdefault(path, self._line)
+        here = self._peek()
+        if here and here in "\"'":
+            self._string()
+        elif here == "[":
+            self._step()
+            number = 0
+            while self._blank() and self._peek() != "]":
+                if self._peek() == ",":
+                    self._step()
+                else:
+                    self._value((*path, number))
+                    number += 1
+            self._step()
+        elif here == "{":
+            self._step()
+            while self._blank() and self._peek() != "}":
+                if self._peek() == ",":
+                    self._step()
+                else:
+                    self._assignment(path)
+            self._step()
+        else:
+            while (here := self._peek()) and here not in ",]}#\n":
+                self._step()

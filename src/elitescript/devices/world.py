@@ -1,0 +1,325 @@
+"""Everything around one robot: a network with devices, signals, faults."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from elitescript.devices.agenda import Agenda, DeviceError
+from elitescript.devices.channels.faults import (
+    DEVICE,
+    TABLE,
+    Fault,
+    check_protocol,
+    check_together,
+    input_request,
+    is_of_input,
+    nowhere,
+    place_of,
+)
+from elitescript.devices.channels.faulty_channels import FaultyChannels
+from elitescript.devices.channels.network import VirtualNetwork
+from elitescript.devices.device import Device, misspelt
+from elitescript.devices.signals import SignalHub
+from elitescript.devices.surroundings import REAL, VIRTUAL, RobotAccess, Surroundings
+from elitescript.environment.local_channels import LocalChannels
+from elitescript.errors import UsageError
+from elitescript.messages.events import DeviceNoted
+from elitescript.messages.machine import DisturbInput, EndInputFaults
+from elitescript.messages.signals import Value
+from elitescript.runtime.environment import Channels
+
+if TYPE_CHECKING:
+    from elitescript.devices.kinds.client import PortLink, TcpClient
+
+_NEVER: Final = "nothing calls {}(); is it meant to be {}()?"
+_HOME: Final = str(Path(__file__).parents[2])
+_LIBRARY: Final = str(Path(traceback.__file__).parent)
+
+
+class World(Surroundings):
+    """Devices, wires and faults around one robot, in the robot's own time.
+
+    Nothing in it knows a clock: a program runs as fast as without it, and every run with the same seed is the same.
+    What is not in it does not exist: a connection to another port is refused.
+
+    Args:
+        devices: what is there.
+        wires: how signals depend on each other; devices as well.
+        faults: what goes wrong on channels and at inputs.
+        seed: of everything that is drawn in it.
+        network: `virtual`: there is nothing but the devices; `real`: what is not a device leads to the network and the
+            serial ports of this computer, which holds the run back to the wall clock while a connection is open.
+
+    Attributes:
+        signals: of the robot, as all devices share them.
+        network: what programs reach.
+        agenda: what happens when.
+        seed: see above.
+        devices: all of them, wires too.
+
+    Raises:
+        UsageError: two devices want the same place, or one is part of another world.
+
+    Example:
+        An output closes a gripper, which raises an input 0.3 s later.
+
+        >>> from elitescript import VirtualRobot
+        >>> from elitescript.testing.world import Wire, World
+        >>> gripper = Wire(when="standard_digital_out[0]", then="standard_digital_in[1]", after_s=0.3)
+        >>> robot = VirtualRobot("CS66", world=World(wires=[gripper]))
+        >>> run = robot.run('''
+        ... def grip():
+        ...   set_standard_digital_out(0, True)
+        ...   while not get_standard_digital_in(1):
+        ...     sync()
+        ...   end
+        ...   textmsg("closed")
+        ... end
+        ... ''')
+        >>> run.log, run.time_s
+        (['closed'], 0.3)
+    """
+
+    def __init__(
+        self,
+        devices: Iterable[Device] = (),
+        wires: Iterable[Device] = (),
+        faults: Iterable[Fault] = (),
+        *,
+        seed: int = 0,
+        network: str = VIRTUAL,
+    ) -> None:
+        if network not in (VIRTUAL, REAL):
+            raise UsageError(f"network: must be {VIRTUAL} or {REAL}, got {network!r}")
+        if isinstance(seed, bool) or not isinstance(seed, int):
+            raise UsageError(f"seed: must be a whole number, got {seed!r}")
+        self.seed = seed
+        self.agenda = Agenda()
+        self.agenda.on_failure = self._failed
+        self.signals = SignalHub(self.agenda)
+        self.network = VirtualNetwork(agenda=self.agenda, outside=LocalChannels() if network == REAL else None)
+        self._faults: list[Fault] = []
+        self._faulty = FaultyChannels(self.network, seed=seed, say=self._note_fault)
+        self.channels: Channels = self._faulty
+        self.devices: list[Device] = []
+        self._robot: RobotAccess | None = None
+        self._links: list[PortLink] = []
+        self._connections = 0
+        self.on_device_failure: Callable[[DeviceError], None] | None = None
+        """Told when the code of a device has failed; as long as it is None the run ends with the error."""
+        for device in (*devices, *wires):
+            self.add(device)
+        found = [self.resolved(fault) for fault in faults]
+        check_together(found)
+        for fault in found:
+            self.add_fault(fault)
+
+    def add(self, device: Device) -> None:
+        """Put one more device there."""
+        if not isinstance(device, Device):
+            raise UsageError(f"a world is made of devices and wires, not of {device!r}")
+        device.join(self)
+        self.devices.append(device)
+        if type(device).signal_changed is not Device.signal_changed:
+            device.cell.listen(device.signal_changed)
+        if self._robot is not None:
+            self._start(device)
+
+    def fault(self, kind: str, on: int | str, **settings: Any) -> None:
+        """Let something go wrong from now on; see `Fault`. `at_s` counts from the robot's start.
+
+        Raises:
+            UsageError: there is no such fault, or it makes no sense there.
+        """
+        fault = self.resolved(Fault(kind, on, **settings))
+        now = replace(fault, at_s=max(fault.at_s, self.agenda.time_s))
+        check_together([*self._faults, now])
+        self.add_fault(now)
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """What goes wrong, or will; each with the place and the seed that it has."""
+        return tuple(self._faults)
+
+    @property
+    def input_faults(self) -> list[DisturbInput]:
+        """The faults of inputs among them, for the robot that has not begun."""
+        return [input_request(fault) for fault in self._faults if is_of_input(fault)]
+
+    def add_fault(self, fault: Fault) -> None:
+        """Let something go wrong at its time.
+
+        Raises:
+            UsageError: it makes no sense with the devices that are there.
+        """
+        fault = self.check_fault(fault)
+        self._faults.append(fault)
+        if not is_of_input(fault):
+            self._faulty.put(fault)
+        elif self._robot is not None:
+            self._robot.disturb(input_request(fault, self.agenda.tick))
+
+    def resolved(self, fault: Fault) -> Fault:
+        """A fault with the port, line or input that its `on` means, and with the seed of this world.
+
+        Raises:
+            UsageError: no device is called so, or it has no place for such a fault, or more than one.
+        """
+        changes: dict[str, Any] = {}
+        kind, name, _ = place_of(fault.on)
+        if kind == DEVICE:
+            changes["on"] = self._place_of_device(name, is_input=is_of_input(fault))
+        if fault.seed is None and "seed" in TABLE[fault.kind].takes:
+            changes["seed"] = self.seed
+        try:
+            return replace(fault, **changes) if changes else fault
+        except UsageError as error:
+            raise UsageError(f"{error} (of {fault.on})" if kind == DEVICE else str(error)) from None
+
+    def _place_of_device(self, name: str, *, is_input: bool) -> int | str:
+        devices = [device for device in self.devices if name in (device.name, device.title)]
+        if not devices:
+            raise nowhere(name, [device.name for device in self.devices if device.name])
+        if len(devices) > 1:
+            raise UsageError(f"on: {len(devices)} devices are called {name}; write a port, a line or an input")
+        places = devices[0].driven_inputs if is_input else self.network.places(devices[0])
+        if len(places) == 1:
+            return places[0]
+        what = "set no input" if is_input else "has no port or line"
+        if not places:
+            raise UsageError(f"on: {name} {what.replace('set ', 'sets ')}; name the place itself")
+        raise UsageError(f"on: {name} sets {', '.join(map(str, places))}; name one of them")
+
+    def check_fault(self, fault: Fault) -> Fault:
+        """Refuse a fault that makes no sense with the devices that are there, else return it as `resolved` does.
+
+        Raises:
+            UsageError: nobody is at its place, or it is a wrong reply of a protocol that nobody there speaks.
+        """
+        fault = self.resolved(fault)
+        if is_of_input(fault):
+            return fault
+        owners = self.network.owners(*place_of(fault.on))
+        if not owners and self.network.outside is None:
+            raise UsageError(f"on: no device of this world is at {fault.on!r}, so nothing could ever go wrong there")
+        there = [owner for owner in owners if isinstance(owner, Device)]
+        check_protocol(fault, {device.title: device.protocol for device in there})
+        return fault
+
+    def end_faults(self) -> None:
+        """Nothing goes wrong any more."""
+        self._faults.clear()
+        self._faulty.clear()
+        if self._robot is not None:
+            self._robot.disturb(EndInputFaults())
+
+    # ---------------------------------------------------------------- the robot's side
+
+    def begin(self, robot: RobotAccess) -> None:
+        """Belong to a robot, from its first tick on.
+
+        Raises:
+            UsageError: it belongs to another one.
+        """
+        if self._robot is not None:
+            raise UsageError("this world belongs to another robot already; make a new one for each robot")
+        self._robot = robot
+        self.agenda.clock = lambda: robot.tick
+        self.signals.robot = robot
+        for device in self.devices:
+            self._start(device)
+
+    def _start(self, device: Device) -> None:
+        for name, near in misspelt(type(device)):
+            # In the first tick, so that the record of the run has it.
+            self.agenda.put(1, partial(self.say, device, _NEVER.format(name, near), is_warning=True), device)
+        self.agenda.attempt(device.begin, device)
+        self.agenda.attempt(device.started, device)
+
+    def lead_outside(self, channels: Channels) -> None:
+        self.network.outside = channels
+
+    def signal_changed(self, name: str, value: Value) -> None:
+        self.signals.changed(name, value)
+
+    def next_tick(self, tick: int) -> int | None:
+        return self.agenda.next_tick(tick)
+
+    def settle(self) -> None:
+        self.signals.settle()
+        if self._links:
+            self._publish(self._links)
+
+    def run_ended(self) -> None:
+        for device in self.devices:
+            device.run_ended()
+
+    def _publish(self, links: list[PortLink]) -> None:
+        """Show the tick to the devices that are connected to ports of the robot."""
+        assert self._robot is not None
+        links[:] = [link for link in links if link.is_open]
+        waiting = [link for link in links if link.wants_tick]
+        if waiting:
+            output = self._robot.output()
+            for link in waiting:
+                link.publish(output)
+            self.agenda.put(1, lambda: None)  # they look at the next tick too
+
+    def connect(self, client: TcpClient) -> PortLink:
+        """Connect a device to a port of the robot.
+
+        Raises:
+            UsageError: there is no robot, or it has no such port.
+        """
+        from elitescript.devices.kinds.client import PortLink
+
+        if self._robot is None:
+            raise UsageError("there is no robot yet to connect to")
+        self._connections += 1
+        connection = self._robot.connect(client.service, f"{client.service}#world{self._connections}")
+        link = PortLink(connection, self._robot, self.agenda, client)
+        self._links.append(link)
+        return link
+
+    # ---------------------------------------------------------------- the devices' side
+
+    def say(self, device: Device, text: str, *, is_warning: bool = False) -> None:
+        """Put words of a device into the record of the run."""
+        if self._robot is not None:
+            self._robot.emit(DeviceNoted(self.agenda.tick, device.title, text, is_warning))
+
+    def _note_fault(self, text: str) -> None:
+        if self._robot is not None:
+            self._robot.emit(DeviceNoted(self.agenda.tick, "fault", text))
+
+    def _failed(self, owner: object, error: Exception) -> None:
+        """The code of a device has raised."""
+        if not isinstance(owner, Device):
+            raise error
+        owner.leave()
+        author = owner.author
+        self.network.drop(owner, f"{author.title} has failed")
+        failure = DeviceError(describe(author, error))
+        if self.on_device_failure is None:
+            raise failure from error
+        self.on_device_failure(failure)
+
+
+def describe(device: Device, error: Exception) -> str:
+    """Where the code of a device failed, and how."""
+    place = place_in(error)
+    kind = type(device).__name__
+    named = device.title if device.title == kind else f"{device.title} ({kind})"
+    return f"{place + ': ' if place else ''}device {named}: {type(error).__name__}: {error}"
+
+
+def place_in(error: Exception) -> str:
+    """File and line where code that is not ours has failed; empty if none has."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not frame.filename.startswith((_HOME, _LIBRARY, "<"))]
+    return f"{own[-1].filename}:{own[-1].lineno}" if own else ""

@@ -1,0 +1,235 @@
+"""The world around a robot as a TOML file: safety limits, devices, wires, and whatever else a test sets up as a whole.
+
+`SECTIONS` says who reads which section: a class with `from_table`, which gets the section's table and raises
+`UsageError` for what makes no sense. Its message begins with the place, as `[safety] tcp_speed must be ...`; file and
+line are put before it here. The section `[signals]` holds levels at the start, by the names of `--set`. What is beside
+the robot, `[[tcp]]`, `[[wire]]` and so on, is read by `virtual.scenario`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from elitescript.devices.toml_lines import Path as TomlPath
+from elitescript.devices.toml_lines import lines_of, nearest
+from elitescript.errors import UsageError, did_you_mean
+from elitescript.messages.paths import why_no_file
+from elitescript.messages.signals import Value
+
+if TYPE_CHECKING:
+    from elitescript.devices.world import World
+
+SECTIONS: Final[dict[str, str]] = {
+    "safety": "elitescript.controller.safety.limits:SafetyLimits",
+    "contact": "elitescript.controller.force.contact:ContactConfig",
+    "plant": "elitescript.messages.plant:PlantConfig",
+}
+"""Section, which is also the keyword of `VirtualRobot`, and `module:class` of what reads it."""
+
+SIGNALS_SECTION: Final = "signals"
+
+WORLD_SECTIONS: Final = ("world", "tcp", "rpc", "modbus", "serial", "device", "wire", "schedule", "parts", "fault")
+"""Sections of what is beside the robot; all but `[world]` are lists of tables."""
+
+
+class WorldFile:
+    """What a world file says.
+
+    Attributes:
+        configurations: by section, what its owner made of it; sections that are not in the file are missing.
+        signals: levels at the start.
+        world: what is beside the robot; None if nothing is.
+    """
+
+    __slots__ = ("configurations", "signals", "world")
+
+    def __init__(self, configurations: dict[str, Any] | None = None, signals: dict[str, Value] | None = None) -> None:
+        self.configurations: dict[str, Any] = configurations or {}
+        self.signals: dict[str, Value] = signals or {}
+        self.world: World | None = None
+
+    def take(self, section: str, given: Any) -> Any:
+        """What the caller has given for a section, else what the file says; None if neither does.
+
+        Raises:
+            UsageError: both do.
+        """
+        found = self.configurations.get(section)
+        if given is not None and found is not None:
+            raise UsageError(f"{section} is given by the world file too; give it in one of both")
+        return found if given is None else given
+
+
+def load_cell(path: str | Path, *, network: str = "") -> WorldFile:
+    """Read a world file.
+
+    Args:
+        path: of the file.
+        network: where connections lead that no device of it takes, if it does not say so; see `virtual.scenario`.
+
+    Raises:
+        UsageError: no such file, no TOML, an unknown section or key, or a value that makes no sense; the text names
+            file and, where it is known, line.
+    """
+    import tomllib
+
+    file = Path(path)
+    if why := why_no_file(file, is_stream_allowed=True):
+        raise UsageError(f"world file {file} {why}")
+    try:
+        text = file.read_text(encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"world file {file}: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise UsageError(f"{file}:{line}: the world file is not UTF-8: {error.reason} at byte {error.start}") from error
+    try:
+        tables = tomllib.loads(text)
+    except RecursionError:
+        raise UsageError(f"{file}:{_line_of_refusal(text, RecursionError())}: it is nested too deeply") from None
+    except ValueError as error:  # a TOMLDecodeError, or what a number of thousands of digits gives
+        hint = '; names with an index stand in quotes: "standard_digital_in[3]" = true' if _has_bare_index(text) else ""
+        line = _line_of_refusal(text, error)
+        raise UsageError(f"{file}:{line}: the world file is not TOML: {error}{hint}") from error
+    if (huge := _huge(tables, ())) is not None:
+        line = nearest(lines_of(text), huge)
+        raise UsageError(f"{file}:{line}: {huge[-1]}: whole numbers of TOML are within 64 bits")
+    cell = WorldFile()
+    beside: dict[str, Any] = {}
+    for section, table in tables.items():
+        try:
+            if section in WORLD_SECTIONS:
+                beside[section] = table
+            else:
+                _read_section(cell, section, table)
+        except UsageError as error:
+            raise _located(file, text, section, table, error) from error
+    if beside:
+        from elitescript.devices.scenario import build_world
+
+        try:
+            cell.world = build_world(beside, file.parent, network=network)
+        except UsageError as error:
+            section = _place_in(str(error))[0]
+            raise _located(file, text, section, tables.get(section), error) from error
+        cell.world.cell = cell
+    return cell
+
+
+def _huge(value: object, path: TomlPath) -> TomlPath | None:
+    """Path of a whole number that no float and no TOML of other readers has; None if there is none."""
+    if isinstance(value, int):
+        return None if -(2**63) <= value < 2**63 else path
+    items: Iterable[tuple[str | int, object]] = ()
+    if isinstance(value, Mapping):
+        items = value.items()
+    elif isinstance(value, list):
+        items = enumerate(value)
+    return next((found for key, item in items if (found := _huge(item, (*path, key))) is not None), None)
+
+
+def _located(file: Path, text: str, section: str, table: object, error: UsageError) -> UsageError:
+    lines = lines_of(text)
+
+    def line(found: re.Match[str]) -> str:
+        return f"see line {nearest(lines, (found[1], int(found[2]) - 1))}"
+
+    words = re.sub(r"see \[\[(\w+)\]\] (\d+)", line, str(error))
+    return UsageError(f"{file}:{line_of(text, section, table, str(error))}: {words}")
+
+
+def _read_section(cell: WorldFile, section: str, table: object) -> None:
+    if section != SIGNALS_SECTION and section not in SECTIONS:
+        known = [f"[{name}]" for name in (*SECTIONS, SIGNALS_SECTION, WORLD_SECTIONS[0])]
+        known += [f"[[{name}]]" for name in WORLD_SECTIONS[1:]]
+        near = did_you_mean(section, (*SECTIONS, SIGNALS_SECTION, *WORLD_SECTIONS))
+        raise UsageError(f"[{section}] is not known; there are {', '.join(known)}{near}")
+    if not isinstance(table, Mapping):
+        raise UsageError(f"[{section}] must be a table: write [{section}] on a line of its own, its keys below")
+    if section == SIGNALS_SECTION:
+        cell.signals = _signals(table)
+        return
+    module, _, name = SECTIONS[section].partition(":")
+    cell.configurations[section] = getattr(import_module(module), name).from_table(table)
+
+
+def _signals(table: Mapping[str, Any]) -> dict[str, Value]:
+    from elitescript.controller.signals.by_name import signal_write
+
+    for name, value in table.items():
+        try:
+            signal_write(name, value)
+        except UsageError as error:
+            raise UsageError(f"[{SIGNALS_SECTION}] {name}: {error}") from error
+    return dict(table)
+
+
+def line_of(text: str, section: str, table: object, message: str) -> int:
+    """The line, from 1, that a message is about; the nearest one that is known.
+
+    The message names a table as `[section]`, `[section.part]` or `[[section.part]] 2:` and then a key, perhaps followed
+    by `row 3:` and further keys; if it does not, the key of the section that it names first counts, and without one
+    the section itself.
+    """
+    lines = lines_of(text)
+    place, number, words = _place_in(message)
+    if not place.startswith(section):
+        place, number = section, 1
+        named = [name for name in table if name in message] if isinstance(table, Mapping) else []
+        words = [min(named, key=lambda name: (message.find(name), -len(name)), default="")]
+    path: TomlPath = (section,)
+    for part in place[len(section) :].strip(".").split("."):
+        if part:
+            path = (*path, part)
+    path = (*path, number - 1) if (*path, number - 1) in lines else path
+    for before, word in zip(["", *words], words, strict=False):
+        key = word.partition("[")[0]
+        index = word[len(key) + 1 : -1]
+        for step in ((*path, word), (*path, key, int(index) if index.isdecimal() else index), (*path, key)):
+            if step in lines:
+                path = step
+                break
+        else:
+            if before == "row" and word.isdecimal() and (*path, int(word) - 1) in lines:
+                path = (*path, int(word) - 1)
+            elif word != "row":
+                break
+    row = re.search(r"\(row (\d+)\)$", message)
+    return nearest(lines, (*path, int(row[1]) - 1) if row else path)
+
+
+def _place_in(message: str) -> tuple[str, int, list[str]]:
+    """Table, its number in a list of tables, and the words that may be keys."""
+    place, bracket, rest = message.lstrip("[").partition("]")
+    if not message.startswith("[") or not bracket:
+        return "", 1, []
+    words = [word.rstrip(":").strip("\"'") for word in rest.lstrip("]").split()[:8]]
+    number = 1
+    if message.startswith("[[") and words and words[0].isdecimal():
+        number = int(words.pop(0))
+    return place, number, words
+
+
+def _line_of_refusal(text: str, error: Exception) -> int:
+    """The line at which `tomllib` gave up."""
+    found = re.search(r"\(at line (\d+)", str(error))
+    if found:
+        return int(found[1])
+    if "end of document" in str(error):
+        return max(1, len(text.splitlines()))
+    # A number with too many digits, or too many brackets: the line that has most of them.
+    numbered = enumerate(text.splitlines(), 1)
+    return max(numbered, key=lambda row: len(re.sub(r"[^0-9\[{]", "", row[1])), default=(1, ""))[0]
+
+
+def _has_bare_index(text: str) -> bool:
+    """Whether a line begins like `standard_digital_in[3] =`."""
+    for line in text.split("\n"):
+        name, bracket, rest = line.partition("=")[0].strip().partition("[")
+        if bracket and name.isidentifier() and rest[:-1].isdecimal() and rest.endswith("]"):
+            return True
+    return False

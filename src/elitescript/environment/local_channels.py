@@ -1,0 +1,203 @@
+"""TCP connections and serial ports of this computer, looked at between two ticks.
+
+While one is open, ticks are held back to the wall clock, so that time-outs and polling mean what they say to the peer.
+So they are for a while after a connection was lost, and after each try to make it anew: a peer that comes back after a
+second has to find a program that is still waiting for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from time import perf_counter, sleep
+from typing import TYPE_CHECKING, Final
+
+from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
+
+if TYPE_CHECKING:
+    from elitescript.environment.serial_channel import SerialChannel
+    from elitescript.environment.tcp_channel import TcpChannel
+    from elitescript.messages.inputs import ChannelEvent
+    from elitescript.messages.line import LineSettings
+
+HOPE_TICKS: Final = 6 * TICKS_PER_S
+"""How long a lost connection holds time back; longer than MODBUS signals ever wait before they try again."""
+
+
+LINGER_S: Final = 0.1
+"""How long, at the end of a run, peers that have everything may take to end their side (*assumed*)."""
+
+LOST_MAX: Final = 100
+"""Losses on closed channels that are remembered."""
+
+_LOOK_S: Final = 0.001
+
+
+class LocalChannels:
+    """Implements `runtime.environment.Channels` with the network and the serial ports of this computer.
+
+    Args:
+        lines: what is on the robot's serial ports; see `line_bindings`.
+
+    Raises:
+        UsageError: a binding that makes no sense.
+    """
+
+    __slots__ = (
+        "_first_tick",
+        "_hope_tick",
+        "_last",
+        "_leaving",
+        "_lines",
+        "_lost",
+        "_met",
+        "_open",
+        "_places",
+        "_start_s",
+        "_tick",
+    )
+
+    def __init__(self, lines: Mapping[str, str] | None = None) -> None:
+        self._last = 0
+        self._lines: Mapping[str, str] = {}
+        if lines:
+            from elitescript.environment.line_bindings import check_bindings
+
+            self._lines = check_bindings(lines)
+        self._open: dict[int, TcpChannel | SerialChannel] = {}
+        self._leaving: list[TcpChannel | SerialChannel] = []
+        """Channels that the program has closed, as long as something of what was sent may be under way."""
+        self._lost: list[str] = []
+        """What was lost on them, for `give_up`."""
+        self._places: dict[int, tuple[str, int]] = {}
+        """Where each TCP connection leads."""
+        self._met: set[tuple[str, int]] = set()
+        """Places where somebody has answered."""
+        self._tick = 0
+        self._hope_tick = 0
+        """Until then a lost connection may come back."""
+        self._first_tick = -1
+        self._start_s = 0.0
+
+    @property
+    def is_real(self) -> bool:
+        """Whether a connection is open, being opened, being closed with bytes under way, or lost not long ago."""
+        return bool(self._open) or self._tick < self._hope_tick or any(channel.pending for channel in self._leaving)
+
+    def open(self, address: str, port: int, timeout_s: float) -> int:
+        """Begin to connect."""
+        # Most programs open none, and the network takes its time to load.
+        from elitescript.environment.tcp_channel import TcpChannel
+
+        self._last += 1
+        self._open[self._last] = TcpChannel(self._last, address, port)
+        self._places[self._last] = address, port
+        return self._last
+
+    def open_line(self, device: str, settings: LineSettings) -> int:
+        """Open what is bound to a port; 0 if nothing is."""
+        target = self._lines.get(device)
+        if target is None:
+            return 0
+        from elitescript.environment.line_bindings import bridge_address
+
+        address = bridge_address(target)
+        if address is not None:
+            return self.open(*address, 0.0)
+        from elitescript.environment.serial_channel import SerialChannel
+
+        self._last += 1
+        self._open[self._last] = SerialChannel(self._last, target, settings)
+        return self._last
+
+    def send(self, channel: int, data: bytes) -> None:
+        """Send what the connection takes now, the rest between later ticks."""
+        if channel in self._open:
+            self._open[channel].send(data)
+
+    def credit(self, channel: int, size: int) -> None:
+        """See `runtime.environment.Channels.credit`."""
+        if channel in self._open:
+            self._open[channel].room += size
+
+    def close(self, channel: int) -> None:
+        """See `runtime.environment.Channels.close`."""
+        open_channel = self._open.pop(channel, None)
+        self._places.pop(channel, None)
+        if open_channel is not None:
+            open_channel.close()
+            self._leaving.append(open_channel)
+            self._look_at_leaving()
+
+    def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
+        """Wait for the time of a tick and look at every connection."""
+        self._tick = tick
+        if self._leaving:
+            for channel in self._leaving:
+                channel.leave()
+            self._look_at_leaving()
+        if not self.is_real:
+            self._first_tick = -1
+            return ()
+        self._hold(tick)
+        events: list[ChannelEvent] = []
+        for number, channel in list(self._open.items()):
+            found = channel.poll()
+            events += found
+            place = self._places.get(number)
+            # Most programs open none: the class of the event is not worth its import.
+            if place is not None and any(getattr(event, "is_open", False) for event in found):
+                self._met.add(place)
+            if channel.is_over:
+                del self._open[number]
+                self._places.pop(number, None)
+                if place in self._met:
+                    self._hope_tick = tick + HOPE_TICKS
+        return events
+
+    def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """See `runtime.environment.Channels.pending`."""
+        return tuple(_words(channel, channel.pending) for channel in self._pending(ignoring))
+
+    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """See `runtime.environment.Channels.give_up`; waits for peers that answer the last bytes."""
+        end_s = perf_counter() + LINGER_S
+        while any(not channel.pending for channel in self._leaving) and perf_counter() < end_s:
+            sleep(_LOOK_S)
+            for channel in self._leaving:
+                channel.leave()
+            self._look_at_leaving()
+        for channel in self._leaving:
+            channel.drop()
+        self._look_at_leaving()
+        given_up, self._lost = self._lost, []
+        for channel in self._pending(ignoring):
+            given_up.append(_words(channel, channel.pending))
+            channel.discard()
+        return tuple(given_up)
+
+    def _pending(self, ignoring: Collection[int]) -> list[TcpChannel | SerialChannel]:
+        channels = [*self._leaving, *(channel for number, channel in self._open.items() if number not in ignoring)]
+        return [channel for channel in channels if channel.pending]
+
+    def _look_at_leaving(self) -> None:
+        """Forget the channels that are closed by now."""
+        for channel in self._leaving:
+            if channel.is_over and channel.lost and len(self._lost) < LOST_MAX:
+                self._lost.append(_words(channel, channel.lost))
+        self._leaving = [channel for channel in self._leaving if not channel.is_over]
+
+    def next_tick(self, tick: int) -> int | None:
+        """Every tick while time is held back."""
+        return tick + 1 if self.is_real else None
+
+    def _hold(self, tick: int) -> None:
+        now_s = perf_counter()
+        if self._first_tick < 0:
+            self._first_tick, self._start_s = tick, now_s
+        due_s = self._start_s + (tick - self._first_tick) * PERIOD_S
+        if now_s < due_s:
+            sleep(due_s - now_s)
+
+
+def _words(channel: TcpChannel | SerialChannel, size: int) -> str:
+    return f"{size} bytes to {channel.place}"

@@ -1,0 +1,87 @@
+"""Program texts: from a file, or as they are."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Final
+
+from elitescript.errors import UsageError
+from elitescript.language.advice.unknown_names import nearest
+from elitescript.language.text.source import SourceFile
+from elitescript.messages.paths import why_no_file
+
+SUFFIX: Final = ".script"
+
+_MOST_NEIGHBOURS: Final = 1000
+"""Files of a folder that are looked at to find the one that was meant."""
+
+
+def source_of(program: str | Path) -> SourceFile:
+    """The source of a program: a path, or a text.
+
+    A str is a path if it is a single line that ends in `.script` or otherwise looks like a path: a word with a suffix,
+    with slashes, or alone. Everything else is program text.
+
+    Raises:
+        UsageError: the file cannot be read.
+        ProgramError: the file is not UTF-8.
+    """
+    if isinstance(program, str) and not _is_path(program):
+        return SourceFile("<program>", program)
+    path = Path(program)
+    if why := why_no_file(path, is_stream_allowed=True):
+        raise UsageError(f"cannot read {path}: it {why}")
+    try:
+        data = path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = error.strerror or error if isinstance(error, OSError) else error
+        near = neighbours(path)
+        raise UsageError(f"cannot read {path}: {reason}{f'; {near}' if near else ''}") from error
+    return SourceFile.from_bytes(str(path), data)
+
+
+def neighbours(path: Path) -> str:
+    """The file nearby that was meant, as a question; empty if none is named alike."""
+    try:
+        if path.exists():
+            return ""
+        names = []
+        for entry in path.parent.iterdir():
+            names.append(entry.name)
+            if len(names) >= _MOST_NEIGHBOURS:
+                break
+    except (OSError, ValueError):
+        return ""
+    if not path.suffix and f"{path.name}{SUFFIX}" in names:
+        found = f"{path.name}{SUFFIX}"
+    else:
+        programs = [name for name in names if name.endswith(SUFFIX)]
+        found = nearest(path.name, programs) or nearest(f"{path.stem}{SUFFIX}", programs) or nearest(path.name, names)
+    return f"is {path.parent / found} meant?" if found and found != path.name else ""
+
+
+def _is_path(text: str) -> bool:
+    """Whether a str names a file. No statement is a word alone, and none looks like `cell.scrpt` or `jobs/cell`."""
+    line = text.strip()
+    if not line or "\n" in text or "\r" in text:
+        return False
+    if line.endswith(SUFFIX):
+        return True
+    if line in _STATEMENTS:
+        return False
+    if re.fullmatch(r"[\w.~ -]*[/\\][^()=\[\]{}#'\"]*", line):
+        return True
+    return re.fullmatch(r"[^\s()=\[\]{}#'\",:;+*%&|^<>@!]+", line) is not None and not _is_number(line)
+
+
+_STATEMENTS: Final = ("pass", "end", "return", "break", "continue", "raise", "...")
+"""Words that are statements by themselves."""
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

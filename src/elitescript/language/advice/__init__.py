@@ -1,0 +1,1 @@
+"""Mistakes that texts of other languages and older Pythons bring, in plain words."""

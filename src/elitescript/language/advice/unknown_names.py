@@ -1,0 +1,126 @@
+"""What a name that nothing defines was meant to be: one answer for the checker and for the alarm at run time."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+from collections.abc import Collection, Container, Iterable, Mapping
+from typing import Final, Protocol
+
+from elitescript.language.hooks import HOOKS
+from elitescript.language.kinds import SECONDARY
+from elitescript.language.modules import AVAILABLE
+from elitescript.language.scopes import Scope
+from elitescript.language.symbols import Symbols
+
+PRELOADED: Final = frozenset(("copy", "elicopy", "exit", "long", "quit", "unichr"))
+"""Names that programs find besides commands and Python's own built-ins."""
+
+KNOWN: Final = frozenset(dir(builtins)) | PRELOADED | frozenset(HOOKS)
+"""Every name that is there without a definition, but for the commands."""
+
+WORDS: Final = {
+    "true": "True",
+    "TRUE": "True",
+    "false": "False",
+    "FALSE": "False",
+    "none": "None",
+    "null": "None",
+    "NULL": "None",
+    "nil": "None",
+}
+"""Constants as other languages write them."""
+
+_PLACEHOLDERS: Final = ("null", "unconfigured")
+"""What the pendant's plug-ins write, as a line of its own, for something that is not set up (*observed*)."""
+
+_LEAST_LIKENESS: Final = 0.8
+_SHORTEST: Final = 3
+
+
+class Names(Protocol):
+    """The names that the firmware gives to programs; see `commands.definition.vocabulary`."""
+
+    @property
+    def commands(self) -> Collection[str]:
+        """Commands that the firmware has."""
+
+    @property
+    def foreign(self) -> Mapping[str, str]:
+        """Names of other languages, and the command that does the same."""
+
+    @property
+    def reserved(self) -> Container[str]:
+        """Names that no released command has."""
+
+
+def advice(
+    node: ast.Name, scope: Scope, symbols: Symbols, names: Names, *, is_searched: bool = True
+) -> tuple[str, str]:
+    """Return the name that is meant, if one can take its place, and the hint; both may be empty.
+
+    Args:
+        node: the use of a name that nothing defines.
+        scope: where it stands.
+        symbols: the names of the program.
+        names: those of the firmware.
+        is_searched: look for a name that is written alike, which takes time.
+    """
+    name = node.id
+    parent = symbols.parent(node)
+    if isinstance(parent, ast.Call) and parent.func is node:
+        if name in names.foreign:
+            return "", f"here the command is called {names.foreign[name]}"
+        if name in names.reserved:
+            return "", "the name is reserved, but no released command has it; `elitescript commands` lists them all"
+    else:
+        if name in _PLACEHOLDERS and isinstance(parent, ast.Expr):
+            return "", "the pendant writes this for something that is not set up"
+        if name in WORDS:
+            return WORDS[name], f"write {WORDS[name]}"
+        if name in AVAILABLE:
+            return "", f"write `import {name}` before it"
+        owner = _owner(name, symbols)
+        if owner is not None:
+            return "", f"it is a local variable of `{owner.name}`; declare it `global` there to share it"
+    if not is_searched:
+        return "", ""
+    is_shared = symbols.parsed.kind == SECONDARY
+    meant = nearest(name, names.commands if is_shared else _visible(name, scope, symbols, names))
+    return meant, f"is `{meant}` meant?" if meant else ""
+
+
+def nearest(name: str, candidates: Iterable[str]) -> str:
+    """Return the candidate that a name is most probably a slip of; empty if none is near enough."""
+    if len(name) < _SHORTEST:
+        return ""
+    folded = name.lower()
+    possible = sorted(other for other in candidates if abs(len(other) - len(name)) <= 2 + len(name) // 4)
+    for other in possible:
+        if other.lower() == folded:
+            return other
+    from difflib import get_close_matches
+
+    # Of several that are equally near, the order of the candidates must not decide.
+    found = get_close_matches(name, possible, 1, _LEAST_LIKENESS)
+    return found[0] if found else ""
+
+
+def _visible(name: str, scope: Scope, symbols: Symbols, names: Names) -> set[str]:
+    """Return names that would mean something in `scope`, other than `name` itself."""
+    found = set(symbols.global_names)
+    found.update(scope.bindings)
+    while scope.parent is not None:
+        scope = scope.parent
+        if scope.kind != "class":
+            found.update(scope.bindings)
+    found.update(known for known in KNOWN if known[0] not in "_@")
+    found.update(names.commands)
+    found.discard(name)
+    return found
+
+
+def _owner(name: str, symbols: Symbols) -> Scope | None:
+    """Return a function that has a local variable of that name, where its users cannot see it."""
+    functions = (scope for scope in symbols.scopes if scope.kind == "function")
+    return next((scope for scope in functions if scope.has_local(name) and name not in scope.parameters), None)

@@ -1,0 +1,68 @@
+"""Finding one's way in masked code, where strings and comments cannot mislead."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cache
+from keyword import iskeyword
+
+NAME = r"[^\W\d]\w*"
+"""Pattern of an identifier."""
+
+WIDE_COLON = "\uff1a"
+"""The colon of Chinese keyboards, which is reported as what it is."""
+
+OPERATOR_WORDS = frozenset(("and", "as", "else", "for", "from", "if", "import", "in", "is", "not", "or"))
+"""Keywords that may follow a value."""
+
+
+@cache
+def compiled(pattern: str) -> re.Pattern[str]:
+    """Return a pattern, compiled when it is needed for the first time."""
+    return re.compile(pattern)
+
+
+def top_level(code: str, mark: str, begin: int = 0) -> Iterator[int]:
+    """Yield indices of `mark` outside brackets in masked code."""
+    if mark not in code[begin:]:
+        return
+    depth = 0
+    for index in range(begin, len(code)):
+        character = code[index]
+        if character in "([{":
+            depth += 1
+        elif character in ")]}":
+            depth -= 1
+        elif character == mark and depth == 0:
+            yield index
+
+
+def header_colon(code: str) -> int:
+    """Return the index of the colon that ends the header in the masked code of a compound statement; -1 if none."""
+    if code.endswith(":") and (code.count(":") == 1 or "?" in code):
+        return len(code) - 1
+    depth = lambdas = 0
+    for found in compiled(r"[()\[\]{}]|:=?|\blambda\b").finditer(code):
+        mark = found.group()
+        if mark in "([{":
+            depth += 1
+        elif mark in ")]}":
+            depth -= 1
+        elif depth == 0:
+            if mark == "lambda":
+                lambdas += 1
+            elif mark == ":":
+                if not lambdas:
+                    return found.start()
+                lambdas -= 1
+    return -1
+
+
+def operand_before(code: str) -> bool:
+    """Return whether masked code ends with a value: a name, a number, a string, a closing bracket."""
+    code = code.rstrip()
+    if not code or not (code[-1].isalnum() or code[-1] in '_)]}"'):
+        return False
+    word = compiled(rf"{NAME}\Z").search(code)
+    return word is None or not iskeyword(word.group()) or word.group() in ("True", "False", "None")

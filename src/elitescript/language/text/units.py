@@ -1,0 +1,343 @@
+"""Units: which kind of program a text is, and where programs begin and end in a stream.
+
+Port 30001 takes text as it comes, without lengths or separators. A unit begins with `def name`
+or `sec name(` at the start of a line and ends with the next `end` at the start of a line; outside
+units each statement is a unit of its own, a *line unit*.
+"""
+
+from __future__ import annotations
+
+import re
+from copy import copy
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+from elitescript.language.diagnostics import Diagnostic, diagnostic
+from elitescript.language.kinds import kind_of, outer_definition
+from elitescript.language.options import LINE, PROGRAM, SECONDARY
+from elitescript.language.text.lexer import structure_pattern
+from elitescript.language.text.strings import string_end_pattern
+
+__all__ = ["MAX_UNIT_BYTES", "SILENCE_S", "DiscardedText", "Unit", "UnitSplitter", "kind_of", "outer_definition"]
+
+MAX_UNIT_BYTES: Final = 4 * 1024 * 1024
+SILENCE_S: Final = 0.1
+"""After this long without a byte, an `end` counts although no line feed follows it. *Assumed.*"""
+SILENT_LINE_MAX: Final = 8 * 1024
+"""Bytes of a line that silence ends; a longer one needs its line feed. *Assumed*: else each byte of a client that sends
+one now and then would have all of them looked at again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A complete unit of a stream.
+
+    Attributes:
+        kind: `program`, `secondary` or `line`.
+        text: its lines, with LF between them.
+        first_line: number of its first line in the stream, from 1.
+        damaged: some bytes were not UTF-8 and were replaced.
+    """
+
+    kind: str
+    text: str
+    first_line: int
+    damaged: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class DiscardedText:
+    """Text that was thrown away.
+
+    Attributes:
+        problems: why; lines count from the first line of the refused text.
+        first_line: number of that line in the stream, from 1.
+    """
+
+    problems: tuple[Diagnostic, ...]
+    first_line: int
+
+
+@cache
+def _opener() -> re.Pattern[str]:
+    return re.compile(r"(?P<word>def)[ \t]|(?P<sec>sec)[ \t]+[^\W\d]\w*[ \t]*\(")
+
+
+@cache
+def _closer() -> re.Pattern[str]:
+    return re.compile(r"end[ \t\f]*(?:;[ \t\f]*)?(?:#.*)?")
+
+
+class UnitSplitter:
+    """Cuts the bytes of one connection into units.
+
+    Feed it with `receive`, call `silence` when `SILENCE_S` have passed without a byte, and `close`
+    when the peer has closed its side. It holds one unfinished unit of at most `max_bytes`.
+    """
+
+    __slots__ = (
+        "_after_cr",
+        "_damaged",
+        "_first_line",
+        "_kind",
+        "_line_number",
+        "_lines",
+        "_max_bytes",
+        "_overflow",
+        "_partial",
+        "_size",
+        "_skip_line",
+        "_tracker",
+    )
+
+    def __init__(self, max_bytes: int = MAX_UNIT_BYTES) -> None:
+        self._max_bytes = max_bytes
+        self._partial = bytearray()
+        self._after_cr = False
+        self._line_number = 1
+        self._tracker = _LineTracker()
+        self._lines: list[str] = []
+        self._kind = ""
+        self._first_line = 1
+        self._size = 0
+        self._damaged = False
+        self._overflow = False
+        self._skip_line = False
+
+    @property
+    def pending(self) -> bool:
+        """Something waits for more bytes, for silence or for the end of the stream."""
+        return bool(self._partial or self._kind)
+
+    def receive(self, data: bytes) -> list[Unit | DiscardedText]:
+        """Take bytes and return what they complete, in order."""
+        found: list[Unit | DiscardedText] = []
+        if self._after_cr and data:
+            data = data[1:] if data[0] == 0x0A else data
+            self._after_cr = False
+        self._after_cr = data.endswith(b"\r")
+        rows = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
+        for row in rows[:-1]:
+            self._append(row, found)
+            if not self._skip_line:
+                line = self._decode(bytes(self._partial))
+                size = len(self._partial) + 1
+                self._partial.clear()
+                self._take(line, size, found)
+            self._skip_line = False
+            self._line_number += 1
+        self._append(rows[-1], found)
+        return found
+
+    def silence(self) -> list[Unit | DiscardedText]:
+        """`SILENCE_S` have passed: what looks complete counts as complete."""
+        found: list[Unit | DiscardedText] = []
+        if len(self._partial) > SILENT_LINE_MAX:
+            return found
+        line = self._decode(bytes(self._partial), peek=True)
+        if self._kind in (PROGRAM, SECONDARY):
+            # Also when a bracket or a string is still open: then the text is faulty, and the
+            # author should hear of it now rather than never.
+            last = line if self._partial else self._lines[-1]
+            if _closer().fullmatch(last):
+                self._take_partial(found)
+                if self._kind:
+                    self._deliver(found)
+        elif self._kind or line.strip():
+            if not self._partial:
+                self._deliver(found)
+            elif not _opener().match(line):
+                tracker = copy(self._tracker)
+                tracker.advance(line)
+                if not tracker.inside:
+                    self._take_partial(found)
+                    if self._kind:
+                        self._deliver(found)
+        return found
+
+    def drop_line(self) -> str:
+        """Throw away a line unit that is not complete, and return its text; a program is kept."""
+        if self._kind in (PROGRAM, SECONDARY):
+            return ""
+        text = "\n".join([*self._lines, self._decode(bytes(self._partial), peek=True)])
+        self._partial.clear()
+        self._reset()
+        return text
+
+    def close(self) -> list[Unit | DiscardedText]:
+        """Return the peer closed: deliver what is complete, refuse what is not."""
+        found: list[Unit | DiscardedText] = []
+        self._take_partial(found)
+        if self._kind == LINE:
+            self._deliver(found)
+        elif self._kind:
+            if _closer().fullmatch(self._lines[-1]):
+                self._deliver(found)
+            else:
+                self._refuse(found, "the connection was closed")
+        self._overflow = False
+        return found
+
+    # Lines
+
+    def _append(self, row: bytes, found: list[Unit | DiscardedText]) -> None:
+        if self._skip_line:
+            return
+        self._partial += row
+        if self._size + len(self._partial) > self._max_bytes:
+            self._overflowed(found)
+            self._skip_line = True
+
+    def _decode(self, row: bytes, peek: bool = False) -> str:
+        if self._line_number == 1:
+            row = row.removeprefix(b"\xef\xbb\xbf")
+        try:
+            return row.decode("utf-8")
+        except UnicodeDecodeError:
+            if not peek:
+                self._damaged = True
+            return row.decode("utf-8", "replace")
+
+    def _take_partial(self, found: list[Unit | DiscardedText]) -> None:
+        if self._partial:
+            line = self._decode(bytes(self._partial))
+            size = len(self._partial)
+            self._partial.clear()
+            self._take(line, size, found)
+
+    def _take(self, line: str, size: int, found: list[Unit | DiscardedText]) -> None:
+        """Take one whole line."""
+        opener = _opener().match(line) if line[:1] in "ds" else None
+        if opener and not self._tracker.quote:
+            # Even inside brackets: `def` cannot stand there, so one was never closed.
+            if self._kind in (PROGRAM, SECONDARY):
+                self._refuse(found, f"line {self._line_number} begins another one")
+            elif self._kind:
+                self._deliver(found)
+            self._overflow = False
+            self._begin(PROGRAM if opener["word"] else SECONDARY)
+            self._add(line, size)
+        elif self._overflow:
+            self._overflow = not _closer().fullmatch(line)
+        elif self._kind in (PROGRAM, SECONDARY):
+            closes = not self._tracker.inside and _closer().fullmatch(line)
+            self._add(line, size)
+            if closes:
+                self._deliver(found)
+        else:
+            code = line.strip(" \t\f")
+            if not self._kind and (not code or code[0] == "#"):
+                self._damaged = False
+                return
+            if not self._kind:
+                self._begin(LINE)
+            self._add(line, size)
+            if not self._tracker.inside:
+                self._deliver(found)
+
+    def _begin(self, kind: str) -> None:
+        self._kind = kind
+        self._first_line = self._line_number
+        self._tracker.reset()
+
+    def _add(self, line: str, size: int) -> None:
+        self._lines.append(line)
+        self._size += size
+        self._tracker.advance(line)
+
+    # Ends
+
+    def _deliver(self, found: list[Unit | DiscardedText]) -> None:
+        found.append(Unit(self._kind, "\n".join(self._lines), self._first_line, self._damaged))
+        self._reset()
+
+    def _refuse(self, found: list[Unit | DiscardedText], reason: str) -> None:
+        last = len(self._lines)
+        header = self._lines[0]
+        problem = diagnostic(
+            "E102",
+            1,
+            1,
+            f"this program has no `end`: {reason} after {last} {'line' if last == 1 else 'lines'}",
+            end_column=len(header) + 1,
+            hint="close it with `end` at the start of a line, and a line feed behind it",
+        )
+        found.append(DiscardedText((problem,), self._first_line))
+        self._reset()
+
+    def _overflowed(self, found: list[Unit | DiscardedText]) -> None:
+        problem = diagnostic(
+            "E102",
+            1,
+            1,
+            f"the text is longer than {self._max_bytes} bytes without an end",
+            hint="close programs with `end` at the start of a line",
+        )
+        first = self._first_line if self._kind else self._line_number
+        found.append(DiscardedText((problem,), first))
+        self._overflow = self._kind in (PROGRAM, SECONDARY)
+        self._partial.clear()
+        self._reset()
+
+    def _reset(self) -> None:
+        self._kind = ""
+        self._lines = []
+        self._size = 0
+        self._damaged = False
+        self._tracker.reset()
+
+
+class _LineTracker:
+    """Follows physical lines one by one; `inside` tells whether the next one goes on."""
+
+    __slots__ = ("continued", "depth", "quote")
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        self.depth = 0
+        self.quote = ""
+        self.continued = False
+
+    @property
+    def inside(self) -> bool:
+        """The next physical line belongs to the same logical line."""
+        return bool(self.depth or self.quote or self.continued)
+
+    def advance(self, line: str) -> None:
+        """Take one physical line, without its line end."""
+        self.continued = False
+        position = 0
+        if self.quote:
+            found = string_end_pattern(self.quote).match(line)
+            if found is None:
+                if len(self.quote) == 1 and not _ends_with_backslash(line):
+                    self.quote = ""
+                return
+            position = found.end()
+            self.quote = ""
+        search = structure_pattern().search
+        while structure := search(line, position):
+            mark = structure.group()
+            position = structure.end()
+            if mark in "([{":
+                self.depth += 1
+            elif mark in ")]}":
+                self.depth = max(0, self.depth - 1)
+            elif mark == "#":
+                return
+            elif mark == "\\":
+                self.continued = position == len(line)
+            elif found := string_end_pattern(mark).match(line, position):
+                position = found.end()
+            else:
+                # A single quote may be continued by a backslash; else it is a mistake that ends here.
+                if len(mark) == 3 or _ends_with_backslash(line):
+                    self.quote = mark
+                return
+
+
+def _ends_with_backslash(line: str) -> bool:
+    return (len(line) - len(line.rstrip("\\"))) % 2 == 1

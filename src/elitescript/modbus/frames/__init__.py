@@ -1,0 +1,1 @@
+"""Requests and answers of MODBUS as bytes, on TCP and on serial lines."""

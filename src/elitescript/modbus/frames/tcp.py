@@ -1,0 +1,87 @@
+"""MODBUS TCP on the wire: a header of seven bytes (MBAP) before each request or answer.
+
+Source: MODBUS Messaging on TCP/IP Implementation Guide V1.0b, chapter 3.
+"""
+
+from __future__ import annotations
+
+from struct import Struct
+from typing import Final, NamedTuple
+
+from elitescript.modbus.frames.pdu import PDU_MAX
+
+PORT: Final = 502
+
+LENGTH_MAX: Final = PDU_MAX + 1
+"""Largest length in a header: it counts the unit and the request or answer."""
+
+_HEADER: Final = Struct(">HHHB")
+_HEADER_SIZE: Final = 7
+
+
+class TcpFrame(NamedTuple):
+    """A frame that has arrived."""
+
+    transaction: int
+    unit: int
+    pdu: bytes
+
+
+def tcp_frame(transaction: int, unit: int, pdu: bytes) -> bytes:
+    """Return a request or an answer with its header.
+
+    Args:
+        transaction: number that an answer repeats, 0 to 65535.
+        unit: number of the slave, 0 to 255.
+        pdu: the request or answer.
+    """
+    return _HEADER.pack(transaction, 0, len(pdu) + 1, unit) + pdu
+
+
+class TcpSplitter:
+    """Cuts a stream into frames, however it is chopped.
+
+    A frame of another protocol is left out. A length that cannot be means that nobody knows where the next frame
+    begins: `is_lost` is True from then on, everything else is dropped, and the connection should be closed.
+
+    Attributes:
+        is_lost: whether the stream has no frames any more.
+        foreign: frames of another protocol so far.
+    """
+
+    __slots__ = ("_rest", "foreign", "is_lost")
+
+    def __init__(self) -> None:
+        self._rest = b""
+        self.is_lost = False
+        self.foreign = 0
+
+    @property
+    def waiting(self) -> int:
+        """Bytes of a frame that is not complete."""
+        return len(self._rest)
+
+    def feed(self, data: bytes) -> list[TcpFrame]:
+        """Take bytes; return the frames that are complete by now, in order."""
+        frames: list[TcpFrame] = []
+        if self.is_lost:
+            return frames
+        if self._rest:
+            data = self._rest + data
+        offset, size = 0, len(data)
+        while size - offset >= _HEADER_SIZE:
+            transaction, protocol, length, unit = _HEADER.unpack_from(data, offset)
+            if not 2 <= length <= LENGTH_MAX:
+                self.is_lost = True
+                self._rest = b""
+                return frames
+            end = offset + 6 + length
+            if end > size:
+                break
+            if protocol == 0:
+                frames.append(TcpFrame(transaction, unit, data[offset + 7 : end]))
+            else:
+                self.foreign += 1
+            offset = end
+        self._rest = data[offset:]
+        return frames

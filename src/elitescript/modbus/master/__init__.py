@@ -1,0 +1,1 @@
+"""The MODBUS TCP master: signals, connections, requests under way."""

@@ -1,0 +1,371 @@
+"""Requests and answers on one open connection of a master: who waits, what is under way, how much of it at a time.
+
+No more than a window of requests waits for answers. The window is 1 until signals miss their turns. Then it is tried
+out: a burst of twice as many, and if each is answered, that is the window from now on. It stays there if the burst
+took much longer than a single request: more would wait in the device, and not come sooner. A device that does not
+answer all of a burst gets one request at a time for good, and what it has left out is asked for again as if nothing
+had happened. If it has answered none, the next single request tells whether it was the burst or the device.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Final
+
+from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.modbus.frames.pdu import READS
+from elitescript.modbus.frames.tcp import TcpSplitter
+from elitescript.modbus.master.signals import BROADCAST, NO_ERROR, UNDEFINED_ERROR, ModbusSignal
+
+WINDOW_MAX: Final = 256
+"""The largest window: all 200 signals in each tick, where answers come in the next one or a little later."""
+REPLY_TICKS: Final = TICKS_PER_S
+"""How long an answer may take (*assumed*)."""
+SILENCE_TICKS: Final = 3 * REPLY_TICKS
+"""After so long without any answer to requests, the connection is made anew (*assumed*)."""
+PROBE_TICKS: Final = TICKS_PER_S // 10
+"""How long the answers to a burst may take at least; more if the device is slow."""
+PROBE_ROUNDS: Final = 4
+PATIENCE_ROUNDS: Final = 2
+PATIENCE_TICKS: Final = 2
+"""A burst that takes longer than so many round trips and ticks is the last one."""
+
+TIMED_OUT: Final = 110
+
+
+class Exchange:
+    """What waits to be asked, and what was asked.
+
+    Args:
+        complain: tells what is wrong with a signal.
+        note: records what has come of it: signal, what, data.
+        lose: tells why a request that is sent once is given up.
+        is_single: whether the device is known to take one request at a time.
+
+    Attributes:
+        window: how many requests may wait for an answer.
+        is_single: whether the device takes one request at a time.
+        answered: good answers so far.
+        strays: answers that nobody waited for, so far.
+        broadcasts: what was sent to all slaves, which nobody answers, since the connection last had taken everything.
+        is_lost: whether what comes is no MODBUS any more.
+        has_heard: whether the connection has brought an answer.
+    """
+
+    __slots__ = (
+        "_chained",
+        "_complain",
+        "_flight",
+        "_heard_tick",
+        "_is_pressed",
+        "_is_suspect",
+        "_lose",
+        "_note",
+        "_probe_begin",
+        "_probe_end",
+        "_probe_size",
+        "_probe_ticks",
+        "_proven",
+        "_queue",
+        "_quickest_ticks",
+        "_slowest_ticks",
+        "_splitter",
+        "_transaction",
+        "_turns",
+        "answered",
+        "broadcasts",
+        "has_heard",
+        "is_single",
+        "strays",
+        "window",
+    )
+
+    def __init__(
+        self,
+        complain: Callable[[ModbusSignal, str], None],
+        note: Callable[[ModbusSignal, str, str], None],
+        lose: Callable[[ModbusSignal, str], None],
+        *,
+        is_single: bool,
+    ) -> None:
+        self.window = 1
+        self.is_single = is_single
+        self.answered = 0
+        self.strays = 0
+        self.has_heard = False
+        self.broadcasts: list[ModbusSignal] = []
+        self._complain = complain
+        self._note = note
+        self._lose = lose
+        self._queue: deque[ModbusSignal] = deque()
+        self._flight: dict[int, tuple[ModbusSignal, bytes, int]] = {}
+        """Signal, request and tick of sending, by transaction; the oldest one first."""
+        self._splitter = TcpSplitter()
+        self._chained: ModbusSignal | None = None
+        """The sequential signal that is under way."""
+        self._transaction = 0
+        self._turns = 0
+        self._heard_tick = 0
+        self._slowest_ticks = 0
+        self._quickest_ticks = REPLY_TICKS
+        self._is_pressed = False
+        self._is_suspect = False
+        """Whether no request of a burst was answered, and none since."""
+        self._proven = 1
+        """The largest window that was answered."""
+        self._probe_size = 0
+        """Requests of the burst that is under way."""
+        self._probe_begin = 0
+        self._probe_end = 0
+        self._probe_ticks = 0
+        """How long the last burst took."""
+
+    # ---------------------------------------------------------------- reading
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether what the device sends is no MODBUS any more."""
+        return self._splitter.is_lost
+
+    @property
+    def has_waiting(self) -> bool:
+        """Whether a signal waits to be asked for."""
+        return bool(self._queue)
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing waits to be sent or answered."""
+        return not self._queue and not self._flight
+
+    @property
+    def is_probing(self) -> bool:
+        """Whether a burst is under way that is larger than what was answered before."""
+        return self._probe_size > 0
+
+    @property
+    def room(self) -> int:
+        """How many requests could be sent now."""
+        return self.window - len(self._flight)
+
+    @property
+    def single_requests(self) -> int:
+        """Requests that wait to be sent once."""
+        return sum(signal.is_once for signal in self._queue)
+
+    @property
+    def owed(self) -> list[ModbusSignal]:
+        """Signals that wait, are under way or were sent to all slaves, and are owed."""
+        under_way = [signal for signal, _, _ in self._flight.values()]
+        return [signal for signal in (*self._queue, *under_way, *self.broadcasts) if signal.is_owed]
+
+    def is_under_way(self, signal: ModbusSignal) -> bool:
+        """Return whether an answer to the present request of a signal is waited for."""
+        return any(one is signal and request is signal.request for one, request, _ in self._flight.values())
+
+    def next_tick(self, tick: int) -> int | None:
+        """Return the earliest tick after `tick` at which something is due without anything arriving."""
+        if self._probe_size:
+            return self._probe_end
+        if self._queue and len(self._flight) < self.window:
+            return tick + 1
+        if self._flight:
+            return next(iter(self._flight.values()))[2] + REPLY_TICKS
+        return None
+
+    # ---------------------------------------------------------------- turns
+
+    def ask(self, signal: ModbusSignal) -> None:
+        """Have a signal asked for once, as soon as it is its turn."""
+        if not signal.is_waiting:
+            signal.is_waiting = True
+            self._queue.append(signal)
+
+    def forget(self, signal: ModbusSignal) -> None:
+        """Have a signal asked for no more; an answer to it that is under way is waited for."""
+        if signal.is_waiting:
+            signal.is_waiting = False
+            self._queue.remove(signal)
+
+    def press(self) -> None:
+        """A signal has missed its turn: try whether the device copes with more."""
+        self._is_pressed = True
+
+    def drop_once(self, reason: str) -> None:
+        """Forget what is sent once: it does not wait for another connection."""
+        for signal in [signal for signal in self._queue if signal.is_once]:
+            self._lose(signal, f"not sent, {reason}")
+            self._queue.remove(signal)
+
+    # ---------------------------------------------------------------- the connection
+
+    def begin(self, tick: int) -> None:
+        """A connection stands."""
+        self._splitter = TcpSplitter()
+        self._heard_tick = tick
+        self._is_pressed = self.has_heard = False
+
+    def end(self) -> None:
+        """It stands no longer; what was under way is lost."""
+        for signal, _, _ in self._flight.values():
+            if signal.is_once:
+                self._lose(signal, "the connection was lost before the answer")
+        self._flight.clear()
+        self.broadcasts.clear()
+        self._chained = None
+        self._probe_size = 0
+
+    def fall_back(self, *, is_certain: bool = True) -> None:
+        """Back to one request at a time, and again what was not answered.
+
+        Args:
+            is_certain: whether the device does not cope with more, for all that is known.
+        """
+        self.is_single = self.is_single or is_certain
+        self._is_suspect = not is_certain
+        self.window = self._proven = 1
+        self._probe_size = 0
+        self._chained = None
+        left = [signal for signal, _, _ in self._flight.values()]
+        self._flight.clear()
+        for signal in reversed(left):
+            if not (signal.is_waiting or signal.is_removed):
+                signal.is_waiting = True
+                self._queue.appendleft(signal)
+
+    def look_at_time(self, tick: int) -> bool:
+        """Give up answers that do not come; whether the connection seems dead."""
+        flight = self._flight
+        if not flight:
+            return False
+        if self._probe_size:
+            if tick >= self._probe_end:
+                self.fall_back(is_certain=len(flight) < self._probe_size)
+            return False
+        late = [number for number, (_, _, sent) in flight.items() if tick >= sent + REPLY_TICKS]
+        self._is_suspect = self._is_suspect and not late
+        for number in late:
+            signal = flight.pop(number)[0]
+            if signal is self._chained:
+                self._chained = None
+            signal.fail(tick, NO_ERROR, TIMED_OUT)
+            tell = self._lose if signal.is_once else self._complain
+            tell(signal, f"no answer within {seconds(REPLY_TICKS):g} s")
+        return bool(late) and tick - self._heard_tick >= SILENCE_TICKS
+
+    # ---------------------------------------------------------------- bytes
+
+    def outgoing(self, tick: int, room: int) -> bytes:
+        """As many requests as the window has room for, in one piece; a burst that is under way is waited for.
+
+        Args:
+            tick: the present one.
+            room: bytes that the connection takes.
+        """
+        queue, flight = self._queue, self._flight
+        if not queue or self._probe_size:
+            return b""
+        window, transaction = self._window(tick), self._transaction
+        parts: list[bytes] = []
+        held: list[ModbusSignal] = []
+        while queue and len(flight) < window:
+            signal = queue.popleft()
+            if signal.is_once and window > self._proven:
+                # It must not be sent twice, so it takes no part in a burst.
+                window = self._proven
+                if len(flight) >= window:
+                    held.append(signal)
+                    break
+            if signal.is_sequential and self._chained is not None:
+                held.append(signal)
+                continue
+            if signal.unit == BROADCAST and signal.is_asking:
+                # Nobody would answer.
+                signal.is_waiting = False
+                signal.work(tick)
+                continue
+            tail = signal.tail
+            room -= 2 + len(tail)
+            if room < 0:
+                held.append(signal)
+                break
+            transaction = transaction % 65535 + 1
+            parts.append(transaction.to_bytes(2, "big"))
+            parts.append(tail)
+            signal.is_waiting = False
+            self._turns += 1
+            signal.turn = self._turns
+            if signal.unit == BROADCAST:
+                signal.work(tick)
+                self.broadcasts.append(signal)
+                if window == 1:
+                    break
+            else:
+                flight[transaction] = signal, signal.request, tick
+                if signal.is_sequential:
+                    self._chained = signal
+        queue.extendleft(reversed(held))
+        self._transaction = transaction
+        if len(flight) > self._proven:
+            self._probe_size = len(flight)
+            self._probe_begin = tick
+            self._probe_end = tick + max(PROBE_TICKS, PROBE_ROUNDS * self._slowest_ticks)
+        return b"".join(parts)
+
+    def _window(self, tick: int) -> int:
+        """Return how many requests may be under way in this tick."""
+        if self.window == self._proven and not self._is_pressed:
+            return self.window
+        flight = self._flight
+        # Turns that are missed because the device is silent are no reason to ask it for more.
+        is_prompt = not flight or tick - next(iter(flight.values()))[2] < self._slowest_ticks
+        is_quick = self._probe_ticks <= PATIENCE_ROUNDS * self._quickest_ticks + PATIENCE_TICKS
+        is_tame = self.is_single or self._is_suspect or not self.has_heard
+        if self._is_pressed and is_prompt and is_quick and not is_tame and self.window == self._proven:
+            self.window = min(WINDOW_MAX, 2 * self.window)
+        self._is_pressed = False
+        if not is_prompt or any(signal.is_once for signal, _, _ in flight.values()):
+            return min(self.window, self._proven)
+        return self.window
+
+    def incoming(self, data: bytes, tick: int) -> None:
+        """Take what the device has sent."""
+        flight = self._flight
+        for transaction, unit, pdu in self._splitter.feed(data):
+            entry = flight.pop(transaction, None)
+            if entry is None:
+                self.strays += 1
+                continue
+            signal, request, sent = entry
+            if request is signal.request:
+                signal.is_owed = False
+            if signal is self._chained:
+                self._chained = None
+            if tick - sent > self._slowest_ticks:
+                self._slowest_ticks = tick - sent
+            if tick - sent < self._quickest_ticks:
+                self._quickest_ticks = tick - sent
+            self._heard_tick = tick
+            self.has_heard = True
+            if self._is_suspect:
+                self._is_suspect, self.is_single = False, True
+            if unit != signal.unit:
+                signal.fail(tick, UNDEFINED_ERROR, NO_ERROR)
+                self._complain(signal, f"slave {unit} has answered instead of {signal.unit}")
+            elif pdu == signal.answer and request is signal.request:
+                self.answered += 1
+                signal.ok_tick = tick
+            elif trouble := signal.take(request, pdu, tick):
+                self._complain(signal, trouble)
+            else:
+                self.answered += 1
+                if signal.custom:
+                    self._note(signal, "received", f"slave {unit}: {pdu.hex(' ')}")
+                elif request[0] in READS:
+                    self._note(signal, "received", signal.shown(signal.inputs))
+                else:
+                    signal.noted = None
+        if self._probe_size and not flight and not self._splitter.is_lost:
+            self._proven = self._probe_size
+            self._probe_size = 0
+            self._probe_ticks = tick - self._probe_begin

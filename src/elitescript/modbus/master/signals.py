@@ -1,0 +1,286 @@
+"""A signal of the controller: what it asks a device for, and what is known of it.
+
+Which function codes belong to which signal: table 6-1 of manual 2.14.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import Final
+
+from elitescript.modbus.frames.pdu import (
+    READ_COILS,
+    READ_DISCRETE_INPUTS,
+    READ_HOLDING_REGISTERS,
+    READ_INPUT_REGISTERS,
+    AnswerError,
+    ExceptionResponse,
+    read,
+    read_write_registers,
+    values_of,
+    write_coil,
+    write_coils,
+    write_register,
+    write_registers,
+)
+from elitescript.modbus.frames.tcp import tcp_frame
+
+DEFAULT_FREQUENCY_HZ: Final = 10
+"""*assumed*"""
+
+BROADCAST: Final = 0
+
+NOT_CONNECTED: Final = -2
+CONNECTING: Final = -1
+NO_ERROR: Final = 0
+UNDEFINED_ERROR: Final = 9
+"""An answer of the wrong slave, of another function or length, or an exception that is not in the table (*assumed*)."""
+
+DEVICE_CODE_MAX: Final = 11
+
+
+class SignalKind(IntEnum):
+    """What a signal is; the first four are the numbers of `modbus_add_signal`."""
+
+    DIGITAL_INPUT = 0
+    DIGITAL_OUTPUT = 1
+    REGISTER_INPUT = 2
+    REGISTER_OUTPUT = 3
+    READ_WRITE = 4
+    CUSTOM = 5
+    """A request with a function code of one's own."""
+
+
+_READS: Final = {
+    SignalKind.DIGITAL_INPUT: READ_DISCRETE_INPUTS,
+    SignalKind.DIGITAL_OUTPUT: READ_COILS,
+    SignalKind.REGISTER_INPUT: READ_INPUT_REGISTERS,
+    SignalKind.REGISTER_OUTPUT: READ_HOLDING_REGISTERS,
+    SignalKind.READ_WRITE: READ_HOLDING_REGISTERS,
+}
+
+
+class ModbusSignal:
+    """Coils or registers of a device, which the controller keeps reading or writing.
+
+    Args:
+        name: of the signal; empty for a custom request.
+        kind: what it is.
+        unit: number of the slave.
+        address: first coil or register; of those that are read, if it reads and writes.
+        count: how many.
+        is_sequential: never asked for while another sequential one of its connection waits for an answer.
+        tick: the present one.
+        write_address: first register that it writes, if it reads and writes.
+        write_count: how many.
+        custom: the whole request, if it is a custom one.
+        is_once: whether that is sent once.
+
+    Attributes:
+        frequency_hz: requests per second; 0 for none by themselves.
+        watchdog_ticks: how long it may be faulty before using it is an alarm.
+        choice: what an output does without a program, see `forced`.
+        outputs: what the program has set, from the first coil or register on; None before.
+        inputs: what was read last; zeros before.
+        request: what the device is asked.
+        tail: the frame of the request behind its transaction number.
+        answer: the last good answer to that request; empty if there is none.
+        ok_tick: when it last worked, or began.
+        fault_tick: since when it does not work; None while it does.
+        device_code: what the device has to say against it.
+        connection_code: an error number of TCP/IP.
+        is_waiting: whether it is due and not sent.
+        is_owed: whether what a program has set is not written yet; an answer ends that, whatever it says.
+        is_removed: whether nobody wants to know any more.
+        noted: the last entry of the record about it, what and which data; None if the next one is news in any case.
+        missed: how often it was due again while it still waited.
+        turn: counts what was sent on its connection, when it was sent last.
+    """
+
+    __slots__ = (
+        "address",
+        "answer",
+        "choice",
+        "connection_code",
+        "count",
+        "custom",
+        "device_code",
+        "fault_tick",
+        "frequency_hz",
+        "inputs",
+        "is_once",
+        "is_owed",
+        "is_removed",
+        "is_sequential",
+        "is_waiting",
+        "kind",
+        "missed",
+        "name",
+        "noted",
+        "ok_tick",
+        "outputs",
+        "request",
+        "tail",
+        "turn",
+        "unit",
+        "watchdog_ticks",
+        "write_address",
+        "write_count",
+    )
+
+    def __init__(
+        self,
+        name: str,
+        kind: SignalKind,
+        unit: int,
+        address: int,
+        count: int,
+        *,
+        tick: int,
+        is_sequential: bool = False,
+        write_address: int = 0,
+        write_count: int = 0,
+        custom: bytes = b"",
+        is_once: bool = False,
+    ) -> None:
+        self.name = name
+        self.kind = kind
+        self.unit = unit
+        self.address = address
+        self.count = count
+        self.is_sequential = is_sequential
+        self.write_address = write_address
+        self.write_count = write_count
+        self.custom = custom
+        self.is_once = is_once
+        self.frequency_hz = DEFAULT_FREQUENCY_HZ
+        self.watchdog_ticks = 0
+        self.choice = 0
+        self.outputs: tuple[int, ...] | None = None
+        self.inputs: tuple[int, ...] = (0,) * count
+        self.request = b""
+        self.tail = b""
+        self.answer = b""
+        self.ok_tick = tick
+        self.fault_tick: int | None = tick
+        self.device_code = CONNECTING
+        self.connection_code = NO_ERROR
+        self.is_waiting = False
+        self.is_owed = is_once
+        self.is_removed = False
+        self.noted: tuple[str, str] | None = None
+        self.missed = 0
+        self.turn = 0
+        self.prepare(is_running=True)
+
+    # ---------------------------------------------------------------- what it asks
+
+    @property
+    def is_output(self) -> bool:
+        """Whether programs can set it."""
+        return self.kind in (SignalKind.DIGITAL_OUTPUT, SignalKind.REGISTER_OUTPUT, SignalKind.READ_WRITE)
+
+    @property
+    def is_asking(self) -> bool:
+        """Whether its request does nothing but read."""
+        return self.request[0] <= READ_INPUT_REGISTERS and self.kind is not SignalKind.CUSTOM
+
+    @property
+    def writable(self) -> int:
+        """How many coils or registers programs can set."""
+        return self.write_count if self.kind is SignalKind.READ_WRITE else self.count
+
+    def set(self, values: Sequence[int]) -> None:
+        """Take what the program sets; coils or registers behind those that it has ever set are not written."""
+        known = self.outputs or ()
+        self.outputs = (*values, *known[len(values) :])
+
+    def forced(self, is_running: bool) -> int | None:
+        """Return the level that an output has whatever the program sets, by `choice`.
+
+        0: none; 1: low without a program; 2: high without a program; 3: low without a program, high with one.
+        """
+        if self.choice == 3:
+            return int(is_running)
+        if self.choice == 0 or is_running:
+            return None
+        return self.choice - 1
+
+    def prepare(self, *, is_running: bool) -> None:
+        """Work out what to ask the device for from now on."""
+        request = self.custom or self._request(is_running)
+        if request != self.request:
+            self.request = request
+            self.tail = tcp_frame(0, self.unit, request)[2:]
+            self.answer = b""
+            self.is_owed = self.is_once or not self.is_asking
+
+    def _request(self, is_running: bool) -> bytes:
+        forced = self.forced(is_running)
+        values = self.outputs if forced is None else (forced,) * self.count
+        if values is None:
+            return read(_READS[self.kind], self.address, self.count)
+        if self.kind is SignalKind.READ_WRITE:
+            return read_write_registers(self.address, self.count, self.write_address, values)
+        if self.kind is SignalKind.DIGITAL_OUTPUT:
+            return write_coil(self.address, values[0]) if self.count == 1 else write_coils(self.address, values)
+        return write_register(self.address, values[0]) if self.count == 1 else write_registers(self.address, values)
+
+    @property
+    def is_digital(self) -> bool:
+        """Whether it stands for coils or discrete inputs."""
+        return self.kind in (SignalKind.DIGITAL_INPUT, SignalKind.DIGITAL_OUTPUT)
+
+    # ---------------------------------------------------------------- what came of it
+
+    @property
+    def values(self) -> tuple[int, ...]:
+        """What it stands at: what the program has set, else what was read last."""
+        if self.outputs is None or self.kind is SignalKind.READ_WRITE:
+            return self.inputs
+        return (*self.outputs, *self.inputs[len(self.outputs) :])
+
+    def written(self, *, is_running: bool) -> tuple[int, ...]:
+        """Return levels or values that an output writes; none if it only reads."""
+        forced = self.forced(is_running)
+        return self.outputs or () if forced is None else (forced,) * self.count
+
+    def shown(self, values: Sequence[int]) -> str:
+        """Return values as text, in the words of programs."""
+        levels = [str(bool(value)) if self.is_digital else str(value) for value in values]
+        return levels[0] if len(levels) == 1 else f"[{', '.join(levels)}]"
+
+    def take(self, request: bytes, answer: bytes, tick: int) -> str:
+        """Take the answer to a request; return what is wrong with it, empty if nothing is."""
+        try:
+            values = values_of(request, answer)
+        except ExceptionResponse as error:
+            self.fail(tick, error.code if 1 <= error.code <= DEVICE_CODE_MAX else UNDEFINED_ERROR, NO_ERROR)
+            return str(error)
+        except AnswerError as error:
+            self.fail(tick, UNDEFINED_ERROR, NO_ERROR)
+            return str(error)
+        if values:
+            self.inputs = values
+        if request is self.request:
+            self.answer = answer
+        self.work(tick)
+        return ""
+
+    def work(self, tick: int) -> None:
+        """It works."""
+        self.ok_tick = tick
+        self.fault_tick = None
+        self.device_code = self.connection_code = NO_ERROR
+
+    def fail(self, tick: int, device_code: int, connection_code: int) -> None:
+        """It does not work."""
+        if self.fault_tick is None:
+            self.fault_tick = tick
+        self.device_code, self.connection_code = device_code, connection_code
+        self.answer = b""
+
+    def is_overdue(self, tick: int) -> bool:
+        """Return whether it has been faulty for longer than its watchdog lets it."""
+        return self.fault_tick is not None and tick - self.fault_tick > self.watchdog_ticks

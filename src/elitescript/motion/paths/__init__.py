@@ -1,0 +1,1 @@
+"""Geometry: where the arm goes, over the length of a path."""

@@ -1,0 +1,1 @@
+"""Motions without a planned end: joint and tool speeds, streams of joint targets."""

@@ -1,0 +1,147 @@
+"""The arm behind a stream of joint targets: `servoj`, one control period at a time.
+
+The law, *assumed* in all its parts (the manual says: mean filter and splines within the look-ahead time):
+
+1. The stream goes in a straight line from where it is to each new target within that target's control time, and
+   then holds.
+2. The mean of the stream over the look-ahead time is what the arm is to follow.
+3. A joint that is e behind it goes there at the speed w e, where w is a tenth of the gain, 1/s; far away at the
+   speed from which it can still stop there. Behind a steady stream the arm is late by half the look-ahead time
+   and 1 / w.
+4. No joint exceeds its speed limit or its acceleration limit. Where the stream takes over from another motion, the
+   first period uses half of the acceleration, so that it holds across the change too.
+5. A pause brings the speed of rule 3 to zero; afterwards it comes back in even steps within 0.2 s.
+
+When targets stop coming, the arm comes to rest at the last one. The speed percentage does not count.
+"""
+
+from __future__ import annotations
+
+from math import exp, sqrt
+from typing import Final, NamedTuple
+
+from elitescript.messages.motion import Six
+from elitescript.messages.timing import PERIOD_S
+from elitescript.motion.limits import MotionLimits
+from elitescript.motion.segment import Setpoint
+from elitescript.motion.streaming.speed import STANDSTILL, Obstacle, obstacle_at, range_obstacle
+
+GAIN_PER_S: Final = 10.0
+"""Gain that stands for one 1/s."""
+
+APPROACH_SHARE: Final = 0.7
+"""Share of the acceleration limits with which a far target is approached; the rest is for the stream's own bends."""
+
+EASE_TICKS: Final = 50.0
+"""Time, 0.2 s, in which the arm takes up the stream again after a pause."""
+
+ARRIVED_RAD: Final = 1e-7
+"""A joint this near to the end of the stream is there."""
+
+
+class ServoState(NamedTuple):
+    """Where the arm is and what it follows."""
+
+    q: Six
+    """rad"""
+    qd: Six
+    """rad/s"""
+    stream: tuple[Six, ...]
+    """The stream within the look-ahead time, the newest place last, rad."""
+    left: int
+    """Ticks until the stream is at its target."""
+    is_limited: bool
+    """Whether a joint could not follow in this period."""
+    ease: float = 0.0
+    """Ticks until the arm follows as eagerly as before a pause."""
+    is_taken_over: bool = False
+    """Whether another motion went on until this period."""
+
+    def is_at(self, q_target: Six) -> bool:
+        """Return whether stream and arm have arrived."""
+        return (
+            self.left == 0
+            and all(place == q_target for place in self.stream)
+            and all(
+                abs(q - end) <= ARRIVED_RAD and abs(w) * PERIOD_S <= ARRIVED_RAD
+                for q, w, end in zip(self.q, self.qd, q_target, strict=True)
+            )
+        )
+
+
+def begun(start: Setpoint) -> ServoState:
+    """Return the state from which following begins: the stream stands where the arm is."""
+    return ServoState(start.q, start.qd, (start.q,), 0, False, is_taken_over=start.qd != STANDSTILL)
+
+
+def followed(state: ServoState, q_target: Six, window: int, gain: float, limits: MotionLimits) -> ServoState | Obstacle:
+    """Return the state one period later, or the joint that cannot stop inside its range.
+
+    Args:
+        state: the present one.
+        q_target: where the stream goes, rad.
+        window: look-ahead time in ticks, at least 1.
+        gain: 100 to 2000.
+        limits: limits of the arm.
+    """
+    newest = state.stream[-1]
+    if state.left:
+        a, b, c, d, e, f = [place + (end - place) / state.left for place, end in zip(newest, q_target, strict=True)]
+        newest = (a, b, c, d, e, f) if state.left > 1 else q_target
+    before = state.stream
+    if len(before) < window:
+        before = (before[0],) * (window - len(before)) + before
+    stream = (*before[len(before) - window + 1 :], newest)
+    rate = (1.0 - exp(-gain / GAIN_PER_S * PERIOD_S)) / PERIOD_S
+    speeds = []
+    is_limited = False
+    # Between two periods the acceleration of what went on before counts half.
+    share = 0.5 if state.is_taken_over else 1.0
+    ease = max(0.0, state.ease - 1.0)
+    eagerness = 1.0 - ease / EASE_TICKS
+    for column, q, w, top, a_top in zip(
+        zip(*stream, strict=True), state.q, state.qd, limits.qd_max, limits.qdd_max, strict=True
+    ):
+        first = column[0]
+        mean = first + sum([place - first for place in column]) / window
+        wanted = _approach(mean - q, rate, APPROACH_SHARE * a_top)
+        if abs(wanted) > top:
+            wanted = top if wanted > 0.0 else -top
+            is_limited = True
+        wanted *= eagerness
+        change = share * a_top * PERIOD_S
+        speeds.append(min(max(wanted, w - change), w + change))
+    w1, w2, w3, w4, w5, w6 = speeds
+    return _next(state, stream, max(0, state.left - 1), (w1, w2, w3, w4, w5, w6), is_limited, ease, limits)
+
+
+def held(state: ServoState, deceleration: float, limits: MotionLimits) -> ServoState | Obstacle:
+    """Return the state one period later while the arm brakes for a pause; the stream waits."""
+    change = deceleration * PERIOD_S
+    largest = max(map(abs, state.qd))
+    if largest <= change:
+        return _next(state, state.stream, state.left, STANDSTILL, False, EASE_TICKS, limits)
+    keep = 1.0 - change / largest
+    w1, w2, w3, w4, w5, w6 = state.qd
+    qd = (w1 * keep, w2 * keep, w3 * keep, w4 * keep, w5 * keep, w6 * keep)
+    return _next(state, state.stream, state.left, qd, False, EASE_TICKS - (EASE_TICKS - state.ease) * keep, limits)
+
+
+def _next(
+    state: ServoState, stream: tuple[Six, ...], left: int, qd: Six, is_limited: bool, ease: float, limits: MotionLimits
+) -> ServoState | Obstacle:
+    q1, q2, q3, q4, q5, q6 = [q + w * PERIOD_S for q, w in zip(state.q, qd, strict=True)]
+    q = (q1, q2, q3, q4, q5, q6)
+    joint = obstacle_at(q, qd, min(limits.qdd_max), limits)
+    if joint is not None:
+        return range_obstacle(limits, joint, state.q, "servoj")
+    return ServoState(q, qd, stream, left, is_limited, ease)
+
+
+def _approach(way: float, rate: float, deceleration: float) -> float:
+    """Return the speed towards a place `way` ahead: in proportion near it, with constant deceleration far away."""
+    near = deceleration / (rate * rate)
+    if abs(way) <= near:
+        return rate * way
+    speed = sqrt(2.0 * deceleration * (abs(way) - 0.5 * near))
+    return speed if way > 0.0 else -speed

@@ -1,0 +1,1 @@
+"""The dashboard shell, port 29999."""

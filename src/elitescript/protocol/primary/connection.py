@@ -1,0 +1,315 @@
+"""Connections of the primary port and its relatives: robot state and messages out, programs and plain commands in.
+
+State goes out from accept on, at the rate of the port, on ticks that all clients share, so that a tick's bytes are
+packed once. Robot messages follow the events of a tick. The vendor's client takes one message in 10 ms, so they leave
+at least `SPACING_TICKS` apart, and what waits is bounded.
+
+In come programs, secondary programs, bare lines and plain commands, without lengths and without an answer. In local
+control all of them are refused with a warning, *assumed*: what a controller does then is not known. A plain command
+whose argument makes no sense is a warning too, a program without its end a script exception.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final, NamedTuple
+
+from elitescript.language.text.units import MAX_UNIT_BYTES, SILENCE_S, DiscardedText, Unit, UnitSplitter
+from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
+from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.timing import TICKS_PER_S, ticks_for
+from elitescript.protocol.connection import Connection, ProtocolError
+from elitescript.protocol.garbage import GarbageBurst
+from elitescript.protocol.primary.commands import is_command, request_of
+from elitescript.protocol.primary.messages import (
+    TERMINATOR,
+    WARNING,
+    RobotMessage,
+    RobotMessageQueue,
+    error_note,
+    exception_note,
+    note_of,
+    version_note,
+)
+from elitescript.protocol.primary.packets import ASSUMED, DOCUMENTED, SUB_MESSAGES, pack_state
+
+SPACING_TICKS: Final = 7
+"""Between two robot messages: with ten states they stay below 50 messages a second."""
+UNITS_PER_TICK: Final = 2
+"""Units of one client that begin in one tick, about 2 ms of work; more have to wait for the next. *Assumed.*"""
+MAX_UNITS_AT_ONCE: Final = 100
+"""Units that a client may leave behind when it goes; more are refused. *Assumed.*"""
+LINES_AT_ONCE: Final = 50
+BYTES_AT_ONCE: Final = 2048
+MAX_LINES_PER_TICK: Final = 500
+MAX_BYTES_PER_TICK: Final = 16 * 1024
+"""What of one client's text is read in one tick, about 1 ms of work; the rest has to wait for the next."""
+MAX_WAITING_BYTES: Final = MAX_UNIT_BYTES + 1024 * 1024
+SILENCE_TICKS: Final = ticks_for(SILENCE_S)
+MAX_SILENT_LINE_BYTES: Final = 16 * 1024
+"""A longer line is not complete before its line feed, however long the silence."""
+
+_LOCAL: Final = "refused: the robot is in local control; switch it to remote control to run programs and commands"
+_DAMAGED: Final = "some bytes of a program are not UTF-8; each was replaced by U+FFFD"
+
+
+class PrimaryPort(NamedTuple):
+    """What one of the ports does."""
+
+    name: str
+    number: int
+    rate: int
+    """Robot states in a second."""
+    sends_messages: bool
+    takes_programs: bool
+    evidence: str
+    summary: str
+
+    @property
+    def period_ticks(self) -> int:
+        """Between two states."""
+        return TICKS_PER_S // self.rate
+
+
+PRIMARY: Final = PrimaryPort("primary", 30001, 10, True, True, DOCUMENTED, "state, messages, programs")
+SECONDARY: Final = PrimaryPort("secondary", 30002, 10, False, True, ASSUMED, "state and programs, no messages")
+REALTIME: Final = PrimaryPort("realtime", 30003, 125, False, True, ASSUMED, "state at a high rate, programs")
+READ_ONLY: Final = PrimaryPort(
+    "readonly", 30011, 10, True, False, ASSUMED, "as the primary port; what comes in is ignored"
+)
+
+PORTS: Final[tuple[PrimaryPort, ...]] = (PRIMARY, SECONDARY, REALTIME, READ_ONLY)
+
+
+class PrimaryFeed:
+    """What all clients of one port get: each state and each event is packed once, whoever takes it.
+
+    Args:
+        description: the robot.
+        port: which port.
+        terminator: what ends the texts of messages.
+        sends_version: greet with a version message.
+    """
+
+    __slots__ = ("_notes", "_notes_of", "_state", "_state_of", "description", "port", "sends_version", "terminator")
+
+    def __init__(
+        self,
+        description: RobotDescription,
+        port: PrimaryPort = PRIMARY,
+        *,
+        terminator: bytes = TERMINATOR,
+        sends_version: bool = False,
+    ) -> None:
+        self.description = description
+        self.port = port
+        self.terminator = terminator
+        self.sends_version = sends_version
+        self._state_of: Output | None = None
+        self._state = b""
+        self._notes_of: Output | None = None
+        self._notes: tuple[RobotMessage, ...] = ()
+
+    def state(self, output: Output) -> bytes:
+        """Return the robot-state message of a tick."""
+        if self._state_of is not output:
+            self._state = pack_state(SUB_MESSAGES, output.snapshot, self.description)
+            self._state_of = output
+        return self._state
+
+    def notes(self, output: Output) -> tuple[RobotMessage, ...]:
+        """Return the robot messages of a tick."""
+        if self._notes_of is not output:
+            found = [note_of(event, self.terminator) for event in output.events]
+            self._notes = tuple(note for note in found if note is not None)
+            self._notes_of = output
+        return self._notes
+
+
+class PrimaryConnection(Connection):
+    """One client.
+
+    Args:
+        origin: names the client.
+        description: the robot.
+        feed: shared with the other clients of the port; decides which port this is. Without one, a primary port.
+    """
+
+    __slots__ = (
+        "_burst",
+        "_bytes_left",
+        "_due",
+        "_feed",
+        "_heard_at",
+        "_is_greeted",
+        "_is_remote",
+        "_line_bytes",
+        "_lines_left",
+        "_next_note_at",
+        "_next_state_at",
+        "_raw",
+        "_ready",
+        "_splitter",
+        "_tick",
+        "_units_in_tick",
+        "_waiting",
+    )
+
+    def __init__(self, origin: str, description: RobotDescription, feed: PrimaryFeed | None = None) -> None:
+        super().__init__(origin, description)
+        self._feed = feed or PrimaryFeed(description)
+        self._raw = bytearray()
+        self._line_bytes = 0
+        self._lines_left = MAX_LINES_PER_TICK
+        self._bytes_left = MAX_BYTES_PER_TICK
+        self._splitter = UnitSplitter()
+        self._burst = GarbageBurst()
+        self._ready: deque[Unit | DiscardedText] = deque()
+        self._tick = 0
+        self._is_remote = False
+        self._is_greeted = False
+        self._heard_at: int | None = None
+        self._units_in_tick = 0
+        self._next_state_at = 0
+        self._next_note_at = 0
+        self._waiting = RobotMessageQueue(self._feed.terminator)
+        self._due: list[Input] = []
+
+    def receive(self, data: bytes, output: Output) -> list[Input]:
+        if not self._feed.port.takes_programs or not data:
+            return []
+        self._note_tick(output)
+        self._raw += data
+        if len(self._raw) > MAX_WAITING_BYTES:
+            raise ProtocolError(f"more than {MAX_WAITING_BYTES} bytes wait; programs come faster than they can be read")
+        return self._read()
+
+    @property
+    def is_busy(self) -> bool:
+        return bool(self._ready) or len(self._raw) >= MAX_BYTES_PER_TICK
+
+    def publish(self, output: Output) -> None:
+        self._note_tick(output)
+        if self._feed.port.sends_messages:
+            if self._feed.sends_version and not self._is_greeted:
+                self._waiting.put(version_note(output.tick, self.description, self._feed.terminator), output.tick)
+            for note in self._feed.notes(output):
+                self._waiting.put(note, output.tick)
+        self._is_greeted = True
+        if self._waiting and output.tick >= self._next_note_at:
+            self.send(self._waiting.take())
+            self._next_note_at = output.tick + SPACING_TICKS
+        if output.tick >= self._next_state_at:
+            self.send(self._feed.state(output))
+            period = self._feed.port.period_ticks
+            self._next_state_at = output.tick - output.tick % period + period
+        if self._raw or self._ready:
+            self._due += self._read()
+        elif self._heard_at is not None and output.tick - self._heard_at >= SILENCE_TICKS:
+            self._heard_at = None
+            if self._splitter.pending and self._line_bytes <= MAX_SILENT_LINE_BYTES:
+                self._ready += self._splitter.silence()
+                self._due += self._read()
+            if not self._burst.is_empty and not self._ready:
+                if rest := self._splitter.drop_line():
+                    self._burst.add(rest, output.tick)
+                self._due.append(self._warning(self._burst.take(self.origin)))
+        if self._burst.is_due(output.tick):
+            self._due.append(self._warning(self._burst.take(self.origin)))
+
+    def due(self) -> list[Input]:
+        due, self._due = self._due, []
+        return due
+
+    def closed(self) -> list[Input]:
+        left = [*self._ready, *self._splitter.receive(bytes(self._raw)), *self._splitter.close()]
+        self._ready.clear()
+        self._raw.clear()
+        inputs = self.due()
+        for item in left[:MAX_UNITS_AT_ONCE]:
+            inputs += self._inputs(item)
+        if len(left) > MAX_UNITS_AT_ONCE:
+            text = f"more than {MAX_UNITS_AT_ONCE} programs and commands were waiting when the client went"
+            inputs.append(self._warning(f"{self.origin}: {text}; the rest is lost"))
+        if not self._burst.is_empty:
+            inputs.append(self._warning(self._burst.take(self.origin)))
+        return inputs
+
+    # Units
+
+    def _read(self) -> list[Input]:
+        """Read as much of the text as this tick allows."""
+        inputs: list[Input] = []
+        while self._units_in_tick < UNITS_PER_TICK:
+            if self._ready:
+                self._units_in_tick += 1
+                inputs += self._inputs(self._ready.popleft())
+            elif piece := self._piece():
+                self._ready += self._splitter.receive(piece)
+            else:
+                break
+        return inputs
+
+    def _piece(self) -> bytes:
+        """Take a piece of so few lines that not many units can be ready at once."""
+        lines_left = min(self._lines_left, LINES_AT_ONCE)
+        piece = bytes(self._raw[: min(self._bytes_left, BYTES_AT_ONCE)])
+        while (lines := piece.count(b"\n") + piece.count(b"\r")) > lines_left:
+            piece = piece[: len(piece) // 2]
+        if piece:
+            del self._raw[: len(piece)]
+            self._bytes_left -= len(piece)
+            self._lines_left -= lines
+            self._heard_at = self._tick
+            begin = piece.rfind(b"\n") + 1
+            self._line_bytes = len(piece) - begin + (0 if begin else self._line_bytes)
+        return piece
+
+    def _inputs(self, found: Unit | DiscardedText) -> list[Input]:
+        """Return what a piece of the stream asks for; nothing if it is garbage."""
+        if isinstance(found, DiscardedText):
+            return [self._refusal(found)]
+        if found.kind == "line" and self._burst.takes(found.text) and not is_command(found.text):
+            self._burst.add(found.text, self._tick)
+            return []
+        return [self._run(found)]
+
+    def _run(self, unit: Unit) -> Input:
+        if not self._is_remote:
+            return self._warning(f"{self.origin}: {_LOCAL}")
+        if unit.kind == "line":
+            try:
+                request = request_of(unit.text)
+            except ValueError as error:
+                return self._warning(f"{self.origin}: {error}")
+            if request is not None:
+                return Do(self.origin, request)
+        if unit.damaged and self._feed.port.sends_messages:
+            note = error_note(self._tick, WARNING, _DAMAGED, terminator=self._feed.terminator)
+            self._waiting.put(note, self._tick)
+        # Lines of alarms count from the unit's own first line, whatever came before it in the stream.
+        return RunUnit(self.origin, unit.kind, unit.text)
+
+    def _refusal(self, refusal: DiscardedText) -> Input:
+        """Tell the client of a text that is no program, and the log: the client may have gone."""
+        problem = refusal.problems[0]
+        text = f"SyntaxError: {problem.text}"
+        if self._feed.port.sends_messages:
+            note = exception_note(self._tick, problem.line, problem.column, text, self._feed.terminator)
+            self._waiting.put(note, self._tick)
+        return AddLog(self.origin, text)
+
+    def _warning(self, text: str) -> Input:
+        """For everybody who hears of warnings, the client among them."""
+        return AddLog(self.origin, text, is_warning=True)
+
+    # Ticks and messages
+
+    def _note_tick(self, output: Output) -> None:
+        self._is_remote = output.snapshot.is_remote
+        if output.tick != self._tick:
+            self._tick = output.tick
+            self._units_in_tick = 0
+            self._lines_left = MAX_LINES_PER_TICK
+            self._bytes_left = MAX_BYTES_PER_TICK

@@ -1,0 +1,178 @@
+"""Recipes of RTSI: which variables a package holds, in which order, how often; and what clients share.
+
+A recipe is prepared once, so that a package costs little: one compiled layout and one list of readers. Clients that ask
+for the same variables get the same bytes, which are packed once in a tick.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from typing import Final
+
+from elitescript.messages.outputs import Output
+from elitescript.messages.timing import TICKS_PER_S
+from elitescript.protocol.binary import Field, FieldList, Number, WireValue
+from elitescript.protocol.rtsi.inputs import INPUTS, effects_of
+from elitescript.protocol.rtsi.variables import OUTPUTS
+
+FREQUENCY_MIN_HZ: Final = 1.0
+FREQUENCY_MAX_HZ: Final = 250.0
+"""*Documented*; that a frequency outside is clamped is *assumed*."""
+
+HEAD: Final = struct.Struct(">HBB")
+"""Size of the message, command, number of the recipe."""
+
+DATA_PACKAGE: Final = ord("U")
+
+
+class RecipeSchedule:
+    """At which ticks a recipe of some frequency is due: exact, whatever the frequency.
+
+    In any n ticks after the first package there are floor(n * frequency / 250) more.
+
+    Args:
+        frequency_hz: 1 to 250.
+    """
+
+    __slots__ = ("_denominator", "_numerator", "_sent", "_start")
+
+    def __init__(self, frequency_hz: float) -> None:
+        numerator, denominator = frequency_hz.as_integer_ratio()
+        self._numerator = numerator
+        self._denominator = denominator * TICKS_PER_S
+        self._start: int | None = None
+        self._sent = 0
+
+    def reset(self) -> None:
+        """The next tick is the first, at which a package is due."""
+        self._start = None
+
+    def is_due(self, tick: int) -> bool:
+        """Return whether a package is due at this tick, once; missed packages are not made up for."""
+        if self._start is None or tick < self._start:
+            self._start = tick
+            self._sent = 0
+            return True
+        count = (tick - self._start) * self._numerator // self._denominator
+        if count <= self._sent:
+            return False
+        self._sent = count
+        return True
+
+
+class OutputRecipe:
+    """Variables that a client wants to hear of.
+
+    Args:
+        ident: number of the recipe, 1 to 254.
+        names: known names, in the order of the package; a name may come twice.
+        frequency_hz: 1 to 250.
+    """
+
+    __slots__ = ("_layout", "_readers", "ident", "names", "schedule", "size")
+
+    def __init__(self, ident: int, names: tuple[str, ...], frequency_hz: float) -> None:
+        rows = [OUTPUTS[name] for name in names]
+        self.ident = ident
+        self.names = names
+        self.schedule = RecipeSchedule(frequency_hz)
+        self._layout = struct.Struct(">" + "".join(row.type.layout for row in rows))
+        self._readers = tuple((row.read, row.type.is_vector) for row in rows)
+        self.size = HEAD.size + self._layout.size
+        """Bytes of a package."""
+
+    def packed(self, output: Output) -> bytes:
+        """Return the values at a tick, without head."""
+        snapshot = output.snapshot
+        flat: list[Number] = []
+        for read, is_vector in self._readers:
+            if is_vector:
+                flat += read(snapshot)  # type: ignore[arg-type]
+            else:
+                flat.append(read(snapshot))  # type: ignore[arg-type]
+        return self._layout.pack(*flat)
+
+    def package(self, body: bytes) -> bytes:
+        """Return the message that carries these values."""
+        return HEAD.pack(self.size, DATA_PACKAGE, self.ident) + body
+
+
+class InputRecipe:
+    """Variables that a client is going to send.
+
+    Args:
+        ident: number of the recipe, 1 to 254.
+        names: known names, in the order of the package; of a name that comes twice the last value counts.
+    """
+
+    __slots__ = ("_fields", "effects", "ident", "names", "size")
+
+    def __init__(self, ident: int, names: tuple[str, ...]) -> None:
+        self.ident = ident
+        self.names = names
+        self._fields = FieldList(*(Field(name, INPUTS[name]) for name in names))
+        self.effects = effects_of(names)
+        self.size = HEAD.size + self._fields.size
+        """Bytes of a package."""
+
+    def values(self, body: bytes) -> dict[str, WireValue]:
+        """Return what a package says, by variable.
+
+        Args:
+            body: as long as the recipe needs, without head.
+        """
+        return dict(zip(self.names, self._fields.unpack(body), strict=True))
+
+
+class InputClaims:
+    """Which client writes which input of a robot: an input belongs to one client at a time."""
+
+    __slots__ = ("_owners",)
+
+    def __init__(self) -> None:
+        self._owners: dict[str, str] = {}
+
+    def is_free(self, origin: str, name: str) -> bool:
+        """Return whether a client may claim an input: nobody has it, or the client itself."""
+        return self._owners.get(name, origin) == origin
+
+    def claim(self, origin: str, names: Iterable[str]) -> None:
+        """Give free inputs to a client."""
+        for name in names:
+            self._owners[name] = origin
+
+    def release(self, origin: str) -> None:
+        """Take all inputs from a client that has gone."""
+        for name in [name for name, owner in self._owners.items() if owner == origin]:
+            del self._owners[name]
+
+
+class PackageCache:
+    """The values of each recipe at the newest tick, packed once for all clients."""
+
+    __slots__ = ("_bodies", "_output")
+
+    def __init__(self) -> None:
+        self._output: Output | None = None
+        self._bodies: dict[tuple[str, ...], bytes] = {}
+
+    def body(self, recipe: OutputRecipe, output: Output) -> bytes:
+        """Return the values of a recipe at a tick."""
+        if output is not self._output:
+            self._output = output
+            self._bodies = {}
+        body = self._bodies.get(recipe.names)
+        if body is None:
+            body = self._bodies[recipe.names] = recipe.packed(output)
+        return body
+
+
+class RtsiPort:
+    """What all clients of one robot's port share."""
+
+    __slots__ = ("claims", "packages")
+
+    def __init__(self) -> None:
+        self.claims = InputClaims()
+        self.packages = PackageCache()

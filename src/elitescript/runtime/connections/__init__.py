@@ -1,0 +1,1 @@
+"""What programs speak through: sockets, serial lines, remote procedures, MODBUS signals."""

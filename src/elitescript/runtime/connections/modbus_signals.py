@@ -1,0 +1,225 @@
+"""The MODBUS TCP signals as programs see them: every program of a host uses the same ones.
+
+They outlive the program that has added them: the next one finds them by their names (*assumed*).
+"""
+
+from __future__ import annotations
+
+from elitescript.commands.definition.context import Machine
+from elitescript.errors import InvalidValueError, ScriptStateError
+from elitescript.messages.events import Warned
+from elitescript.messages.timing import seconds, ticks_for
+from elitescript.modbus.frames.pdu import custom
+from elitescript.modbus.master.connection import CONNECT_TICKS, MasterConnection
+from elitescript.modbus.master.master import Master
+from elitescript.modbus.master.signals import ModbusSignal, SignalKind
+from elitescript.runtime.connections.connection import Receiver
+from elitescript.runtime.connections.traffic import Traffic, cut
+from elitescript.runtime.environment import Channels
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Stopped, Strand
+
+
+class ModbusSignals:
+    """Implements `commands.definition.context.ModbusSignals`.
+
+    Args:
+        machine: the controller.
+        scheduler: of the threads that wait for a connection.
+        channels: carry the bytes.
+        connections: who listens to each open channel.
+        traffic: records what passes.
+
+    Attributes:
+        master: what does the work.
+    """
+
+    __slots__ = ("_machine", "_scheduler", "_traffic", "_waiting", "master")
+
+    def __init__(
+        self,
+        machine: Machine,
+        scheduler: Scheduler,
+        channels: Channels,
+        connections: dict[int, Receiver],
+        traffic: Traffic,
+    ) -> None:
+        self._machine = machine
+        self._scheduler = scheduler
+        self._waiting: list[tuple[MasterConnection, Strand]] = []
+        self._traffic = traffic
+        self.master = Master(channels, connections, self._warn, self._note, tick=machine.tick)
+
+    def _warn(self, text: str, code: str = "") -> None:
+        self._machine.emit(Warned(self._machine.tick, text, code=code))
+
+    def _note(self, name: str, what: str, data: str) -> None:
+        self._traffic.note_of_caller("modbus", name, what, cut(data))
+
+    # ---------------------------------------------------------------- signals
+
+    def add(
+        self, address: str, port: int, name: str, kind: int, slave: int, first: int, count: int, *, is_sequential: bool
+    ) -> None:
+        """Add a signal; see `commands.definition.context.ModbusSignals.add`."""
+        self.master.add(address, port, name, SignalKind(kind), slave, first, count, is_sequential=is_sequential)
+
+    def add_read_write(
+        self,
+        address: str,
+        port: int,
+        name: str,
+        slave: int,
+        read: tuple[int, int],
+        write: tuple[int, int],
+        *,
+        is_sequential: bool,
+    ) -> None:
+        """Add a signal that reads and writes; see `commands.definition.context.ModbusSignals.add_read_write`."""
+        self.master.add(
+            address,
+            port,
+            name,
+            SignalKind.READ_WRITE,
+            slave,
+            *read,
+            is_sequential=is_sequential,
+            write_first=write[0],
+            write_count=write[1],
+        )
+
+    def delete(self, name: str) -> None:
+        """Remove a signal."""
+        self.master.delete(name)
+
+    def status(self, name: str) -> bool | int | tuple[bool, ...] | tuple[int, ...]:
+        """What a signal stands at.
+
+        Raises:
+            ScriptStateError: it does not work for longer than its watchdog allows.
+        """
+        signal = self._working(name)
+        if signal.is_digital:
+            levels = tuple(map(bool, signal.values))
+            return levels if signal.count > 1 else levels[0]
+        return signal.values if signal.count > 1 else signal.values[0]
+
+    def set(self, name: str, values: tuple[int, ...], *, is_digital: bool) -> None:
+        """Set an output.
+
+        Raises:
+            InvalidValueError: it is none of that sort, or has fewer coils or registers.
+            ScriptStateError: it does not work for longer than its watchdog allows.
+        """
+        signal = self.master.find(name)
+        if not signal.is_output or signal.is_digital != is_digital:
+            what = "digital output" if is_digital else "output register"
+            raise InvalidValueError(f"the MODBUS signal {name!r} is no {what}", argument="signal_name", value=name)
+        if len(values) > signal.writable:
+            raise InvalidValueError(
+                f"the MODBUS signal {name!r} takes {signal.writable} values, got {len(values)}",
+                argument="digital_value" if is_digital else "register_value",
+                value=list(values),
+                limit=f"<= {signal.writable} elements",
+            )
+        self._working(name)
+        self.master.set(name, values)
+
+    def tie(self, name: str, choice: int) -> None:
+        """Tie a digital output to whether a program runs.
+
+        Raises:
+            InvalidValueError: it is no digital output.
+        """
+        if self.master.find(name).kind is not SignalKind.DIGITAL_OUTPUT:
+            raise InvalidValueError(f"the MODBUS signal {name!r} is no digital output", argument="signal_name")
+        self.master.choose(name, choice)
+
+    def retime(self, name: str, frequency_hz: int) -> None:
+        """Change how often a signal is asked for."""
+        self.master.retime(name, frequency_hz)
+
+    def set_watchdog(self, name: str, timeout_s: float) -> None:
+        """Change how long it may be faulty before using it is an alarm."""
+        self.master.find(name).watchdog_ticks = ticks_for(timeout_s)
+
+    # ---------------------------------------------------------------- errors
+
+    def errors(self, name: str) -> tuple[int, int]:
+        """Error code of the device, error number of the connection."""
+        return self.master.codes(name)
+
+    def invalid_s(self, name: str) -> float:
+        """Time since a faulty signal worked, or was added if it never did; 0 for one that works."""
+        signal = self.master.find(name)
+        return 0.0 if signal.fault_tick is None else seconds(self._machine.tick - signal.ok_tick)
+
+    def _working(self, name: str) -> ModbusSignal:
+        signal = self.master.find(name)
+        if signal.is_overdue(self._machine.tick):
+            device, connection = self.master.codes(name)
+            raise ScriptStateError(
+                f"the MODBUS signal {name!r} has not worked for {self.invalid_s(name):g} s "
+                f"(device {device}, connection {connection})",
+                code="R134",
+                argument="signal_name",
+                value=name,
+                limit=f"<= {seconds(signal.watchdog_ticks):g}",
+                unit="s",
+                hint="modbus_get_error tells why, modbus_set_signal_watchdog sets how long that may last",
+            )
+        return signal
+
+    # ---------------------------------------------------------------- requests and connections
+
+    def request(self, address: str, port: int, slave: int, function: int, data: bytes, *, is_once: bool) -> None:
+        """Send a request once, or again and again.
+
+        Raises:
+            ScriptStateError: too many wait, or there are too many signals.
+        """
+        self.master.request(address, port, slave, custom(function, data), is_once=is_once)
+
+    def reset(self, address: str, port: int, *, waits: bool) -> None:
+        """Connect anew; a thread may wait for the outcome, as long as one attempt may take.
+
+        Raises:
+            InvalidValueError: no signal uses that connection.
+            Stopped: the thread was stopped.
+        """
+        link = self.master.link_at(address, port)
+        strand = self._scheduler.current
+        if strand is None or strand.is_dying:
+            raise Stopped
+        link.reset(self.master.now)
+        if not waits or strand.is_secondary:
+            return
+        waiting = link, strand
+        self._waiting.append(waiting)
+        try:
+            until = self._scheduler.now + CONNECT_TICKS + 1
+            while not link.is_settled and self._scheduler.now < until:
+                self._scheduler.wait(f"the MODBUS device at {link.name}", until)
+        finally:
+            self._waiting.remove(waiting)
+
+    # ---------------------------------------------------------------- time
+
+    def run_tick(self, tick: int, *, is_running: bool) -> None:
+        """Do what is due in a tick, before the threads run."""
+        self.master.tick(tick, is_running=is_running)
+        self._wake()
+
+    def _wake(self) -> None:
+        for link, strand in self._waiting:
+            if link.is_settled:
+                self._scheduler.wake(strand)
+
+    def next_tick(self, tick: int, *, is_running: bool) -> int | None:
+        """Earliest tick after `tick` at which something is due without anything arriving."""
+        return self.master.next_tick(tick, is_running=is_running)
+
+    def close(self) -> None:
+        """Forget every signal and close every connection."""
+        self.master.close()
+        self._wake()

@@ -1,0 +1,378 @@
+"""Remote procedure calls of a program: XML-RPC over the channels of its world (manual 2.10, chapter 5.2).
+
+A handle connects when a procedure is called. Its connection is kept for the next call if the server keeps it. What a
+program sends and gets is what the standard library makes of it: numbers, texts, bytes, lists and dicts; a date comes as
+text (*assumed*), and None goes as the `nil` that most servers understand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
+from urllib.parse import SplitResult, urlsplit
+from xml.parsers.expat import ExpatError
+from xmlrpc import client
+
+from elitescript.errors import (
+    ArgumentRangeError,
+    ArgumentTypeError,
+    InvalidValueError,
+    PeerError,
+    RpcError,
+    ScriptStateError,
+)
+from elitescript.messages.timing import seconds
+from elitescript.runtime.connections.connection import Receiver, ScriptConnection
+from elitescript.runtime.connections.http_answers import HttpAnswer, HttpReader
+from elitescript.runtime.connections.rpc_texts import values_and_method
+from elitescript.runtime.connections.sockets import CONNECT_TICKS, NO_NETWORK
+from elitescript.runtime.connections.traffic import ChannelLog, Traffic, cut
+from elitescript.runtime.environment import Channels
+from elitescript.runtime.names.sealed import Sealed, no_copy
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Stopped
+
+CALLS_MAX: Final = 32
+"""Calls of one program that may be under way at a time (*assumed*)."""
+IDLE_MAX: Final = 8
+"""Connections that are kept for another call; those that were used longest ago are closed for others (*assumed*)."""
+
+_HTTP_PORT: Final = 80
+_OK: Final = 200
+
+
+class RpcServer(NamedTuple):
+    """Where procedures are."""
+
+    url: str
+    address: str
+    port: int
+    path: str
+
+
+class RpcCall(NamedTuple):
+    """A call that is made."""
+
+    method: str
+    args: tuple[Any, ...]
+    request: bytes
+    """The HTTP request."""
+
+
+class RemoteProcedures:
+    """The calls of one program.
+
+    Args:
+        channels: carry the bytes.
+        scheduler: runs the threads.
+        connections: of every program of the host, by channel.
+        traffic: records calls and answers.
+        answer_s: how long a call waits for its answer; 0 and less waits for ever.
+    """
+
+    __slots__ = ("_answer_s", "_busy", "_channels", "_connections", "_idle", "_is_over", "_scheduler", "_traffic")
+
+    def __init__(
+        self,
+        channels: Channels,
+        scheduler: Scheduler,
+        connections: dict[int, Receiver],
+        traffic: Traffic,
+        answer_s: float,
+    ) -> None:
+        self._channels = channels
+        self._scheduler = scheduler
+        self._connections = connections
+        self._traffic = traffic
+        self._answer_s = answer_s
+        self._idle: dict[RpcServer, ScriptConnection] = {}
+        self._busy: list[ScriptConnection] = []
+        self._is_over = False
+
+    def handle(self, url: str) -> object:
+        """An object whose methods are the procedures of a server.
+
+        Raises:
+            InvalidValueError: the URL makes no sense.
+        """
+        server = server_of(url)
+        return _handle(server.url, lambda method, args: self.call(server, method, args))
+
+    def call(self, server: RpcServer, method: str, args: tuple[Any, ...]) -> Any:
+        """Call a procedure and wait for its result.
+
+        Raises:
+            ScriptError: an argument that cannot be sent (`ArgumentTypeError`, `ArgumentRangeError`), a secondary
+                program (code R120), or the call failed (`RpcError`).
+            Stopped: the thread was stopped.
+        """
+        strand = self._scheduler.current
+        if strand is None or strand.is_dying or self._is_over:
+            raise Stopped
+        if strand.is_secondary:
+            raise ScriptStateError("a secondary program (sec) may not wait for remote procedures", code="R120")
+        request = _request(server, method, args)
+        try:
+            answer = self._exchange(server, RpcCall(method, args, request))
+            try:
+                value = _result(answer)
+            except PeerError as error:
+                self._note(server, "received", str(error))
+                raise
+            self._note(server, "received", _brief(value))
+            return value
+        except client.Fault as fault:
+            code, text = fault.faultCode, str(fault.faultString)
+            self._note(server, "received", f"fault {code}: {text}")
+            raise RpcError(
+                f"{method}() on {server.url}: the server answered with fault {code}: {text}", fault=(code, text)
+            ) from None
+        except PeerError as error:
+            raise RpcError(f"{method}() on {server.url}: {error}") from None
+
+    def _note(self, server: RpcServer, what: str, data: str) -> None:
+        self._traffic.note_of_caller("rpc", server.url, what, cut(data))
+
+    def close_all(self) -> None:
+        """The program is over: close everything."""
+        self._is_over = True
+        for connection in (*self._idle.values(), *self._busy):
+            self._close(connection)
+        self._idle.clear()
+        self._busy.clear()
+
+    # ---------------------------------------------------------------- connections
+
+    def _exchange(self, server: RpcServer, call: RpcCall) -> HttpAnswer:
+        """Send a request and read its answer; again on a new connection if the kept one turns out to be gone."""
+        kept = self._idle.pop(server, None)
+        if kept is not None and kept.is_open and not kept.received:
+            reader = HttpReader()
+            try:
+                return self._ask(server, kept, reader, call)
+            except PeerError:
+                if reader.has_begun or kept.is_open:
+                    raise
+        elif kept is not None:
+            self._close(kept)
+        return self._ask(server, self._open(server), HttpReader(), call)
+
+    def _ask(self, server: RpcServer, connection: ScriptConnection, reader: HttpReader, call: RpcCall) -> HttpAnswer:
+        self._busy.append(connection)
+        is_kept = False
+        try:
+            connection.send(call.request)
+            self._note(server, "sent", f"{call.method}({', '.join(map(_brief, call.args))})")
+            reason = f"the answer of {call.method}() from {server.url}"
+            answer = connection.read(reader, reason, self._answer_s)
+            if answer is None:
+                answer = reader.at_end()
+            elif answer == "":
+                raise PeerError(f"no answer within {self._answer_s:g} s")
+            is_kept = answer.keeps_open and connection.is_open and not connection.received
+            assert isinstance(answer, HttpAnswer)
+            return answer
+        finally:
+            if connection in self._busy:
+                self._busy.remove(connection)
+            if is_kept and not self._is_over and server not in self._idle:
+                self._idle[server] = connection
+                if len(self._idle) > IDLE_MAX:
+                    self._close(self._idle.pop(next(iter(self._idle))))
+            else:
+                self._close(connection)
+
+    def _open(self, server: RpcServer) -> ScriptConnection:
+        if len(self._busy) >= CALLS_MAX:
+            raise PeerError(f"{CALLS_MAX} calls are under way already")
+        log = ChannelLog(self._traffic, "rpc", server.url, f"{server.address}:{server.port}", has_bytes=False)
+        channel = self._channels.open(server.address, server.port, seconds(CONNECT_TICKS))
+        if not channel:
+            log.failed(NO_NETWORK)
+            raise PeerError(NO_NETWORK)
+        connection = ScriptConnection(channel, self._channels, self._scheduler, log)
+        self._connections[channel] = connection
+        self._busy.append(connection)
+        until = self._scheduler.now + CONNECT_TICKS
+        try:
+            while connection.is_opening:
+                if not connection.wait(f"{server.address}:{server.port} to accept a connection", until):
+                    connection.close(f"no answer within {seconds(CONNECT_TICKS):g} s")
+                    raise PeerError(f"no connection within {seconds(CONNECT_TICKS):g} s")
+            if not connection.is_open:
+                raise PeerError(connection.reason or "closed at once")
+        except BaseException:
+            self._close(connection)
+            raise
+        finally:
+            if connection in self._busy:
+                self._busy.remove(connection)
+        return connection
+
+    def _close(self, connection: ScriptConnection) -> None:
+        connection.close()
+        self._connections.pop(connection.channel, None)
+
+
+def server_of(url: str) -> RpcServer:
+    """What `<address>:<port>` or `http://<address>:<port>/<path>` means; the path is `/RPC2` if there is none.
+
+    Raises:
+        InvalidValueError: neither.
+    """
+    text = url.strip()
+    try:
+        parts = urlsplit(text if "://" in text else f"http://{text}")
+        port = _HTTP_PORT if parts.port is None else parts.port
+        problem = _problem(parts, port)
+    except ValueError as error:
+        raise _bad_url(url, str(error)) from None
+    if problem:
+        raise _bad_url(url, problem)
+    assert parts.hostname is not None
+    path = (parts.path or "/RPC2") + (f"?{parts.query}" if parts.query else "")
+    host = f"[{parts.hostname}]" if ":" in parts.hostname else parts.hostname
+    return RpcServer(f"http://{host}:{port}{path}", parts.hostname, port, path)
+
+
+def _problem(parts: SplitResult, port: int) -> str:
+    if parts.scheme.lower() != "http":
+        return f"{parts.scheme}:// is not supported"
+    if not parts.hostname:
+        return "the address is missing"
+    if "@" in parts.netloc:
+        return "a user name is not supported"
+    if not 1 <= port <= 65535:
+        return "the port must be in [1, 65535]"
+    if any(character <= " " or character > "~" for character in f"{parts.hostname}{parts.path}{parts.query}"):
+        return "a URL has no blanks, control characters or letters beyond ASCII"
+    return ""
+
+
+def _bad_url(url: str, why: str) -> InvalidValueError:
+    return InvalidValueError(
+        f"url {url!r}: {why}",
+        argument="url",
+        value=url,
+        limit="<address>:<port> or http://<address>:<port>/<path>",
+    )
+
+
+# ---------------------------------------------------------------- texts of requests and answers
+
+
+def _request(server: RpcServer, method: str, args: tuple[Any, ...]) -> bytes:
+    try:
+        _check_arguments(args)
+        body = client.dumps(args, method, allow_none=True).encode("utf-8", "xmlcharrefreplace")
+    except OverflowError as error:
+        raise ArgumentRangeError(
+            f"{method}(): {error}: whole numbers have 32 bits", limit="[-2147483648, 2147483647]"
+        ) from None
+    except (TypeError, RecursionError) as error:
+        raise ArgumentTypeError(f"{method}(): {str(error) or 'nested too deeply'}") from None
+    host = server.url.partition("://")[2].partition("/")[0]
+    head = (
+        f"POST {server.path} HTTP/1.1\r\nHost: {host}\r\nUser-Agent: elitescript\r\n"
+        f"Content-Type: text/xml\r\nContent-Length: {len(body)}\r\n\r\n"
+    )
+    return head.encode("ascii") + body
+
+
+def _brief(value: Any) -> str:
+    """A value in few characters, however large it is."""
+    from reprlib import Repr
+
+    brief = Repr()
+    brief.maxstring = brief.maxother = 100
+    brief.maxlist = brief.maxtuple = brief.maxdict = 20
+    return brief.repr(value)
+
+
+def _check_arguments(values: Any) -> None:
+    """Refuse what the library would send as an empty structure: functions, commands, classes."""
+    for value in values.values() if isinstance(values, dict) else values:
+        if callable(value):
+            raise TypeError(f"cannot marshal {value!r}")
+        if isinstance(value, list | tuple | dict):
+            _check_arguments(value)
+
+
+def _result(answer: HttpAnswer) -> Any:
+    """What the procedure has returned.
+
+    Raises:
+        PeerError: the answer holds no result.
+        client.Fault: the procedure failed.
+    """
+    if answer.status != _OK:
+        raise PeerError(f"the server answered {answer.status} {answer.reason}".rstrip())
+    try:
+        values, _ = values_and_method(answer.body)
+        found = _plain(values)
+    except ExpatError as error:
+        raise PeerError(f"the answer is no XML: {error}") from None
+    except client.Fault:
+        raise
+    except (client.ResponseError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+        raise PeerError(f"the answer is no XML-RPC: {str(error) or type(error).__name__}") from None
+    return found[0] if len(found) == 1 else tuple(found)
+
+
+def _plain(value: Any) -> Any:
+    """A value in terms of what scripts know: no dates, no decimals."""
+    if isinstance(value, list | tuple):
+        return [_plain(element) for element in value]
+    if isinstance(value, dict):
+        return {str(key): _plain(element) for key, element in value.items()}
+    if value is None or isinstance(value, bool | int | float | str | bytes):
+        return value
+    return value.isoformat() if hasattr(value, "isoformat") else float(value)
+
+
+# ---------------------------------------------------------------- what scripts hold
+
+
+def _handle(url: str, call: Callable[[str, tuple[Any, ...]], Any]) -> object:
+    """A handle; all that a script can do with it is to name procedures and call them."""
+
+    class Procedure(metaclass=Sealed):
+        __slots__ = ("_name",)
+        __module__ = "builtins"
+        __reduce_ex__ = no_copy
+
+        def __init__(self, name: str) -> None:
+            set_name(self, name)
+
+        def __getattr__(self, name: str) -> Procedure:
+            return Procedure(f"{name_of(self)}.{_checked(name)}")
+
+        def __call__(self, *args: Any) -> Any:
+            return call(name_of(self), args)
+
+        def __repr__(self) -> str:
+            return f"<procedure {name_of(self)} of {url}>"
+
+    slot = Procedure.__dict__["_name"]
+    type.__delattr__(Procedure, "_name")
+    name_of, set_name = slot.__get__, slot.__set__
+
+    class RpcHandle(metaclass=Sealed):
+        __slots__ = ()
+        __module__ = "builtins"
+        __reduce_ex__ = no_copy
+
+        def __getattr__(self, name: str) -> Procedure:
+            return Procedure(_checked(name))
+
+        def __repr__(self) -> str:
+            return f"<rpc handle of {url}>"
+
+    return RpcHandle()
+
+
+def _checked(name: str) -> str:
+    """A name that a procedure may have; Python asks objects for special names, which none has."""
+    if name.startswith("__"):
+        raise AttributeError(name)
+    return name

@@ -1,0 +1,405 @@
+"""The serial ports of the robot as programs see them, in virtual time.
+
+The ports are part of the machine: what a program has configured stays configured when it ends (*assumed*). Threads
+take turns, in the order in which they came: one thread at a time reads from a port, and one asks a slave, whose answer
+it has before another thread's request goes out.
+
+A request waits until the line was silent for `gap_s`, counted in ticks; what came before it, such as the late answer to
+a request that was given up, is dropped. An answer that has begun and falls silent for `BROKEN_S` is given up, whatever
+the time-out: it is cut short, or its checksum is wrong (*assumed*).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from elitescript.errors import ScriptPermissionError
+from elitescript.messages.line import PORT_NAMES, LineSettings
+from elitescript.messages.outputs import CHANNEL_WINDOW, NOT_CONNECTED
+from elitescript.messages.timing import TICKS_PER_S, seconds, ticks_for
+from elitescript.modbus.frames import pdu
+from elitescript.modbus.frames.pdu import ExceptionResponse
+from elitescript.modbus.rtu_exchange import RtuExchange, gap_s
+from elitescript.runtime.connections.background import Background
+from elitescript.runtime.connections.connection import NOT_ALL_THERE, Receiver
+from elitescript.runtime.connections.serial_line import (
+    CLOSED,
+    MODBUS,
+    PLAIN,
+    LineConnection,
+    SerialLine,
+    SilentLineConnection,
+)
+from elitescript.runtime.connections.traffic import ChannelLog, cut
+from elitescript.runtime.environment import Channels
+from elitescript.runtime.threads.deadline import Deadline
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Stopped, Strand
+
+OPEN_TICKS: Final = 2 * TICKS_PER_S
+"""How long a device may take to open (*assumed*)."""
+
+BROKEN_S: Final = 0.5
+"""Silence after which an answer that has begun is given up (*assumed*)."""
+
+TOOL: Final = "tool"
+
+FUNCTIONS: Final = {
+    pdu.READ_COILS: "read coils",
+    pdu.READ_DISCRETE_INPUTS: "read discrete inputs",
+    pdu.READ_HOLDING_REGISTERS: "read holding registers",
+    pdu.READ_INPUT_REGISTERS: "read input registers",
+    pdu.WRITE_COIL: "write coil",
+    pdu.WRITE_REGISTER: "write register",
+    pdu.WRITE_COILS: "write coils from",
+    pdu.WRITE_REGISTERS: "write registers from",
+}
+"""Function codes in words, as the record of a run has them before an address."""
+
+
+class SerialLines:
+    """Implements `commands.definition.context.SerialLines` for one program.
+
+    Args:
+        channels: carry the bytes.
+        scheduler: runs the threads.
+        connections: who listens to each open channel.
+        background: has the ports of the machine, and what records their traffic.
+        warn_once: records a warning, once for each key.
+    """
+
+    __slots__ = ("_channels", "_connections", "_lines", "_scheduler", "_traffic", "_warn_once")
+
+    def __init__(
+        self,
+        channels: Channels,
+        scheduler: Scheduler,
+        connections: dict[int, Receiver],
+        background: Background,
+        warn_once: Callable[[str, str], None],
+    ) -> None:
+        self._channels = channels
+        self._scheduler = scheduler
+        self._connections = connections
+        self._lines = background.lines
+        self._traffic = background.traffic
+        self._warn_once = warn_once
+
+    # ---------------------------------------------------------------- configuring
+
+    def enable(self, device: str, settings: LineSettings, *, is_modbus: bool, is_daemons: bool = False) -> bool:
+        """Open a port, or open it anew; whether it is open now. What waited in it is lost (*assumed*).
+
+        Raises:
+            Stopped: the thread was stopped.
+        """
+        if self._caller.is_dying:
+            raise Stopped
+        line = self._lines.setdefault(device, SerialLine(self._scheduler))
+        line.close(self._connections)
+        line.begin(settings, MODBUS if is_modbus else PLAIN)
+        if is_daemons:
+            line.is_daemons = True
+            return True
+        channel = self._channels.open_line(device, settings)
+        if not channel:
+            return self._open_silent(line, device)
+        log = self._log(line, device, _settings_text(settings))
+        line.wire = wire = self._connections[channel] = LineConnection(channel, self._channels, self._scheduler, log)
+        try:
+            until = self._scheduler.now + OPEN_TICKS
+            while wire.is_opening:
+                if not wire.wait(f"{_called(device)} to open", until):
+                    wire.close(f"no answer within {seconds(OPEN_TICKS):g} s: it does not open")
+        finally:
+            if line.wire is wire and not wire.is_open:
+                line.close(self._connections)
+        if wire.is_closed and line.wire is None and wire.reason == NOT_CONNECTED:
+            return self._open_silent(line, device)
+        if not wire.is_open:
+            reason = wire.reason or "it was configured by another thread meanwhile"
+            self._warn_once(f"line {device} {reason}", f"{_called(device)} cannot be opened: {reason}")
+        return wire.is_open
+
+    def _open_silent(self, line: SerialLine, device: str) -> bool:
+        line.wire = SilentLineConnection(self._scheduler, self._log(line, device, NOT_CONNECTED))
+        self._warn_once(f"line {device} silent", f"{NOT_CONNECTED} to {_called(device)}: it is open, and silent")
+        return True
+
+    def _log(self, line: SerialLine, device: str, where: str) -> ChannelLog:
+        # Of an exchange with a slave its meaning is recorded, in `_ask`.
+        return ChannelLog(self._traffic, "serial", PORT_NAMES.get(device, device), where, has_bytes=line.mode == PLAIN)
+
+    def disable(self, device: str) -> None:
+        """Close a port; no effect on a closed one."""
+        line = self._lines.get(device)
+        if line is not None:
+            line.close(self._connections)
+
+    def is_open(self, device: str) -> bool:
+        """Whether a port is enabled."""
+        line = self._lines.get(device)
+        return line is not None and line.is_open
+
+    def open_devices(self) -> list[str]:
+        """Devices of the ports that are enabled, sorted."""
+        return sorted(device for device, line in self._lines.items() if line.is_open)
+
+    def mode(self, device: str) -> str:
+        """`RS485`, `MODBUS-RTU` or `CLOSE`."""
+        return self._lines[device].mode if self.is_open(device) else CLOSED
+
+    def _usable(self, device: str, mode: str) -> tuple[SerialLine, LineConnection] | None:
+        """The port, if it is open in a mode; otherwise the log says why not.
+
+        Raises:
+            ScriptPermissionError: it belongs to a daemon.
+        """
+        line = self._lines.get(device)
+        if line is not None and line.is_daemons:
+            text = f"{_called(device)} belongs to a daemon (usage 1); programs may not use it"
+            raise ScriptPermissionError(text, value=1, limit="usage 0", hint="configure it with usage=0")
+        if line is None or line.wire is None:
+            self._warn_once(f"line {device} closed", f"{_called(device)} is not enabled")
+        elif not line.wire.is_open:
+            reason = line.wire.reason or "its device has gone"
+            self._warn_once(f"line {device} {reason}", f"{_called(device)} is closed: {reason}")
+        elif line.mode != mode:
+            self._warn_once(f"line {device} {mode}", f"{_called(device)} is in mode {line.mode}, not {mode}")
+        else:
+            return line, line.wire
+        return None
+
+    # ---------------------------------------------------------------- plain bytes
+
+    def read(self, device: str, count: int, timeout_s: float) -> bytes:
+        """Read bytes; fewer if time is up or the port closes. A secondary program does not wait.
+
+        A read that cannot be, because the port is not open in plain mode, takes one tick.
+
+        Args:
+            device: the port.
+            count: how many bytes.
+            timeout_s: longest time to wait; 0 and less wait for ever.
+
+        Raises:
+            ScriptPermissionError: the port belongs to a daemon.
+            Stopped: the thread was stopped.
+        """
+        deadline = Deadline(self._scheduler, timeout_s)
+        reason = f"{count} bytes on {_called(device)}"
+        found = self._usable(device, PLAIN)
+        if found is None:
+            self._let_time_go_by(reason)
+            return b""
+        line, wire = found
+        if count <= 0 or not line.readers.take(reason, deadline.tick):
+            return b""
+        try:
+            return self._read(wire, device, count, reason, deadline)
+        finally:
+            line.readers.give()
+
+    def _read(self, wire: LineConnection, device: str, count: int, reason: str, deadline: Deadline) -> bytes:
+        data = bytearray()
+        is_last = self._caller.is_secondary
+        if is_last and len(wire.received) < count:
+            self._warn_once(f"sec read {device}", NOT_ALL_THERE.format(what=_called(device)))
+        is_late = False
+        while True:
+            size = min(count - len(data), len(wire.received))
+            data += wire.received[:size]
+            wire.drop(size)
+            if len(data) == count or is_last or not wire.is_open:
+                if is_late and len(data) < count:
+                    wire.log.timed_out(f"{count - len(data)} of {reason} have not come in time")
+                return bytes(data)
+            is_last = is_late = wire.wait_for_more(reason, deadline)
+
+    def write(self, device: str, data: bytes) -> int | None:
+        """Send bytes, waiting for room if the line is behind by `CHANNEL_WINDOW`.
+
+        A secondary program and a thread that unwinds do not wait: what they send goes out as soon as there is room.
+
+        Returns:
+            How many were sent; None if the port is not open in plain mode.
+
+        Raises:
+            ScriptPermissionError: the port belongs to a daemon.
+            Stopped: the thread was stopped.
+        """
+        found = self._usable(device, PLAIN)
+        if found is None:
+            return None
+        _, wire = found
+        waits = not (self._caller.is_dying or self._caller.is_secondary)
+        if not waits and wire.queued - wire.sent > CHANNEL_WINDOW:
+            return 0
+        wire.send(data)
+        end = wire.queued
+        while waits and wire.sent < end and wire.is_open:
+            wire.wait(f"room to send on {_called(device)}", None)
+        return len(data) - max(0, end - wire.sent) if waits else len(data)
+
+    def flush(self, device: str) -> None:
+        """Drop what has arrived and is not read; what is being sent goes out all the same (*assumed*).
+
+        Raises:
+            ScriptPermissionError: the port belongs to a daemon.
+        """
+        found = self._usable(device, PLAIN)
+        if found is not None:
+            found[1].drop(len(found[1].received))
+
+    # ---------------------------------------------------------------- MODBUS
+
+    def read_slave(
+        self, device: str, slave: int, function: int, address: int, count: int, timeout_s: float
+    ) -> tuple[int, ...] | None:
+        """Ask a slave for values; None if that fails, and the log says why.
+
+        Args:
+            device: the port.
+            slave: number of the slave.
+            function: 1 to 4.
+            address: first address.
+            count: how many values.
+            timeout_s: longest time to wait, for its turn and for the answer; 0 and less wait for ever.
+
+        Raises:
+            ScriptPermissionError: the port belongs to a daemon.
+            Stopped: the thread was stopped.
+        """
+        last = f" to {address + count - 1}" if count > 1 else ""
+        return self._ask(device, slave, pdu.read(function, address, count), timeout_s, f"{address}{last}")
+
+    def write_slave(
+        self, device: str, slave: int, function: int, address: int, values: tuple[int, ...], timeout_s: float
+    ) -> bool:
+        """Have a slave take values over, by function 5, 6, 15 or 16; see `read_slave`."""
+        match function:
+            case pdu.WRITE_COIL:
+                request = pdu.write_coil(address, values[0])
+            case pdu.WRITE_REGISTER:
+                request = pdu.write_register(address, values[0])
+            case pdu.WRITE_COILS:
+                request = pdu.write_coils(address, values)
+            case _:
+                request = pdu.write_registers(address, values)
+        text = f"{address} = {values[0] if len(values) == 1 else list(values)}"
+        return self._ask(device, slave, request, timeout_s, text) is not None
+
+    def _ask(self, device: str, slave: int, request: bytes, timeout_s: float, asked: str) -> tuple[int, ...] | None:
+        deadline = Deadline(self._scheduler, timeout_s)
+        reason = f"the answer of slave {slave} on {_called(device)}"
+        found = self._usable(device, MODBUS)
+        if found is None:
+            self._let_time_go_by(reason)
+            return None
+        line, wire = found
+        if not line.masters.take(reason, deadline.tick):
+            self._say(device, slave, "another thread asks a slave")
+            return None
+        try:
+            # While it waited for its turn, the port may have been configured anew.
+            if line.wire is not wire or not wire.is_open:
+                why = "the port was closed"
+            elif not self._wait_for_quiet(line, wire, reason, deadline):
+                why = "the line is not silent"
+            else:
+                wire.log.note("sent", cut(f"slave {slave}: {FUNCTIONS[request[0]]} {asked}"))
+                exchange = RtuExchange(slave, request)
+                values, why = self._exchange(line, wire, exchange, reason, deadline)
+                if not why:
+                    wire.log.note("received", cut(f"slave {slave}: {', '.join(map(str, values)) or 'done'}"))
+                    return values
+                if wire.is_open:
+                    wire.log.timed_out(f"slave {slave}: {why}")
+            self._say(device, slave, why)
+            return None
+        except ExceptionResponse as error:
+            wire.log.note("refused", f"slave {slave}: {error}")
+            self._say(device, slave, f"it refuses: {error}")
+            return None
+        finally:
+            self._clear(line, wire)
+            line.masters.give()
+
+    def _wait_for_quiet(self, line: SerialLine, wire: LineConnection, reason: str, deadline: Deadline) -> bool:
+        """Drop what has come before a request, until nothing comes any more; whether that is so in time."""
+        while True:
+            if line.repeated and wire.received.startswith(line.repeated):
+                # What was taken for the answer was the echo.
+                line.has_echo = True
+            if wire.has_heard:
+                self._clear(line, wire)
+            now = self._scheduler.now
+            if now >= line.quiet_tick:
+                line.repeated = b""
+                return True
+            if self._caller.is_secondary or deadline.is_over or not wire.is_open:
+                return False
+            until = deadline.tick
+            wire.wait(reason, line.quiet_tick if until is None else min(until, line.quiet_tick))
+
+    def _exchange(
+        self, line: SerialLine, wire: LineConnection, exchange: RtuExchange, reason: str, deadline: Deadline
+    ) -> tuple[tuple[int, ...], str]:
+        """Send a request and wait for its answer; its values, or why there are none.
+
+        Raises:
+            DeviceError: the slave refuses.
+        """
+        wire.send(exchange.frame)
+        gap = ticks_for(gap_s(line.settings.character_s))
+        line.quiet_tick = self._scheduler.now + line.ticks_of(len(exchange.frame)) + gap
+        may_echo = line.has_echo or not exchange.repeats
+        is_last = self._caller.is_secondary
+        while True:
+            if may_echo and (end := exchange.echo_end(wire.received)):
+                line.has_echo, may_echo = True, False
+                wire.drop(end)
+            values = exchange.answer(wire.received)
+            if values is not None:
+                line.has_echo = line.has_echo and not may_echo
+                line.repeated = exchange.frame if exchange.repeats and not line.has_echo else b""
+                return values, ""
+            if not wire.is_open:
+                return (), wire.reason or "the port was closed"
+            has_begun = exchange.has_begun(wire.received)
+            if is_last:
+                return (), "its answer is broken" if has_begun else "no answer in time"
+            is_last = wire.wait_for_more(reason, deadline, ticks_for(BROKEN_S) if has_begun else None)
+
+    def _clear(self, line: SerialLine, wire: LineConnection) -> None:
+        """Drop what has arrived; the line was not silent until now."""
+        if wire.has_heard:
+            wire.has_heard = False
+            wire.drop(len(wire.received))
+            line.quiet_tick = max(line.quiet_tick, self._scheduler.now + ticks_for(gap_s(line.settings.character_s)))
+
+    def _say(self, device: str, slave: int, why: str) -> None:
+        self._warn_once(f"slave {device} {slave} {why}", f"slave {slave} on {_called(device)}: {why}")
+
+    # ---------------------------------------------------------------- time
+
+    @property
+    def _caller(self) -> Strand:
+        strand = self._scheduler.current
+        if strand is None:
+            raise Stopped
+        return strand
+
+    def _let_time_go_by(self, reason: str) -> None:
+        if not self._caller.is_secondary:
+            self._scheduler.wait(reason, self._scheduler.now + 1)
+
+
+def _settings_text(settings: LineSettings) -> str:
+    parity = "NOE"[settings.parity]
+    return f"{settings.baud} {settings.size}{parity}{settings.stop_bits}"
+
+
+def _called(device: str) -> str:
+    return "the serial port of the tool" if device == TOOL else f"the serial port {device}"

@@ -1,0 +1,212 @@
+"""The TCP connections of a program: by name, shared by all of its threads, in virtual time.
+
+A connection stands in a dict that the host shares among programs, by the number of its channel; the host hands it what
+arrives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from elitescript.commands.definition.context import Rule
+from elitescript.commands.socket_rules import Floats, Texts
+from elitescript.errors import ScriptStateError
+from elitescript.messages.outputs import CHANNEL_WINDOW
+from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.runtime.connections.connection import NOT_ALL_THERE, Receiver, ScriptConnection
+from elitescript.runtime.connections.traffic import ChannelLog, Traffic
+from elitescript.runtime.environment import Channels
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Stopped, Strand
+
+CONNECT_TICKS: Final = 2 * TICKS_PER_S
+"""How long `socket_open` tries."""
+
+CONNECTIONS_MAX: Final = 64
+"""Names that one program may have in use (*assumed*)."""
+
+_READ_LINE_END: Final = 'read it away with socket_read_string(suffix="\\n"), or let the sender leave it out'
+_OPEN_FIRST: Final = "open it with socket_open first; every socket has the name that socket_open gives it"
+_SHOWN: Final = 253
+"""Characters of an address or a name in a warning: those of a host name."""
+
+NO_NETWORK: Final = "this run has no network"
+
+
+class Sockets:
+    """Implements `commands.definition.context.Sockets` for one program.
+
+    Args:
+        channels: carry the bytes.
+        scheduler: runs the threads.
+        connections: of every program of the host, by channel.
+        traffic: records what passes.
+        warn_once: records a warning, once for each key: key, text, perhaps code and hint.
+    """
+
+    __slots__ = ("_by_name", "_channels", "_connections", "_is_over", "_scheduler", "_traffic", "_warn_once")
+
+    def __init__(
+        self,
+        channels: Channels,
+        scheduler: Scheduler,
+        connections: dict[int, Receiver],
+        traffic: Traffic,
+        warn_once: Callable[..., None],
+    ) -> None:
+        self._channels = channels
+        self._scheduler = scheduler
+        self._connections = connections
+        self._traffic = traffic
+        self._warn_once = warn_once
+        self._by_name: dict[str, ScriptConnection] = {}
+        self._is_over = False
+
+    def open(self, address: str, port: int, name: str) -> bool:
+        """Connect to a server, within 2 s; a connection of that name that stands is kept.
+
+        A thread that opens a name while another one does waits for the attempt of that one (*assumed*).
+
+        Raises:
+            ScriptStateError: too many are open.
+            Stopped: the thread was stopped.
+        """
+        if self._caller.is_dying or self._is_over:
+            raise Stopped
+        connection = self._by_name.get(name)
+        if connection is not None and connection.is_open:
+            return True
+        is_own = connection is None or not connection.is_opening
+        if is_own:
+            self.close(name)
+            connection = self._begin(address, port, name)
+        try:
+            until = self._scheduler.now + CONNECT_TICKS
+            while connection is not None and connection.is_opening:
+                if not connection.wait(f"{address}:{port} to accept a connection", until) and is_own:
+                    connection.close(f"no answer within {seconds(CONNECT_TICKS):g} s")
+        finally:
+            if connection is not None and connection.is_opening and is_own:
+                connection.close("its thread was stopped")
+        if connection is None or not connection.is_open:
+            reason = NO_NETWORK if connection is None else connection.reason or "closed at once"
+            shown = address if len(address) <= _SHOWN else f"{address[:_SHOWN]}..."
+            self._warn_once(f"socket {name} {reason}", f"socket {name!r} cannot connect to {shown}:{port}: {reason}")
+            return False
+        return True
+
+    def _begin(self, address: str, port: int, name: str) -> ScriptConnection | None:
+        if len(self._by_name) >= CONNECTIONS_MAX:
+            for closed in [known for known, one in self._by_name.items() if one.is_closed]:
+                self.close(closed)
+        if len(self._by_name) >= CONNECTIONS_MAX:
+            hint = "close those that are done with"
+            raise ScriptStateError(f"{CONNECTIONS_MAX} sockets are open already", value=name, hint=hint)
+        log = ChannelLog(self._traffic, "socket", name, f"{address}:{port}")
+        channel = self._channels.open(address, port, seconds(CONNECT_TICKS))
+        if not channel:
+            log.failed(NO_NETWORK)
+            return None
+        connection = ScriptConnection(channel, self._channels, self._scheduler, log)
+        self._by_name[name] = self._connections[channel] = connection
+        return connection
+
+    def close(self, name: str) -> None:
+        """Close a connection and forget it with all that is not read; no effect on an unknown one."""
+        connection = self._by_name.pop(name, None)
+        if connection is not None:
+            connection.close()
+            self._connections.pop(connection.channel, None)
+
+    def close_all(self) -> None:
+        """The program is over: close everything."""
+        self._is_over = True
+        for name in list(self._by_name):
+            self.close(name)
+
+    def is_connected(self, name: str) -> bool:
+        """Whether a connection stands."""
+        connection = self._by_name.get(name)
+        return connection is not None and connection.is_open
+
+    def send(self, name: str, data: bytes) -> bool:
+        """Send bytes, waiting for room if the peer takes none; whether the connection stands.
+
+        A thread that unwinds does not wait: what it sends goes out as soon as there is room.
+
+        Raises:
+            Stopped: the thread was stopped.
+        """
+        connection = self._by_name.get(name)
+        if connection is None:
+            self._tell_not_open(name, "sent")
+            return False
+        if not connection.is_open:
+            return False
+        if self._caller.is_dying and connection.queued - connection.sent > CHANNEL_WINDOW:
+            return False
+        connection.send(data)
+        end = connection.queued
+        while connection.sent < end and not self._caller.is_dying:
+            connection.wait(f"room to send on socket {name!r}", None)
+            if connection.is_closed:
+                return False
+        return True
+
+    def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
+        """Read what a rule finds, waiting for it as long as the connection stands.
+
+        A secondary program does not wait; that it went on without its data is said once. A read that fails because
+        the connection does not stand takes one tick, so that a loop around it lets time go by (*assumed*).
+
+        Args:
+            name: of the connection.
+            rule: finds something in what has arrived.
+            timeout_s: longest time to wait; 0 and less wait for ever.
+
+        Raises:
+            Stopped: the thread was stopped.
+        """
+        connection = self._by_name.get(name)
+        reason = f"data on socket {name!r}"
+        if connection is not None and self._caller.is_secondary and rule(connection.received, False)[0] is None:
+            self._warn_once(f"sec read {name}", NOT_ALL_THERE.format(what=f"socket {name!r}"))
+        if connection is None:
+            self._tell_not_open(name, "read")
+        else:
+            looked = self._looking_for_line_end(name, connection, rule)
+            if (value := connection.read(looked, reason, timeout_s)) is not None:
+                connection.is_behind_numbers = isinstance(rule, Floats) and bool(value)
+                return value
+        if not self._caller.is_secondary:
+            self._scheduler.wait(reason, self._scheduler.now + 1)
+        return rule(bytearray(), True)[0] if connection is None else connection.rest(rule)
+
+    def _tell_not_open(self, name: str, done: str) -> None:
+        shown = name if len(name) <= _SHOWN else f"{name[:_SHOWN]}..."
+        text = f"there is no open socket {shown!r}: nothing is {done}"
+        self._warn_once(f"socket {name} not open", text, hint=_OPEN_FIRST)
+
+    def _looking_for_line_end(self, name: str, connection: ScriptConnection, rule: Rule) -> Rule:
+        """The rule; if it reads text behind numbers, one that tells of a line end that is left of these."""
+        if not (connection.is_behind_numbers and isinstance(rule, Texts) and not rule.prefix):
+            return rule
+
+        def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
+            value, used = rule(data, is_last)
+            if used and data.startswith((b"\r", b"\n")):
+                text = (
+                    f"the text read from socket {name!r} begins with the line end that socket_read_ascii_float has left"
+                )
+                self._warn_once(f"line end {name}", text, code="W272", hint=_READ_LINE_END)
+            return value, used
+
+        return looking
+
+    @property
+    def _caller(self) -> Strand:
+        strand = self._scheduler.current
+        if strand is None:
+            raise Stopped
+        return strand

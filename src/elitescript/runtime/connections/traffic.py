@@ -1,0 +1,154 @@
+"""What passes on the connections of programs, as events of the run.
+
+Bytes are shown as the text that they are in UTF-8; a byte that is no text, and a control character other than tab and
+line ends, as `\\xNN`. A long message is cut, and a program that sends and receives without end fills no memory: of what
+passes in one tick, only so much is recorded.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from elitescript.commands.definition.context import Machine
+from elitescript.messages.events import ChannelActivity
+from elitescript.messages.outputs import TIME_OUT_REASONS
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import Strand
+
+DATA_MAX: Final = 200
+"""Bytes, or characters, of a message that are shown."""
+
+NAME_MAX: Final = 80
+"""Characters of the name of a channel that are shown."""
+
+PER_TICK_MAX: Final = 100
+"""Events of one tick, of all channels together; one more says that others are left out."""
+
+LEFT_OUT: Final = f"(more than {PER_TICK_MAX} in this tick; the others are not recorded)"
+
+_CONTROLS: Final = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 160)) if chr(code) not in "\t\n\r"}
+
+
+def shown(data: bytes) -> str:
+    """Bytes as text, cut to `DATA_MAX` of them."""
+    text = data[:DATA_MAX].decode("utf-8", "backslashreplace")
+    if not text.rstrip("\r\n").isprintable():
+        text = text.translate(_CONTROLS)
+    return text if len(data) <= DATA_MAX else f"{text}… ({len(data)} bytes)"
+
+
+def cut(text: str) -> str:
+    """A text of `DATA_MAX` characters at most, and what says that it was longer."""
+    return text if len(text) <= DATA_MAX else f"{text[:DATA_MAX]}… ({len(text)} characters)"
+
+
+def is_late(reason: str) -> bool:
+    """Whether the reason why a connection does not stand is that it took too long."""
+    return reason.lower().startswith(TIME_OUT_REASONS)
+
+
+class Traffic:
+    """Records what passes on all channels of a host.
+
+    Args:
+        machine: takes the events.
+        scheduler: knows the calling thread.
+    """
+
+    __slots__ = ("_count", "_machine", "_scheduler", "_tick")
+
+    def __init__(self, machine: Machine, scheduler: Scheduler) -> None:
+        self._machine = machine
+        self._scheduler = scheduler
+        self._tick = -1
+        self._count = 0
+
+    @property
+    def caller(self) -> Strand | None:
+        """The thread that runs at this moment; None between two threads."""
+        return self._scheduler.current
+
+    def note(self, kind: str, channel: str, what: str, data: str = "", *, line: int = 0, thread: str = "") -> None:
+        """Record that something has happened; see `events.ChannelActivity`."""
+        tick = self._machine.tick
+        if tick != self._tick:
+            self._tick, self._count = tick, 0
+        self._count += 1
+        if self._count > PER_TICK_MAX:
+            if self._count > PER_TICK_MAX + 1:
+                return
+            data = LEFT_OUT
+        self._machine.emit(ChannelActivity(tick, channel[:NAME_MAX], kind, what, data, line, thread))
+
+    def note_of_caller(self, kind: str, channel: str, what: str, data: str = "") -> None:
+        """The same, with line and name of the thread that runs at this moment."""
+        strand = self._scheduler.current
+        if strand is None:
+            self.note(kind, channel, what, data)
+        else:
+            self.note(kind, channel, what, data, line=strand.line, thread=strand.name)
+
+
+class ChannelLog:
+    """Records what passes on one channel, from the attempt to open it on.
+
+    Args:
+        traffic: of the host.
+        kind: `socket`, `rpc` or `serial`.
+        channel: the name of the channel for people.
+        where: what it leads to.
+        has_bytes: whether the bytes are recorded; if not, whoever knows their meaning records that.
+    """
+
+    __slots__ = ("_channel", "_has_bytes", "_kind", "_line", "_thread", "_traffic", "_where")
+
+    def __init__(self, traffic: Traffic, kind: str, channel: str, where: str = "", *, has_bytes: bool = True) -> None:
+        self._traffic = traffic
+        self._kind = kind
+        self._channel = channel
+        self._where = where
+        self._has_bytes = has_bytes
+        strand = traffic.caller
+        self._line, self._thread = (0, "") if strand is None else (strand.line, strand.name)
+
+    def note(self, what: str, data: str = "") -> None:
+        """Something that the running thread has caused."""
+        self._traffic.note_of_caller(self._kind, self._channel, what, data)
+
+    def opened(self) -> None:
+        """It is open: caused by the statement that has asked for it, though that one has waited since."""
+        self._traffic.note(self._kind, self._channel, "open", self._where, line=self._line, thread=self._thread)
+
+    def failed(self, reason: str) -> None:
+        """It could not be opened."""
+        what = "timeout" if is_late(reason) else "refused"
+        text = ": ".join(filter(None, (self._where, reason)))
+        self._traffic.note(self._kind, self._channel, what, text, line=self._line, thread=self._thread)
+
+    def sent(self, data: bytes) -> None:
+        """The program has sent bytes."""
+        if self._has_bytes and data:
+            self.note("sent", shown(data))
+
+    def received(self, data: bytes, reader: Strand | None) -> None:
+        """Bytes have arrived.
+
+        Args:
+            data: all of them.
+            reader: a thread that waits for them.
+        """
+        if self._has_bytes and data:
+            line, thread = (0, "") if reader is None else (reader.line, reader.name)
+            self._traffic.note(self._kind, self._channel, "received", shown(data), line=line, thread=thread)
+
+    def timed_out(self, waited: str) -> None:
+        """The running thread has waited in vain."""
+        self.note("timeout", waited)
+
+    def lost(self, reason: str) -> None:
+        """The other side has closed, or the connection broke."""
+        self._traffic.note(self._kind, self._channel, "closed", reason or "by the other side")
+
+    def closed(self, reason: str) -> None:
+        """This side has closed, or has given up to open it."""
+        self.note("timeout" if is_late(reason) else "closed", reason)

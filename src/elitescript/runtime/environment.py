@@ -1,0 +1,275 @@
+"""What lies outside a program, as an interface.
+
+A program reaches nothing by itself: files of its task folder and TCP connections, and later serial lines, remote
+procedure calls and Modbus peers, each as one more part of `ProgramEnvironment`. An environment is local (this
+computer), in memory (tests) or remote (a controller whose scripts run in a process of their own); programs cannot
+tell which.
+
+Names of files are virtual. Scripts see the task folder as `/task/`; what reaches a world is a name relative to
+that folder, with `/` between its parts and without `..`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase, TextIOWrapper
+from typing import IO, TYPE_CHECKING, Any, Final, Protocol, cast
+
+from elitescript.errors import ArgumentTypeError, ScriptPermissionError
+
+if TYPE_CHECKING:
+    from elitescript.messages.inputs import ChannelEvent
+    from elitescript.messages.line import LineSettings
+
+TASK_PATH: Final = "/task/"
+"""The task folder as scripts see it; ends in `/` because programs append names to it (*assumed*)."""
+READ_AHEAD: Final = 8192
+"""Bytes that Python reads at once."""
+
+
+class Files(Protocol):
+    """The task folder.
+
+    Errors are `OSError` or `ScriptPermissionError`; their text and file name show names relative to the folder,
+    never where the folder is.
+    """
+
+    def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
+        """Open a file; what is flushed is seen by whoever else has it open.
+
+        Args:
+            name: relative to the task folder.
+            mode: as Python's `open`, checked already.
+            encoding: of a text file; None for a binary one.
+            newline: as Python's `open`.
+
+        Raises:
+            OSError: the file is missing, exists already, is a folder, ...
+            ScriptPermissionError: the name leads out of the folder, through a link for instance.
+        """
+
+    def kind(self, name: str) -> str:
+        """`file`, `folder` or, when there is nothing of that name, an empty text."""
+
+    def size(self, name: str) -> int:
+        """Bytes of a file."""
+
+    def names(self, name: str) -> list[str]:
+        """Sorted names in a folder."""
+
+    def remove(self, name: str) -> None:
+        """Delete a file."""
+
+    def make_folder(self, name: str) -> None:
+        """Make a folder in an existing one."""
+
+
+def opened(
+    raw: RawIOBase, mode: str, encoding: str | None, newline: str | None, *, read_ahead: int = READ_AHEAD
+) -> IO[Any]:
+    """Put Python's buffers over a file of a world, so that files of all worlds are buffered alike.
+
+    Args:
+        raw: the file.
+        mode: see `Files.open`.
+        encoding: see `Files.open`.
+        newline: see `Files.open`.
+        read_ahead: bytes that are read at once from a file for reading.
+    """
+    file: BufferedRandom | BufferedReader | BufferedWriter
+    if "+" in mode:
+        file = BufferedRandom(raw)
+    elif "r" in mode:
+        file = BufferedReader(raw, read_ahead)
+    else:
+        file = BufferedWriter(raw)
+    if encoding is None:
+        return cast("IO[bytes]", file)
+    # Text is written through, so that what is flushed is all that was written.
+    return TextIOWrapper(cast("IO[bytes]", file), encoding=encoding, newline=newline, write_through=True)
+
+
+class Channels(Protocol):
+    """Connections to TCP servers, and serial lines, by number.
+
+    Nothing here waits: what comes of a request arrives as an event at a later tick. At most `CHANNEL_WINDOW` bytes are
+    on their way in each direction; see `messages.outputs`.
+    """
+
+    @property
+    def is_real(self) -> bool:
+        """Whether one leads to a peer that lives in wall-clock time."""
+
+    def open(self, address: str, port: int, timeout_s: float) -> int:
+        """Try to connect; return the channel, or 0 if there is nothing to connect to. Ends in `ChannelOpened`."""
+
+    def open_line(self, device: str, settings: LineSettings) -> int:
+        """Open a serial line; return the channel, or 0 if there are no lines. Ends in `ChannelOpened`.
+
+        Args:
+            device: `tool`, or the device of the control box, such as `/dev/ttymxc0`.
+            settings: of the line.
+        """
+
+    def send(self, channel: int, data: bytes) -> None:
+        """Send bytes; `ChannelCredit` tells when they have left."""
+
+    def credit(self, channel: int, size: int) -> None:
+        """Let the peer send so many bytes more: as many have been taken."""
+
+    def close(self, channel: int) -> None:
+        """Close, once what was sent before is on its way; nothing of that channel arrives any more."""
+
+    def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
+        """What has happened; asked before each tick that is run, which for real channels is held back to its time."""
+
+    def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """Bytes that were sent and have not arrived, and connections whose end has not: a text for each channel.
+
+        Args:
+            ignoring: open channels that do not count.
+        """
+
+    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """Drop what is pending; return it, with what was lost on closed channels since the last call."""
+
+    def next_tick(self, tick: int) -> int | None:
+        """The next tick at which something may arrive."""
+
+
+class ProgramEnvironment(Protocol):
+    """Everything outside, in parts."""
+
+    @property
+    def files(self) -> Files:
+        """The task folder."""
+
+    @property
+    def channels(self) -> Channels:
+        """Connections to TCP servers, and serial lines."""
+
+
+class FilesRefused:
+    """The task folder of a world that has none."""
+
+    __slots__ = ()
+
+    def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
+        """Refuse."""
+        raise self._refusal(name)
+
+    def kind(self, name: str) -> str:
+        """There is nothing."""
+        return "folder" if name == "" else ""
+
+    def size(self, name: str) -> int:
+        """Refuse."""
+        raise self._refusal(name)
+
+    def names(self, name: str) -> list[str]:
+        """There is nothing."""
+        return []
+
+    def remove(self, name: str) -> None:
+        """Refuse."""
+        raise self._refusal(name)
+
+    def make_folder(self, name: str) -> None:
+        """Refuse."""
+        raise self._refusal(name)
+
+    @staticmethod
+    def _refusal(name: str) -> ScriptPermissionError:
+        return ScriptPermissionError(f"cannot open {name!r}: this run has no task folder")
+
+
+class NoChannels:
+    """The network of a world that has none."""
+
+    __slots__ = ()
+
+    is_real: Final = False
+
+    def open(self, address: str, port: int, timeout_s: float) -> int:
+        """There is nothing to connect to."""
+        return 0
+
+    def open_line(self, device: str, settings: LineSettings) -> int:
+        """There is no line."""
+        return 0
+
+    def send(self, channel: int, data: bytes) -> None:
+        """There is no channel."""
+
+    def credit(self, channel: int, size: int) -> None:
+        """There is no channel."""
+
+    def close(self, channel: int) -> None:
+        """There is no channel."""
+
+    def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
+        """Nothing."""
+        return ()
+
+    def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """Nothing."""
+        return ()
+
+    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
+        """Nothing."""
+        return ()
+
+    def next_tick(self, tick: int) -> int | None:
+        """Never."""
+        return None
+
+
+class EmptyEnvironment:
+    """A world in which there is nothing."""
+
+    __slots__ = ("channels", "files")
+
+    def __init__(self) -> None:
+        self.files: Files = FilesRefused()
+        self.channels: Channels = NoChannels()
+
+
+def relative_name(path: object) -> str:
+    """The name in the task folder that a script's path means; empty for the folder itself.
+
+    A relative path counts from the task folder (*assumed*). `//` and `.` are dropped, `..` goes up.
+
+    Raises:
+        ArgumentTypeError: not a str.
+        ScriptPermissionError: the path leads out of the task folder.
+    """
+    if type(path) is not str:
+        raise ArgumentTypeError(f"a path must be a str, not {type(path).__name__}", value=path, limit="a str")
+    if "\0" in path:
+        raise ScriptPermissionError("a path cannot hold a null character", value=path)
+    text = path.replace("\\", "/")
+    root = TASK_PATH.rstrip("/")
+    if text.startswith("/"):
+        text = "/" + text.lstrip("/")
+        if text != root and not text.startswith(TASK_PATH):
+            raise _outside(path)
+        text = text[len(root) :]
+    elif len(text) > 1 and text[1] == ":":
+        raise _outside(path)
+    parts: list[str] = []
+    for part in text.split("/"):
+        if part == "..":
+            if not parts:
+                raise _outside(path)
+            parts.pop()
+        elif part not in ("", "."):
+            parts.append(part)
+    return "/".join(parts)
+
+
+def _outside(path: str) -> ScriptPermissionError:
+    return ScriptPermissionError(
+        f"cannot open {path!r}: programs reach only the files of the task folder, get_task_path() = {TASK_PATH!r}",
+        value=path,
+        limit=TASK_PATH,
+    )

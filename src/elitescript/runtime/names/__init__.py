@@ -1,0 +1,1 @@
+"""What the names in a program stand for: commands, restricted built-ins, modules, files."""

@@ -1,0 +1,348 @@
+"""The names that every script finds without importing anything: commands, built-ins and the compiler's hooks.
+
+They are the built-ins of a run, one dict for each, so that a program which rebinds one (`time = 3`, a parameter
+called `list`) hides it for itself and for nobody else. Functions belong to one run too, because a script can set
+attributes of them. There are hundreds, and most programs are short: each is made when code that names it is about to
+run. All code of a run comes from our compiler, so every name that it can look up is in its code objects.
+"""
+
+from __future__ import annotations
+
+import builtins
+from collections.abc import Callable, Iterable
+from functools import partial
+from types import CodeType, FunctionType
+from typing import Any, Final, NoReturn
+
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.definition.registry import Command
+from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text
+from elitescript.errors import FirmwareError, ScriptPermissionError, ScriptStateError
+from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, STOP, TICK
+from elitescript.messages.profile import Profile, release_of
+from elitescript.runtime.names.context import Context
+from elitescript.runtime.names.files import OpenFiles
+from elitescript.runtime.names.guards import (
+    Identities,
+    OneArgumentType,
+    checked_delattr,
+    checked_dir,
+    checked_format_method,
+    checked_getattr,
+    checked_hasattr,
+    checked_setattr,
+    class_builder,
+)
+from elitescript.runtime.names.modules import Facade, ModuleShelf
+from elitescript.runtime.stdlib.iteration import Step, iter_until
+from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.strand import UNCATCHABLE
+
+_REAL_NAMES: Final = (
+    "abs all any ascii bin callable chr divmod format hash hex isinstance issubclass len max min next oct ord pow repr"
+    " round sorted sum"
+    " bool bytearray bytes classmethod complex dict enumerate filter float frozenset int list map object property range"
+    " reversed set slice staticmethod str super tuple zip"
+)
+"""Built-ins that scripts get as they are."""
+
+_WITHHELD_ERRORS: Final = frozenset(
+    ("BaseExceptionGroup", "ExceptionGroup", "KeyboardInterrupt", "PythonFinalizationError")
+)
+"""Not for scripts: groups can rebuild exceptions behind a handler's back, an interrupt belongs to the user."""
+
+_ERRORS: Final = [
+    name
+    for name, value in vars(builtins).items()
+    if isinstance(value, type) and issubclass(value, BaseException) and name not in _WITHHELD_ERRORS
+]
+
+_REAL: Final[dict[str, Any]] = {
+    # Commands come before built-ins of the same name.
+    **{name: getattr(builtins, name) for name in (*_REAL_NAMES.split(), *_ERRORS) if CATALOGUE.get(name) is None},
+    "Ellipsis": ...,
+    "NotImplemented": NotImplemented,
+    "__debug__": True,
+    "long": int,
+    "type": OneArgumentType,
+    "unichr": chr,
+}
+"""What no script can change, so that all runs may share it."""
+
+_REFUSED: Final = {
+    "breakpoint": "the robot has no debugger on a terminal",
+    "compile": "eval() computes an expression, exec() runs statements",
+    "globals": "a program's globals are its `global` names",
+    "help": "see `elitescript commands NAME`",
+    "locals": "name the variables one by one",
+    "memoryview": "bytes and bytearray hold binary data",
+    "vars": "name the attributes one by one",
+}
+"""Built-ins that lead behind objects or to the computer, and what to use instead."""
+
+
+class Bindings:
+    """The built-ins of one run.
+
+    Args:
+        context: the program's.
+        shelf: its modules.
+        files: its open files.
+        identities: numbers its objects.
+        evaluate: `eval`.
+        execute: `exec`.
+
+    Attributes:
+        names: the dict that its code runs with; grows as code is bound.
+    """
+
+    __slots__ = ("context", "evaluate", "execute", "files", "identities", "names", "shelf")
+
+    def __init__(
+        self,
+        context: Context,
+        *,
+        shelf: ModuleShelf,
+        files: OpenFiles,
+        identities: Identities,
+        evaluate: Callable[..., Any],
+        execute: Callable[..., None],
+    ) -> None:
+        self.context = context
+        self.shelf = shelf
+        self.files = files
+        self.identities = identities
+        self.evaluate = evaluate
+        self.execute = execute
+        scheduler = context.scheduler
+        self.names: dict[str, Any] = {
+            **_REAL,
+            "__import__": _import(shelf),
+            "__build_class__": class_builder(identities),
+            TICK: scheduler.fuel.pop,
+            CHECKPOINT: scheduler.checkpoint,
+            STOP: UNCATCHABLE,
+            FORMAT: checked_format_method,
+            LINE: _line(context),
+        }
+
+    def bind(self, code: CodeType) -> None:
+        """Make what this code names, and the code in it; to be called before it runs."""
+        names = self.names
+        codes = [code]
+        while codes:
+            code = codes.pop()
+            for name in code.co_names:
+                if name not in names:
+                    self.bind_name(name)
+            codes += [value for value in code.co_consts if type(value) is CodeType]
+
+    def bind_name(self, name: str) -> None:
+        """Make what a name stands for, if it stands for anything."""
+        command, make = CATALOGUE.get(name), _MADE.get(name)
+        if command is not None:
+            self.names[name] = command_function(command, name, self.context)
+        elif make is not None:
+            self.names[name] = make(self)
+
+    def known(self) -> Iterable[str]:
+        """All that scripts may name without defining it."""
+        return (*_REAL, *_MADE, *CATALOGUE.names())
+
+
+def is_known(name: str) -> bool:
+    """Whether every program finds something under a name."""
+    return name in _REAL or name in _MADE or CATALOGUE.get(name) is not None
+
+
+def command_function(command: Command, name: str, context: Context) -> Callable[..., Any]:
+    """The function that a script calls for a command.
+
+    A command of a newer firmware is there and says which one it needs.
+    """
+    if release_of(command.since) > context.profile.release:
+        return _newer(name, command, context.profile)
+    scheduler, run = context.scheduler, command.call
+
+    def call(*args: Any, **kwargs: Any) -> Any:
+        if scheduler.is_ending or scheduler.current is None:
+            scheduler.refuse_if_stopped()
+        return run(context, args, kwargs)
+
+    call.__name__ = call.__qualname__ = name
+    return call
+
+
+def _newer(name: str, command: Command, profile: Profile) -> Callable[..., NoReturn]:
+    def call(*args: Any, **kwargs: Any) -> NoReturn:
+        raise FirmwareError(
+            newer_firmware_text(name, command.since, profile),
+            command=name,
+            limit=f"firmware >= {command.since}",
+            hint=newer_firmware_hint(command.since),
+        )
+
+    call.__name__ = call.__qualname__ = name
+    return call
+
+
+def step_of(scheduler: Scheduler) -> Step:
+    """A checkpoint for our own loops that run on behalf of a script."""
+    tick, checkpoint = scheduler.fuel.pop, scheduler.checkpoint
+
+    def step() -> bool:
+        return tick() or checkpoint()
+
+    return step
+
+
+def _print(context: Context) -> Callable[..., None]:
+    write = context.write
+
+    def print(*values: Any, sep: Any = " ", end: Any = "\n", file: Any = None, flush: Any = False) -> None:
+        """Print to the task's log, or to a file."""
+        text = (" " if sep is None else sep).join([str(value) for value in values]) + ("\n" if end is None else end)
+        if file is None:
+            write(text)
+        else:
+            file.write(text)
+
+    print.__qualname__ = "print"
+    return print
+
+
+def _open(files: OpenFiles) -> Callable[..., Any]:
+    def open(
+        file: Any,
+        mode: Any = "r",
+        buffering: Any = -1,
+        encoding: Any = None,
+        errors: Any = None,
+        newline: Any = None,
+    ) -> Any:
+        """Open a file of the task folder."""
+        return files.open(file, mode, encoding, newline, errors)
+
+    open.__qualname__ = "open"
+    return open
+
+
+def _id(identities: Identities) -> Callable[[Any], int]:
+    def id(value: Any) -> int:
+        """A number that belongs to an object and is the same in every run."""
+        return identities.number(value)
+
+    id.__qualname__ = "id"
+    return id
+
+
+def _input(*prompt: Any) -> NoReturn:
+    """Refuse: nobody sits at a terminal.
+
+    Raises:
+        ScriptStateError: always.
+    """
+    raise ScriptStateError("input() has no terminal to read from", code="R123", command="input")
+
+
+def _leaving(context: Context, name: str) -> Callable[..., None]:
+    def leave(status: Any = None) -> None:
+        """End the program, like `halt()`."""
+        context.leave(name)
+
+    leave.__name__ = leave.__qualname__ = name
+    return leave
+
+
+def _refusal(name: str, _run: Bindings) -> Callable[..., NoReturn]:
+    advice = _REFUSED[name]
+
+    def refuse(*args: Any, **kwargs: Any) -> NoReturn:
+        """Refuse.
+
+        Raises:
+            ScriptPermissionError: always.
+        """
+        raise ScriptPermissionError(f"{name}() is not available to programs", command=name, hint=advice)
+
+    refuse.__name__ = refuse.__qualname__ = name
+    return refuse
+
+
+def _import(shelf: ModuleShelf) -> Callable[..., Any]:
+    def import_module(name: Any, *details: Any, **options: Any) -> Any:
+        """`__import__`."""
+        if type(name) is not str:
+            raise TypeError(f"the name of a module must be a str, not {type(name).__name__}")
+        return shelf.import_module(name, *details, **options)
+
+    return import_module
+
+
+def _stand_in(name: str) -> type[BaseException]:
+    """An exception that handlers may name, but nobody raises: the real one belongs to the user."""
+    return type(name, (BaseException,), {"__module__": "builtins"})
+
+
+def _copy_of(function: Any) -> Callable[[Bindings], Any]:
+    """Makes a copy of a function for each run."""
+
+    def make(run: Bindings) -> Any:
+        copy = FunctionType(function.__code__, function.__globals__, function.__name__, function.__defaults__)
+        copy.__qualname__, copy.__doc__ = function.__qualname__, function.__doc__
+        return copy
+
+    return make
+
+
+def _preloaded(run: Bindings) -> Facade:
+    """`copy` and `elicopy` are the same object."""
+    names = run.names
+    return names.get("copy") or names.get("elicopy") or _preloaded_copy(run.shelf)
+
+
+def _preloaded_copy(shelf: ModuleShelf) -> Facade:
+    """`copy` and `elicopy`, which programs use without importing; the module itself is loaded at the first call."""
+
+    def copy(x: Any) -> Any:
+        """A shallow copy."""
+        return vars(shelf.facade("copy"))["copy"](x)
+
+    def deepcopy(x: Any, memo: Any = None) -> Any:
+        """A copy of the value and of all that it holds."""
+        return vars(shelf.facade("copy"))["deepcopy"](x, memo)
+
+    for function in (copy, deepcopy):
+        function.__qualname__ = function.__name__
+    return Facade("copy", {"copy": copy, "deepcopy": deepcopy})
+
+
+def _line(context: Context) -> Callable[..., None]:
+    def mark(number: Any, label: Any, after: Any = None) -> None:
+        """The program has reached a `$ LINE` mark; the third element says that the node is behind it."""
+        context.mark(int(number), str(label))
+
+    return mark
+
+
+_MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
+    **{name: partial(_refusal, name) for name in _REFUSED},
+    "KeyboardInterrupt": lambda run: _stand_in("KeyboardInterrupt"),
+    "copy": _preloaded,
+    "delattr": _copy_of(checked_delattr),
+    "dir": _copy_of(checked_dir),
+    "elicopy": _preloaded,
+    "eval": lambda run: run.evaluate,
+    "exec": lambda run: run.execute,
+    "exit": lambda run: _leaving(run.context, "exit"),
+    "getattr": _copy_of(checked_getattr),
+    "hasattr": _copy_of(checked_hasattr),
+    "id": lambda run: _id(run.identities),
+    "input": _copy_of(_input),
+    "iter": lambda run: iter_until(step_of(run.context.scheduler)),
+    "open": lambda run: _open(run.files),
+    "print": lambda run: _print(run.context),
+    "quit": lambda run: _leaving(run.context, "quit"),
+    "setattr": _copy_of(checked_setattr),
+}
+"""What is made anew for each run, and how."""

@@ -1,0 +1,307 @@
+"""File objects for scripts.
+
+A script holds a `ScriptFile`; the file that a world has opened stays behind it, because real file objects lead
+to their buffers, descriptors and paths. When the last reference to it goes, the file is closed, as in CPython:
+what was written is then there for others to read.
+"""
+
+from __future__ import annotations
+
+import codecs
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from io import BytesIO, TextIOWrapper
+from typing import IO, Any, Final, NoReturn
+from weakref import ref
+
+from elitescript.errors import ArgumentTypeError, InvalidValueError, NotSimulatedError
+from elitescript.runtime.environment import ProgramEnvironment, relative_name
+from elitescript.runtime.names.sealed import Sealed, hidden_slot, no_copy
+
+OPEN_FILES_MAX: Final = 256
+"""Files that one program may have open at a time (*assumed*; what a Linux controller allows by default is 1024)."""
+
+_MODE_LETTERS: Final = frozenset("rwxabt+")
+
+
+class OpenFiles:
+    """The files that one program has open."""
+
+    __slots__ = ("_files", "_world")
+
+    def __init__(self, world: ProgramEnvironment) -> None:
+        self._world = world
+        self._files: list[ref[IO[Any]]] = []
+
+    def open(
+        self, path: Any, mode: Any = "r", encoding: Any = None, newline: Any = None, errors: Any = None
+    ) -> ScriptFile:
+        """`open` for scripts, which writes the same bytes on every system.
+
+        Text files are UTF-8 unless the script says otherwise, and a line feed is written as one unless `newline`
+        says otherwise.
+
+        Raises:
+            OSError: as Python's `open`; `PermissionError` for what lies outside the task folder.
+            LookupError: no such encoding, or no such way to treat errors.
+            ScriptError: arguments that make no sense.
+        """
+        name = relative_name(path)
+        _check_mode(mode)
+        is_binary = "b" in mode
+        if not is_binary:
+            encoding = "utf-8" if encoding is None or encoding == "locale" else encoding
+            _check_text(encoding, newline, errors)
+        elif any(option is not None for option in (encoding, newline, errors)):
+            raise InvalidValueError("a binary file has neither encoding, errors nor newline")
+        self._files = [known for known in self._files if (open_file := known()) is not None and not open_file.closed]
+        if len(self._files) >= OPEN_FILES_MAX:
+            raise OSError(24, f"more than {OPEN_FILES_MAX} files are open", name)
+        file = self._world.files.open(name, mode if is_binary else mode.replace("t", "") + "b", None, None)
+        if not is_binary:
+            file = _text(file, mode, encoding, newline, errors)
+        self._files.append(ref(file))
+        return file_over(file, mode, name)
+
+    def close(self) -> None:
+        """Close what the program has left open.
+
+        Raises:
+            OSError: of the first file that could not be written; the others are closed all the same.
+        """
+        files, self._files = self._files, []
+        errors = []
+        for known in files:
+            file = known()
+            if file is not None and not file.closed:
+                try:
+                    file.close()
+                except OSError as error:
+                    errors.append(error)
+        if errors:
+            raise errors[0]
+
+
+def _check_mode(mode: Any) -> None:
+    if type(mode) is not str:
+        raise ArgumentTypeError(f"the mode of open() must be a str, not {type(mode).__name__}", value=mode)
+    letters = set(mode)
+    if (
+        not letters <= _MODE_LETTERS
+        or len(letters) != len(mode)
+        or len(letters & set("rwxa")) != 1
+        or letters >= {"b", "t"}
+    ):
+        raise InvalidValueError(
+            f"open() does not know the mode {mode!r}", value=mode, limit="one of r, w, x, a, with b, t or +"
+        )
+
+
+def _check_text(encoding: Any, newline: Any, errors: Any) -> None:
+    """Look at the options of a text file before the file is opened, which may empty it."""
+    for option, value in (("encoding", encoding), ("newline", newline), ("errors", errors)):
+        if value is not None and type(value) is not str:
+            raise ArgumentTypeError(f"{option} must be a str or None, not {type(value).__name__}", value=value)
+    if newline not in (None, "", "\n", "\r", "\r\n"):
+        raise InvalidValueError(
+            f"open() does not know the newline {newline!r}", value=newline, limit=r"None, '', '\n', '\r' or '\r\n'"
+        )
+    TextIOWrapper(BytesIO(), encoding)
+    codecs.lookup_error(errors or "strict")
+
+
+class _ChangedText(TextIOWrapper):
+    r"""Text of a file that is both read and written: reads any line end as `\n`, and writes `\n` as it is.
+
+    To be made with `newline=""`. Python's own text files that read so write the line end of the system.
+    """
+
+    def read(self, size: int | None = -1, /) -> str:
+        if size is None or size < 0:
+            return _with_line_feeds(super().read())
+        parts = []
+        left = size
+        while left > 0:
+            text = self._completed(super().read(left))
+            if not text:
+                break
+            parts.append(text)
+            left -= len(text)
+        return "".join(parts)
+
+    def readline(self, size: int = -1, /) -> str:  # type: ignore[override]
+        line = super().readline(size)
+        return _with_line_feeds(line) if size < 0 else self._completed(line)
+
+    def _completed(self, text: str) -> str:
+        r"""The text with line feeds; a `\n` in the file that belongs to a `\r` at its end is read too."""
+        if text.endswith("\r"):
+            place = self.tell()
+            if super().read(1) != "\n":
+                self.seek(place)
+        return _with_line_feeds(text)
+
+
+def _with_line_feeds(text: str) -> str:
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _text(file: IO[bytes], mode: str, encoding: str, newline: str | None, errors: str | None) -> IO[str]:
+    """The text of an open file. Text is written through, so that what is flushed is all that was written."""
+    kind: type[TextIOWrapper] = TextIOWrapper
+    if newline is None and "+" in mode:
+        kind, newline = _ChangedText, ""
+    elif newline is None and "r" not in mode:
+        newline = "\n"
+    return kind(file, encoding=encoding, errors=errors, newline=newline, write_through=True)
+
+
+class ScriptFile(metaclass=Sealed):
+    """An open file of the task folder; the usual methods of Python's files."""
+
+    __slots__ = ("_inner", "mode", "name")
+    __module__ = "io"
+    __reduce_ex__ = no_copy
+
+    def __init__(self, mode: str, name: str) -> None:
+        self.mode = mode
+        self.name = name
+
+    def read(self, size: Any = -1) -> Any:
+        """Read the rest, or up to `size` characters or bytes."""
+        return _file(self).read(size)
+
+    def readline(self, size: Any = -1) -> Any:
+        """Read one line with its line end; empty at the end of the file."""
+        return _file(self).readline(size)
+
+    def readlines(self, hint: Any = -1) -> list[Any]:
+        """Read all lines."""
+        return _file(self).readlines(hint)
+
+    def write(self, data: Any) -> int:
+        """Write text, or bytes to a binary file; return how many."""
+        return _file(self).write(data)
+
+    def writelines(self, lines: Iterable[Any]) -> None:
+        """Write one after the other, adding no line ends."""
+        for line in lines:
+            _file(self).write(line)
+
+    def seek(self, offset: Any, whence: Any = 0) -> int:
+        """Go to a place in the file."""
+        return _file(self).seek(offset, whence)
+
+    def tell(self) -> int:
+        """The place in the file."""
+        return _file(self).tell()
+
+    def truncate(self, size: Any = None) -> int:
+        """Cut the file off."""
+        return _file(self).truncate(size)
+
+    def flush(self) -> None:
+        """Write out what is buffered."""
+        _file(self).flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        _file(self).close()
+
+    def readable(self) -> bool:
+        """Whether it was opened for reading."""
+        return _file(self).readable()
+
+    def writable(self) -> bool:
+        """Whether it was opened for writing."""
+        return _file(self).writable()
+
+    def seekable(self) -> bool:
+        """Whether `seek` works."""
+        return _file(self).seekable()
+
+    def fileno(self) -> NoReturn:
+        """Refuse: there is no descriptor."""
+        raise NotSimulatedError("files of the task folder have no descriptor")
+
+    def isatty(self) -> bool:
+        """It is no terminal."""
+        return False
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is closed."""
+        return bool(_file(self).closed)
+
+    @property
+    def encoding(self) -> str | None:
+        """Of a text file."""
+        return getattr(_file(self), "encoding", None)
+
+    def __enter__(self) -> ScriptFile:
+        if self.closed:
+            raise ValueError("I/O operation on closed file.")
+        return self
+
+    def __exit__(self, *details: object) -> None:
+        self.close()
+
+    def __iter__(self) -> Iterator[Any]:
+        return self
+
+    def __next__(self) -> Any:
+        line = _file(self).readline()
+        if not line:
+            raise StopIteration
+        return line
+
+    def __del__(self) -> None:
+        # Nobody could catch an error here; a program that wants to know closes the file itself.
+        with suppress(Exception):
+            _file(self).close()
+
+    def __repr__(self) -> str:
+        return f"<file name={self.name!r} mode={self.mode!r}>"
+
+
+_inner = hidden_slot(ScriptFile, "_inner")
+_file: Callable[[ScriptFile], IO[Any]] = _inner.__get__
+
+
+def file_over(inner: IO[Any], mode: str, name: str) -> ScriptFile:
+    """What a script holds of an open file."""
+    file = ScriptFile(mode, name)
+    _inner.__set__(file, inner)
+    return file
+
+
+class ScriptStream(metaclass=Sealed):
+    """`sys.stdout` for scripts: what is written there is printed."""
+
+    __slots__ = ("_write", "name")
+    __module__ = "io"
+    __reduce_ex__ = no_copy
+
+    def __init__(self, name: str, write: Callable[[str], None]) -> None:
+        self.name = name
+        _write.__set__(self, write)
+
+    def write(self, text: Any) -> int:
+        """Print a text."""
+        if not isinstance(text, str):
+            raise ArgumentTypeError(f"write() argument must be str, not {type(text).__name__}", value=text)
+        _write.__get__(self)(str(text))
+        return len(text)
+
+    def flush(self) -> None:
+        """Nothing is buffered here."""
+
+    def isatty(self) -> bool:
+        """It is no terminal."""
+        return False
+
+    def __repr__(self) -> str:
+        return f"<stream {self.name!r}>"
+
+
+_write = hidden_slot(ScriptStream, "_write")

@@ -1,0 +1,270 @@
+"""The modules that a script can import, in one table, and the hook that imports them.
+
+A facade is a plain object with the public names of a module and nothing behind them. It is made when a program
+first imports it, and belongs to that program. Four ways to fill one:
+
+    shared   functions and immutable classes of the installed module itself
+    copied   names of a private copy of it (see `stdlib.loader`)
+    own      a small module of ours, in virtual time or over virtual processes
+    refused  everything else
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import FunctionType, ModuleType, SimpleNamespace
+from typing import Any, Final, NoReturn, Protocol
+
+from elitescript.language.modules import AVAILABLE, NETWORK
+from elitescript.runtime.names.sealed import Sealed, hidden_slot, no_copy
+from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
+
+SHARED_NAMES: Final[dict[str, str]] = {
+    "base64": "b64encode b64decode standard_b64encode standard_b64decode urlsafe_b64encode urlsafe_b64decode"
+    " b32encode b32decode b16encode b16decode b85encode b85decode a85encode a85decode encodebytes decodebytes",
+    "binascii": "a2b_base64 a2b_hex a2b_uu b2a_base64 b2a_hex b2a_uu crc32 crc_hqx hexlify unhexlify Error Incomplete",
+    "bisect": "bisect bisect_left bisect_right insort insort_left insort_right",
+    "cmath": "*",
+    "copy": "copy deepcopy Error",
+    "decimal": "Decimal Context getcontext setcontext localcontext Clamped ConversionSyntax DecimalException"
+    " DivisionByZero DivisionImpossible DivisionUndefined FloatOperation Inexact InvalidContext InvalidOperation"
+    " Overflow Rounded Subnormal Underflow MAX_EMAX MAX_PREC MIN_EMIN MIN_ETINY ROUND_05UP ROUND_CEILING ROUND_DOWN"
+    " ROUND_FLOOR ROUND_HALF_DOWN ROUND_HALF_EVEN ROUND_HALF_UP ROUND_UP",
+    "hashlib": "md5 sha1 sha224 sha256 sha384 sha512 sha3_224 sha3_256 sha3_384 sha3_512 shake_128 shake_256 blake2b"
+    " blake2s new pbkdf2_hmac algorithms_guaranteed",
+    "heapq": "heappush heappop heapify heapreplace heappushpop merge nlargest nsmallest",
+    "math": "*",
+    "operator": "abs add and_ concat contains countOf delitem eq floordiv ge getitem gt iadd iand iconcat ifloordiv"
+    " ilshift imatmul imod imul index indexOf inv invert ior ipow irshift is_ is_not isub itemgetter itruediv ixor le"
+    " length_hint lshift lt matmul mod mul ne neg not_ or_ pos pow rshift setitem sub truediv truth xor",
+    "struct": "calcsize error iter_unpack pack pack_into unpack unpack_from Struct",
+}
+"""Names of the installed module; `*` stands for all its public ones. What hands out attributes by name is left out."""
+
+COPIED_NAMES: Final[dict[str, str]] = {
+    "collections": "ChainMap Counter OrderedDict UserDict UserList UserString defaultdict deque namedtuple",
+    "collections.abc": "*",
+    "dataclasses": "FrozenInstanceError InitVar KW_ONLY MISSING asdict astuple dataclass field fields is_dataclass"
+    " replace",
+    "datetime": "MAXYEAR MINYEAR UTC date datetime time timedelta timezone tzinfo",
+    "enum": "Enum Flag IntEnum IntFlag StrEnum auto member nonmember unique",
+    "fractions": "Fraction",
+    "functools": "cache cached_property cmp_to_key lru_cache partial partialmethod reduce total_ordering",
+    "json": "JSONDecodeError JSONDecoder JSONEncoder dump dumps load loads",
+    "queue": "Empty Full LifoQueue PriorityQueue Queue SimpleQueue ShutDown",
+    "statistics": "*",
+    "string": "Template ascii_letters ascii_lowercase ascii_uppercase capwords digits hexdigits octdigits printable"
+    " punctuation whitespace",
+    "textwrap": "TextWrapper dedent fill indent shorten wrap",
+    "threading": "Barrier BoundedSemaphore BrokenBarrierError Condition Event Lock RLock Semaphore TIMEOUT_MAX Thread"
+    " ThreadError Timer active_count activeCount current_thread currentThread enumerate get_ident get_native_id local"
+    " main_thread",
+}
+"""Names of a private copy; those that this Python does not have are left out."""
+
+
+class Facade(metaclass=Sealed):
+    """A module as scripts see it."""
+
+    __slots__ = ("__dict__", "_name")
+    __module__ = "builtins"
+    __qualname__ = "module"
+    __reduce_ex__ = no_copy
+
+    def __init__(self, name: str, names: dict[str, Any]) -> None:
+        _name.__set__(self, name)
+        self.__dict__.update(names)
+
+    def __getattr__(self, attribute: str) -> NoReturn:
+        name = _name.__get__(self)
+        raise AttributeError(f"the module {name!r} of the robot has no {attribute!r}{_advice(attribute, self)}")
+
+    def __setattr__(self, attribute: str, value: object) -> NoReturn:
+        raise AttributeError(f"the module {_name.__get__(self)!r} cannot be changed")
+
+    def __delattr__(self, attribute: str) -> NoReturn:
+        raise AttributeError(f"the module {_name.__get__(self)!r} cannot be changed")
+
+    def __repr__(self) -> str:
+        return f"<module {_name.__get__(self)!r}>"
+
+
+_name = hidden_slot(Facade, "_name")
+
+
+def _advice(attribute: str, facade: Facade) -> str:
+    """The name that was meant, or the few that there are."""
+    from elitescript.language.advice.unknown_names import nearest
+
+    names = sorted(vars(facade))
+    if len(names) <= FEW_NAMES:
+        return f"; it has {', '.join(names)}"
+    meant = nearest(attribute, names)
+    return f"; is `{meant}` meant?" if meant else ""
+
+
+FEW_NAMES: Final = 24
+"""So many names of a module are listed when a program asks for another one."""
+
+
+class ModulePort(Protocol):
+    """What the shelf asks of the program that it belongs to."""
+
+    def module_names(self, name: str) -> dict[str, Any]:
+        """Names of one of the `OWN` modules."""
+
+    def copy_replacements(self, is_loading_threads: Callable[[], bool]) -> dict[str, Any]:
+        """What private copies get in the place of modules: `_thread`, `time`, `random`."""
+
+
+class ModuleShelf:
+    """The modules of one program, made when they are first imported."""
+
+    __slots__ = ("_facades", "_is_loading_threads", "_loader", "_port")
+
+    def __init__(self, port: ModulePort) -> None:
+        self._port = port
+        self._facades: dict[str, Facade] = {}
+        self._loader: CopyLoader | None = None
+        self._is_loading_threads = False
+
+    def import_module(
+        self,
+        name: str,
+        space: object = None,
+        names: object = None,
+        fromlist: tuple[str, ...] | None = None,
+        level: int = 0,
+    ) -> Facade:
+        """`__import__` for scripts.
+
+        Raises:
+            ImportError: the module is not for scripts, or has no such name.
+        """
+        if level:
+            raise ImportError("a program is no package: write the whole name of the module")
+        module = self.facade(name)
+        if not fromlist:
+            return self.facade(name.partition(".")[0])
+        for wanted in fromlist:
+            # Otherwise Python would look for a real module `name.wanted` among the loaded ones.
+            if wanted not in vars(module):
+                raise ImportError(f"cannot import name {wanted!r} from {name!r}: the robot's {name} does not have it")
+        return module
+
+    def facade(self, name: str) -> Facade:
+        """A module.
+
+        Raises:
+            ImportError: it is not for scripts.
+        """
+        found = self._facades.get(name)
+        if found is None:
+            if name not in AVAILABLE:
+                raise ImportError(_refusal(name))
+            found = self._facades[name] = self._make(name)
+        return found
+
+    def _make(self, name: str) -> Facade:
+        if name == "os.path":
+            path: Facade = vars(self.facade("os"))["path"]
+            return path
+        if name in SHARED_NAMES:
+            names = _chosen(vars(real(name)), SHARED_NAMES[name])
+            names = {key: forwarded(item) if type(item) is FunctionType else item for key, item in names.items()}
+        elif name in COPIED_NAMES:
+            names = _chosen(vars(self.copy(name)), COPIED_NAMES[name])
+            _FIXES.get(name, _no_fix)(names)
+            if name == "collections":
+                names["abc"] = self.facade("collections.abc")
+        else:
+            names = self._port.module_names(name)
+        return Facade(name, names)
+
+    def copy(self, name: str) -> ModuleType:
+        """The private copy of a module, whole; for our own code."""
+        if self._loader is None:
+            replacements = self._port.copy_replacements(lambda: self._is_loading_threads)
+            self._loader = CopyLoader({**replacements, **_REPLACEMENTS})
+        outer = self._is_loading_threads
+        self._is_loading_threads = outer or name in ("queue", "threading")
+        try:
+            return self._loader.load(name)
+        finally:
+            self._is_loading_threads = outer
+
+
+def _refusal(name: str) -> str:
+    if name.partition(".")[0] in NETWORK:
+        return (
+            f"the module {name!r} is not available to programs; "
+            "the commands socket_open, socket_send_string, rpc_factory and their like reach the network"
+        )
+    return f"the module {name!r} is not available to programs"
+
+
+def _chosen(space: dict[str, Any], wanted: str) -> dict[str, Any]:
+    """The names of a module that are wanted and there; never a module."""
+    if wanted == "*":
+        public = space.get("__all__") or [name for name in space if not name.startswith("_")]
+        return {name: space[name] for name in public if not isinstance(space[name], ModuleType)}
+    return {name: space[name] for name in wanted.split() if name in space}
+
+
+def _own_wraps(names: dict[str, Any]) -> None:
+    """`wraps` without its lists of attributes, which could name any attribute."""
+
+    def update_wrapper(wrapper: Any, wrapped: Any) -> Any:
+        """Give a function the name and the text of the one that it wraps."""
+        for attribute in ("__name__", "__qualname__", "__doc__"):
+            value = getattr(wrapped, attribute, None)
+            if type(value) is str:
+                setattr(wrapper, attribute, value)
+        return wrapper
+
+    def wraps(wrapped: Any) -> Callable[[Any], Any]:
+        """Decorator that gives a function the name and the text of the one that it wraps."""
+        return lambda wrapper: update_wrapper(wrapper, wrapped)
+
+    names["update_wrapper"] = update_wrapper
+    names["wraps"] = wraps
+
+
+def _own_json_error(names: dict[str, Any]) -> None:
+    """The C parser raises the error class of the installed module, so the Python code of the copy does too."""
+    error = real("json").JSONDecodeError
+    for function in (names["loads"], names["JSONDecoder"].decode):
+        function.__globals__["JSONDecodeError"] = error
+    names["JSONDecodeError"] = error
+
+
+def _own_user_string(names: dict[str, Any]) -> None:
+    """`UserString` without the methods that fill a format string with any attribute."""
+    for method in ("format", "format_map"):
+        delattr(names["UserString"], method)
+
+
+def _no_fix(names: dict[str, Any]) -> None:
+    """Most copies are used as they are."""
+
+
+_FIXES: Final[dict[str, Callable[[dict[str, Any]], None]]] = {
+    "collections": _own_user_string,
+    "functools": _own_wraps,
+    "json": _own_json_error,
+}
+
+
+def _annotations(cls: type) -> dict[str, Any]:
+    return dict(vars(cls).get("__annotations__", {}))
+
+
+_REPLACEMENTS: Final[dict[str, Any]] = {
+    "_datetime": ABSENT,
+    "_queue": ABSENT,
+    "inspect": SimpleNamespace(
+        get_annotations=_annotations, signature=lambda function: "", unwrap=lambda function: function
+    ),
+    "os": SimpleNamespace(),
+}
+"""What every copy gets in the place of a module."""

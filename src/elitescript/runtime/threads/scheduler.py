@@ -1,0 +1,463 @@
+"""Whose turn it is: script threads in virtual time, in an order that is the same in every run.
+
+In each tick the threads that are due run in the order of their start, each until it waits or has used up its work for
+this tick. Threads that others wake in the same tick run after those, in the order in which they were woken. Work is
+counted in checkpoints (loop passes, calls), never in time, so an endless loop costs one tick for every `work_per_tick`
+checkpoints and can stop nothing. How fast the real controller is, is not known: the number is *assumed*.
+
+Compiled scripts evaluate `tick() or checkpoint()`, where `tick` pops from the list `fuel`. The list holds True
+for every checkpoint that costs nothing more, above False values that lead to `checkpoint`. It is filled in
+portions; the books are kept exactly, so the size of a portion shows nowhere.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Final
+
+from elitescript.runtime.threads.strand import ENDED, READY, WAITING, Stopped, Strand
+from elitescript.runtime.threads.timers import Timers
+
+WORK_PER_TICK: Final = 2_000
+"""Checkpoints of one thread in one tick (*assumed*): so few that a served loop of mere polling keeps up with time."""
+
+WORK_PER_ACTIVATION: Final = 20
+"""Checkpoints that it costs to be woken, so that threads which only wake each other use up the tick too."""
+
+WORK_PER_EVENT: Final = 20
+"""Checkpoints that an event costs (*assumed*), so that a loop which only writes messages or signals keeps up with time
+and leaves its readers theirs."""
+
+FLOOR: Final = 1000
+"""False values below the fuel. One is enough as long as `checkpoint` can be called; in the last calls before the
+recursion limit it cannot, and each try takes one away."""
+
+STARTS_PER_TICK: Final = 1000
+"""Threads that begin in the tick in which they are started; those that start each other do not stop time either."""
+
+PORTION: Final = 500
+"""Checkpoints that are paid out at a time."""
+
+_ORPHAN_WORK: Final = 1000
+"""Checkpoints for script code that no thread runs: `finally` blocks of generators that are collected."""
+
+
+_FLOOR: Final = (False,) * FLOOR
+
+
+class Scheduler:
+    """Runs strands.
+
+    Args:
+        work_per_tick: checkpoints that a thread may pass in one tick.
+        portion: checkpoints paid out at a time; shows in speed alone.
+
+    Attributes:
+        now: the tick that runs, or ran last.
+        current: the strand that runs.
+        fuel: see the module.
+        is_ending: whether the running strand was stopped.
+        needs_attention: keeps `run_ready` from going on; set by `call_attention`.
+        is_paused: whether only secondary programs run.
+        lag_ticks: by which robot time is behind the wall clock, see `Deadline`.
+        timers: when waits end.
+    """
+
+    __slots__ = (
+        "_is_in_tick",
+        "_is_interrupted",
+        "_is_pausing",
+        "_is_resuming",
+        "_loaded",
+        "_next",
+        "_on_abandoned",
+        "_on_end",
+        "_orphan_work",
+        "_portion",
+        "_ready",
+        "_started",
+        "_starts_max",
+        "_work_per_tick",
+        "current",
+        "fuel",
+        "is_ending",
+        "is_paused",
+        "lag_ticks",
+        "needs_attention",
+        "now",
+        "strands",
+        "timers",
+    )
+
+    def __init__(
+        self,
+        *,
+        work_per_tick: int = WORK_PER_TICK,
+        portion: int = PORTION,
+        on_end: Callable[[Strand], None] = lambda strand: None,
+        on_abandoned: Callable[[Strand], None] = lambda strand: None,
+    ) -> None:
+        self.now = 0
+        self.current: Strand | None = None
+        self.strands: list[Strand] = []
+        self.fuel: list[bool] = list(_FLOOR)
+        self.is_ending = False
+        self.needs_attention = False
+        self.is_paused = False
+        self.lag_ticks = 0
+        self._work_per_tick = max(work_per_tick, WORK_PER_ACTIVATION + 1)
+        self._portion = [True] * portion
+        self._loaded = 0
+        self._ready: deque[Strand] = deque()
+        self._next: list[Strand] = []
+        self.timers = Timers()
+        self._started = self._starts_max = 0
+        self._is_in_tick = False
+        self._is_interrupted = False
+        self._is_pausing = False
+        self._is_resuming = False
+        self._orphan_work = _ORPHAN_WORK
+        self._on_end = on_end
+        self._on_abandoned = on_abandoned
+
+    # ---------------------------------------------------------------- strands
+
+    def spawn(
+        self, name: str, body: Callable[[], None], builtins: dict[str, Any], *, is_secondary: bool = False
+    ) -> Strand:
+        """Add a strand; it runs in this tick after those that are ready already, or in the next one."""
+        strand = Strand(self._started, name, body, builtins, is_secondary=is_secondary)
+        self._started += 1
+        self.strands.append(strand)
+        (self._next.append if self._started > self._starts_max else self._enqueue)(strand)
+        return strand
+
+    def find(self, handle: int) -> Strand | None:
+        """The living strand with that handle."""
+        return next((strand for strand in self.strands if strand.handle == handle), None)
+
+    # ---------------------------------------------------------------- the loop's side
+
+    def begin_tick(self, tick: int) -> None:
+        """Make everything ready that is due at a tick."""
+        self.now = tick
+        self._starts_max = self._started + STARTS_PER_TICK
+        self._is_in_tick = True
+        if self._is_pausing:
+            self._is_pausing = False
+            self.timers.hold(tick)
+        if self._is_resuming:
+            self._is_resuming = False
+            self.timers.release(tick)
+        due = self._next
+        self._next = []
+        for strand in self.timers.due(tick):
+            strand.was_woken = False
+            strand.state = READY
+            due.append(strand)
+        if len(due) > 1:
+            due.sort(key=_order)
+        self._ready.extend(due)
+
+    def run_ready(self) -> None:
+        """Run strands until none is ready in this tick, or something needs attention."""
+        ready = self._ready
+        now = self.now
+        while ready and not self.needs_attention and not self._is_interrupted:
+            strand = ready.popleft()
+            if strand.state is not READY:
+                continue
+            if not strand.is_dying and (
+                (self.is_paused and not strand.is_secondary)
+                or (strand.work_tick == now and strand.work >= self._work_per_tick)
+            ):
+                self._next.append(strand)
+                continue
+            self._activate(strand)
+
+    def end_tick(self) -> None:
+        """Leave the tick; an interruption is over with it."""
+        self._is_in_tick = False
+        self._is_interrupted = False
+
+    def next_tick(self, tick: int) -> int | None:
+        """Earliest tick after `tick` at which a strand is due; None while all wait for something else."""
+        if self._is_resuming or (self._is_pausing and not self.is_paused):
+            return tick + 1
+        for strand in (*self._next, *self._ready):
+            if strand.state is READY and (strand.is_secondary or not self.is_paused):
+                return tick + 1
+        until = self.timers.next_tick()
+        return None if until is None else max(until, tick + 1)
+
+    def interrupt(self) -> None:
+        """Bring control back to the loop at the next checkpoint; may be called from a signal handler."""
+        self._is_interrupted = True
+        self._drain()
+
+    def call_attention(self) -> None:
+        """Bring control back to `run_ready` at the next checkpoint, and out of it."""
+        self.needs_attention = True
+        self._drain()
+
+    def pause(self) -> None:
+        """Let only secondary programs run.
+
+        Virtual time goes on; waits of the paused strands are longer by the pause (*assumed*).
+        """
+        if not self.is_paused:
+            self.is_paused = True
+            if self._is_resuming:
+                self._is_resuming = False
+            elif self._is_in_tick:
+                self.timers.hold(self.now)
+            else:
+                self._is_pausing = True
+
+    def resume(self) -> None:
+        """Let all strands run again, from the next tick that runs."""
+        if self.is_paused:
+            self.is_paused = False
+            if self._is_pausing:
+                self._is_pausing = False
+            else:
+                self._is_resuming = True
+
+    def forget_pause(self) -> None:
+        """Let no pause outlive the program that was paused."""
+        self.is_paused = self._is_pausing = self._is_resuming = False
+        self.timers.forget_held()
+
+    # ---------------------------------------------------------------- stopping
+
+    def kill(self, strand: Strand) -> None:
+        """End a strand from where it stands, whatever it waits for; its `finally` blocks run first.
+
+        When a strand stops another one, it goes on after that one has unwound. A strand that stops itself does not
+        come back from this call.
+        """
+        if strand.state is ENDED or strand.is_dying:
+            return
+        strand.is_dying = True
+        strand.ticket += 1
+        if strand.cancel is not None:
+            strand.cancel()
+        current = self.current
+        if strand is current:
+            self.is_ending = True
+            self._drain()
+            raise Stopped
+        strand.state = READY
+        if not strand.is_started:
+            self._retire(strand)
+        elif current is None:
+            self._activate(strand)
+        elif current.is_dying:
+            self._ready.appendleft(strand)
+        else:
+            self._ready.appendleft(current)
+            self._ready.appendleft(strand)
+            current.suspend()
+            self._go_on(current)
+
+    def refuse_if_stopped(self) -> None:
+        """Let a stopped strand's `finally` blocks use commands that do not wait; refuse what swallowed the stop.
+
+        Raises:
+            Stopped: again.
+        """
+        strand = self.current
+        if strand is None or not strand.is_running:
+            raise Stopped
+        if strand.is_dying:
+            strand.spend_cleanup()
+
+    # ---------------------------------------------------------------- the strand's side
+
+    def checkpoint(self) -> bool:
+        """Called by compiled scripts when the fuel is used up; returns True when the strand may go on.
+
+        Raises:
+            Stopped: it may not.
+        """
+        fuel = self.fuel
+        taken = FLOOR - len(fuel)
+        if taken == 1:
+            fuel.append(False)
+        else:
+            fuel[:] = _FLOOR
+        strand = self.current
+        if strand is None or not strand.is_running:
+            return self._orphan()
+        strand.work += self._loaded + taken
+        self._loaded = 0
+        if strand.is_dying:
+            strand.spend_cleanup()
+            return True
+        if self._is_interrupted or self.needs_attention:
+            self._ready.appendleft(strand)
+            strand.suspend()
+            self._go_on(strand)
+        while strand.work >= self._work_per_tick:
+            self._next.append(strand)
+            strand.suspend()
+            self._go_on(strand)
+        # Whoever ran meanwhile may have left fuel, which is this strand's since its turn began.
+        if self._loaded == 0:
+            self._load(strand)
+        return True
+
+    def spend_event(self) -> None:
+        """Have the running strand pay for an event, as far as it has fuel."""
+        if self.current is not None:
+            fuel = self.fuel
+            del fuel[max(FLOOR, len(fuel) - WORK_PER_EVENT) :]
+
+    def wait(self, reason: str, until: int | None = None) -> bool:
+        """Suspend the running strand until it is woken, or until a tick; say which: True when woken.
+
+        Args:
+            reason: what it waits for, as in "waits for ...".
+            until: tick of the time-out.
+
+        Raises:
+            Stopped: the strand was stopped.
+        """
+        strand = self.current
+        if strand is None or strand.is_dying or not strand.is_running:
+            raise Stopped
+        strand.ticket += 1
+        if until is not None:
+            if self.is_paused and not strand.is_secondary:
+                self.timers.set_held(strand, until - self.now)
+            else:
+                self.timers.set(strand, until)
+        strand.waits_for = reason
+        strand.until = until
+        strand.state = WAITING
+        strand.suspend()
+        strand.waits_for = ""
+        strand.until = None
+        self._go_on(strand)
+        return strand.was_woken
+
+    def join(self, strand: Strand, until: int | None = None) -> bool:
+        """Suspend the running strand until another one has ended, or until a tick; say which: True when it ended.
+
+        Raises:
+            Stopped: the running strand was stopped.
+        """
+        waiting = self.current
+        if waiting is None or strand.state is ENDED:
+            return strand.state is ENDED
+        ticket = waiting.ticket + 1
+
+        def wake() -> None:
+            if waiting.ticket == ticket:
+                self.wake(waiting)
+
+        strand.at_end.append(wake)
+        try:
+            self.wait(f"the end of thread {strand.name!r}", until)
+        finally:
+            if wake in strand.at_end:
+                strand.at_end.remove(wake)
+        return strand.state is ENDED
+
+    def give_way(self, reason: str) -> None:
+        """Suspend the running strand until the next tick in which it may run.
+
+        Raises:
+            Stopped: the strand was stopped.
+        """
+        strand = self.current
+        if strand is None or strand.is_dying or not strand.is_running:
+            raise Stopped
+        strand.waits_for = reason
+        self._next.append(strand)
+        strand.suspend()
+        strand.waits_for = ""
+        self._go_on(strand)
+
+    def wake(self, strand: Strand) -> None:
+        """End the wait of a strand; it runs in this tick, or in the next one that runs."""
+        if strand.state is WAITING:
+            strand.ticket += 1
+            strand.was_woken = True
+            strand.state = READY
+            self._enqueue(strand)
+
+    # ---------------------------------------------------------------- inside
+
+    def _enqueue(self, strand: Strand) -> None:
+        if self._is_in_tick:
+            self._ready.append(strand)
+        else:
+            self._next.append(strand)
+
+    def _activate(self, strand: Strand) -> None:
+        if strand.work_tick != self.now:
+            strand.work_tick = self.now
+            strand.work = 0
+        strand.work += WORK_PER_ACTIVATION
+        strand.activations += 1
+        outer, outer_ending = self.current, self.is_ending
+        self.current = strand
+        self.is_ending = strand.is_dying
+        fuel = self.fuel
+        allowed = 0 if strand.is_dying else max(0, self._work_per_tick - strand.work - 1)
+        if len(fuel) - FLOOR > allowed:
+            del fuel[FLOOR + allowed :]
+        self._loaded = len(fuel) - FLOOR
+        limit = sys.getrecursionlimit()
+        try:
+            if strand.recursion_limit:
+                sys.setrecursionlimit(strand.recursion_limit)
+            strand.resume()
+        finally:
+            sys.setrecursionlimit(limit)
+            strand.work += self._loaded - (len(fuel) - FLOOR)
+            if len(fuel) < FLOOR:
+                fuel[:] = _FLOOR
+            self._loaded = len(fuel) - FLOOR
+            self.current, self.is_ending = outer, outer_ending
+            if strand.is_finished:
+                self._retire(strand)
+            elif strand.is_abandoned and strand.state is not ENDED:
+                self._on_abandoned(strand)
+                self._retire(strand)
+
+    def _go_on(self, strand: Strand) -> None:
+        if strand.is_dying:
+            raise Stopped
+
+    def _load(self, strand: Strand) -> None:
+        count = min(len(self._portion), self._work_per_tick - strand.work - 1)
+        if count > 0:
+            self.fuel.extend(self._portion if count == len(self._portion) else self._portion[:count])
+            self._loaded = count
+
+    def _drain(self) -> None:
+        self._loaded -= max(0, len(self.fuel) - FLOOR)
+        self.fuel[:] = _FLOOR
+
+    def _retire(self, strand: Strand) -> None:
+        strand.state = ENDED
+        self.strands.remove(strand)
+        at_end, strand.at_end = strand.at_end, []
+        for call in at_end:
+            call()
+        self._on_end(strand)
+
+    def _orphan(self) -> bool:
+        """A checkpoint in code that no strand runs."""
+        self._orphan_work -= 1
+        if self._orphan_work < 0:
+            raise Stopped
+        return True
+
+
+def _order(strand: Strand) -> int:
+    return strand.order

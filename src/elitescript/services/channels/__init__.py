@@ -1,0 +1,1 @@
+"""The outgoing connections and serial lines of served programs."""

@@ -1,0 +1,87 @@
+"""The process that holds a robot and its programs, and owns nothing: `python -m elitescript.services.child FD`.
+
+It speaks `frames` over one socket that it inherits. Before it makes the robot, which is before it sees any program, it
+locks itself in. It opens no file for a program, but asks its parent.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import gc
+import os
+import signal
+import sys
+import traceback
+from typing import Any
+
+from elitescript.environment.request_channels import RequestEnvironment
+from elitescript.errors import ElitescriptError, UsageError
+from elitescript.kernel import Kernel, KernelConfig
+from elitescript.messages.codec import from_text, to_text
+from elitescript.messages.inputs import Input
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.services.child import frames
+from elitescript.services.child.jail import enter_jail
+from elitescript.services.child.output_changes import OutputWriter
+from elitescript.services.child.remote_files import RemoteFiles
+from elitescript.services.config_codec import full_codec
+
+
+def serve(line: frames.BlockingLine) -> None:
+    """Do what the parent says, until it goes."""
+    codec = full_codec()
+    inputs_shape, writer = codec.shape(Input), OutputWriter(codec)
+
+    def ask(question: list[Any]) -> list[Any]:
+        line.send(frames.QUESTION, to_text(question))
+        return list(from_text(line.receive_answer(frames.ANSWER)))
+
+    kernel: Kernel | None = None
+    while True:
+        letter, text = line.receive()
+        if letter == frames.TICK and kernel is not None:
+            inputs = () if text == frames.NO_INPUTS else [inputs_shape.decode(item) for item in from_text(text)]
+            line.send(*writer.message(kernel.tick(inputs)))
+            continue
+        data = from_text(text)
+        if letter == frames.LOCK_IN:
+            is_jailed, memory_max = data
+            layers = enter_jail(memory_max=memory_max) if is_jailed else ()
+            line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
+        elif letter == frames.BEGIN:
+            config = codec.shape(KernelConfig).decode(data)
+            kernel = Kernel(config, RequestEnvironment(RemoteFiles(ask)))
+            # What is there now stays; the collector need not look at it in every round.
+            gc.collect()
+            gc.freeze()
+            line.send(frames.DESCRIBED, to_text(codec.shape(RobotDescription).encode(kernel.description)))
+        else:
+            raise UsageError(f"no message {letter!r} is expected here")
+
+
+def main(descriptor: int) -> None:
+    """Serve at the inherited socket; never returns."""
+    # The parent asks with this signal where a program is that does not answer. Not even a call into C delays it.
+    faulthandler.register(signal.SIGUSR1, all_threads=False)
+    # A crash leaves the same trace.
+    faulthandler.enable(all_threads=False)
+    # Ctrl-C reaches the whole group of the terminal; the parent decides what it means.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    line = frames.BlockingLine(descriptor)
+    try:
+        serve(line)
+    except (EOFError, ConnectionError, BrokenPipeError):
+        os._exit(0)
+    except BaseException as error:
+        kind = "usage" if isinstance(error, ElitescriptError | MemoryError) else "bug"
+        if isinstance(error, MemoryError):
+            text = "the program has used up the memory that the robot's process may have"
+        else:
+            text = str(error) if kind == "usage" else "".join(traceback.format_exception(error))[-8000:]
+        line.send(frames.FAILED, to_text([kind, text.encode("utf-8", "replace").decode()]))
+        # No destructor of a program's object is to run now.
+        os._exit(1)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

@@ -1,0 +1,1 @@
+"""Clients of the ports: accepted, read within a budget, and written to."""

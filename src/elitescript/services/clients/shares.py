@@ -1,0 +1,113 @@
+"""Who is read in a tick, and how much: the share of every client in the time of one robot.
+
+Reading takes time that all clients need, for what they send must be decoded, and what it asks for must be done. In
+every tick there is `READ_BUDGET_NS` for it. A client that takes little is read whenever it sends something. One that
+has used up its share waits, its bytes in its socket, until its turn comes: those who had sent no more than was read
+of them before the others, each in the order in which they came. What was spent beyond a tick is paid by the next
+ones, so that the robot and everybody else keep their time however many clients flood. While ticks begin late, because
+the computer has other work too, there is less of it.
+
+What inputs cost the robot itself is no matter of this module: see `inbox`.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final, Protocol
+
+READ_BUDGET_NS: Final = 1_500_000
+"""Of every tick, for what all clients send."""
+LATE_READ_BUDGET_NS: Final = READ_BUDGET_NS // 10
+"""The same while ticks begin late."""
+SHARE_NS: Final = 300_000
+"""Of every tick, for what one client sends."""
+PATIENCE: Final = 4
+"""Shares that a client may take which has sent no more than was read of it."""
+READ_MIN: Final = 128
+READ_MAX: Final = 4096
+"""Bytes that are taken from a socket at once: as many as the share is expected to pay for."""
+DEBT_MAX_TICKS: Final = 250
+"""What is spent beyond a tick and is not paid by so many others is forgiven."""
+
+
+class Waiting(Protocol):
+    """Somebody who waits for a turn."""
+
+    expected_ns: int
+    """What the turn will cost, as far as can be known; 0 of somebody who has gone."""
+
+    def go_on(self) -> None:
+        """It is its turn."""
+
+
+class Shares:
+    """The time for reading of one robot.
+
+    Attributes:
+        robots: that one process serves; they share its time.
+        spent_ns: of this tick, with what the ticks before have left to pay.
+    """
+
+    __slots__ = ("_heavy", "_light", "_tick_ns", "robots", "spent_ns")
+
+    def __init__(self) -> None:
+        self.robots = 1
+        self.spent_ns = 0
+        self._tick_ns = READ_BUDGET_NS
+        self._light: deque[Waiting] = deque()
+        self._heavy: deque[Waiting] = deque()
+
+    @property
+    def waiting(self) -> int:
+        """How many wait for their turn."""
+        return len(self._light) + len(self._heavy)
+
+    def charge(self, spent_ns: int) -> None:
+        """Somebody has used so much time."""
+        self.spent_ns += spent_ns
+
+    def is_used_up(self, own_ns: int, *, is_light: bool = False) -> bool:
+        """Whether who has used so much in this tick has to wait for its turn.
+
+        Args:
+            own_ns: what it has used.
+            is_light: it has sent no more than was read of it. Who is not read is not seen to go either, and a package
+                that waits for the next tick is late: so it may take more, and late ticks are none of its making.
+        """
+        if is_light:
+            return own_ns > PATIENCE * SHARE_NS or self.spent_ns > PATIENCE * READ_BUDGET_NS
+        return own_ns > SHARE_NS or self.spent_ns > self._tick_ns
+
+    def size_for(self, ns_per_byte: float) -> int:
+        """Bytes to read at once from somebody whose bytes have cost so much."""
+        if self.spent_ns > self._tick_ns:
+            return READ_MIN
+        if ns_per_byte * READ_MAX <= SHARE_NS:
+            return READ_MAX
+        return max(int(SHARE_NS / ns_per_byte), READ_MIN)
+
+    def wait(self, who: Waiting, *, is_light: bool) -> None:
+        """Take a place in the queue.
+
+        Args:
+            who: waits; must not wait already.
+            is_light: it has sent no more than was read of it.
+        """
+        (self._light if is_light else self._heavy).append(who)
+
+    def begin_tick(self, *, is_late: bool = False) -> None:
+        """There is time for reading again: those whose turn it is go on.
+
+        Args:
+            is_late: the tick began late.
+        """
+        self.spent_ns = min(max(self.spent_ns - self._tick_ns, 0), DEBT_MAX_TICKS * READ_BUDGET_NS)
+        self._tick_ns = (LATE_READ_BUDGET_NS if is_late else READ_BUDGET_NS) // self.robots
+        left_ns = self._tick_ns - self.spent_ns
+        # Whoever goes on may take a place again at once; that is a turn of a later tick.
+        turns = self.waiting
+        while turns and left_ns > 0:
+            turns -= 1
+            who = self._light.popleft() if self._light else self._heavy.popleft()
+            left_ns -= who.expected_ns
+            who.go_on()

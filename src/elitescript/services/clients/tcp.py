@@ -1,0 +1,467 @@
+"""The pump of every TCP service: sockets on one side, sans-I/O connections on the other.
+
+What arrives is decoded at once, what a tick gives leaves at once; each message is one write. A client harms nobody:
+
+- of what it sends, as much is read in a tick as its share of time allows (`shares`); the rest stays in its socket.
+  One whose connection has enough to work on (`is_busy`), or of whom `POSTED_MAX` inputs wait for the robot, is not
+  read at all;
+- one that reads slower than its stream misses samples of the stream (they are counted); one that lets `BACKLOG_MAX`
+  bytes pile up, or takes nothing for `STALLED_TICKS`, is cut off;
+- one that sends what cannot be is closed;
+- one that begins like a web browser is closed before anything of it is read: no page reaches a robot;
+- one that ends its own half is answered what it asked, and gets the stream where the service is one;
+- of one that closes at once, or whose connection breaks, everything that had arrived by then is read and counts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import time
+import traceback
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, Final, Protocol
+
+from elitescript.messages.inputs import Input, VariablesArrived
+from elitescript.messages.outputs import Output
+from elitescript.messages.timing import TICKS_PER_S
+from elitescript.protocol.browsers import FirstBytes
+from elitescript.protocol.connection import Connection, ProtocolError
+from elitescript.services.clients.shares import READ_MAX, SHARE_NS, Shares
+from elitescript.services.table import Service
+
+NS_PER_BYTE: Final = 250.0
+"""What reading a byte of a client is taken to cost before any has been read."""
+HANDING_NS: Final = 5_000
+"""What handing one input on to the robot's process takes besides, about."""
+POSTED_MAX: Final = 250
+"""Inputs of one client that may wait for the robot."""
+SAMPLE_BACKLOG: Final = 64 * 1024
+"""Bytes that wait for a client, besides what the operating system holds, from which on samples are left out."""
+BACKLOG_MAX: Final = 1024 * 1024
+STALLED_TICKS: Final = 30 * TICKS_PER_S
+LINGER_TICKS: Final = 5 * TICKS_PER_S
+"""How long a client that has ended its half, or is to be closed, has to take what it asked for."""
+
+
+class Hub(Protocol):
+    """The robot's side of the pump."""
+
+    output: Output
+    """Of the last tick."""
+    shares: Shares
+    """The time that clients have."""
+
+    def post(self, inputs: list[Input]) -> int:
+        """Take inputs for the next tick that begins; return its number."""
+
+    def waiting_of(self, origin: str) -> int:
+        """Inputs of a client that could not go in at the last tick."""
+
+    def wake(self) -> None:
+        """A client that owes an input has sent something, has read, or goes: time may go on, if it waited."""
+
+    def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
+        """Something worth a line in the log."""
+
+
+class Client(asyncio.BufferedProtocol):
+    """One client: its socket and its connection.
+
+    Args:
+        hub: the robot.
+        service: where it came in.
+        connection: what it says and hears.
+        forget: called once when it has gone.
+        refuse: called with the reason if it is a web browser.
+
+    Attributes:
+        peer: its address, once it is connected.
+        dropped: samples that it has missed.
+        owes_input: whether it has got a sample since its last input package.
+        expected_ns: what it will take to read it once more, see `shares.Waiting`.
+    """
+
+    __slots__ = (
+        "_buffer",
+        "_deadline",
+        "_first_bytes",
+        "_forget",
+        "_hub",
+        "_is_light",
+        "_is_paused",
+        "_is_silent",
+        "_is_waiting",
+        "_late_ns",
+        "_left",
+        "_ns_per_byte",
+        "_refuse",
+        "_service",
+        "_size",
+        "_spent_ns",
+        "_stalled_since",
+        "_transport",
+        "connection",
+        "dropped",
+        "expected_ns",
+        "owes_input",
+        "peer",
+    )
+
+    def __init__(
+        self,
+        hub: Hub,
+        service: Service,
+        connection: Connection,
+        forget: Callable[[str], None],
+        refuse: Callable[[str], None],
+    ) -> None:
+        self._hub = hub
+        self._service = service
+        self._forget = forget
+        self._refuse = refuse
+        self._first_bytes: FirstBytes | None = FirstBytes()
+        self._buffer = memoryview(bytearray(READ_MAX))
+        self._size = READ_MAX
+        self._ns_per_byte = NS_PER_BYTE
+        self._transport: asyncio.Transport | None = None
+        self._left: socket.socket | None = None
+        """What is to be read of a connection that broke."""
+        self._is_light = True
+        self._is_silent = False
+        self._is_paused = False
+        self._is_waiting = False
+        self._spent_ns = self._late_ns = 0
+        self._stalled_since: int | None = None
+        self._deadline: int | None = None
+        self.connection = connection
+        self.peer = ""
+        self.dropped = 0
+        self.owes_input = False
+        self.expected_ns = 0
+
+    @property
+    def origin(self) -> str:
+        """Its name, in inputs and in the log."""
+        return self.connection.origin
+
+    # ---------------------------------------------------------------- what the event loop calls
+
+    def connection_made(self, transport: Any) -> None:
+        self._transport = transport
+        transport.set_write_buffer_limits(high=SAMPLE_BACKLOG, low=SAMPLE_BACKLOG // 4)
+        address = transport.get_extra_info("peername")
+        self.peer = f"{address[0]}:{address[1]}" if address else "?"
+        text = f"{self.origin}: connected from {self.peer}"
+        self._hub.note("connected", text, origin=self.origin, peer=self.peer)
+        self._write()
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        self._size = self._hub.shares.size_for(self._ns_per_byte)
+        return self._buffer[: self._size]
+
+    def buffer_updated(self, nbytes: int) -> None:
+        if self._deadline is not None:
+            return
+        # An answer, a pause, nonsense: whatever it is, time may have waited for it.
+        is_asked = self.owes_input
+        self._read(nbytes)
+        if is_asked:
+            self._hub.wake()
+
+    def _read(self, nbytes: int) -> None:
+        connection, hub = self.connection, self._hub
+        start_ns = time.thread_time_ns()
+        data = bytes(self._buffer[:nbytes])
+        if self._first_bytes is not None and self._is_browser(self._first_bytes, data):
+            return
+        try:
+            inputs = connection.receive(data, hub.output)
+        except ProtocolError as error:
+            self._offend(str(error))
+            return
+        except Exception:
+            self._fail()
+            return
+        if inputs:
+            connection.posted(hub.post(inputs))
+            if self.owes_input and any(isinstance(item, VariablesArrived) for item in inputs):
+                self.owes_input = False
+        self._write()
+        self._account(nbytes, time.thread_time_ns() - start_ns + HANDING_NS * len(inputs))
+        if connection.is_over:
+            self._finish()
+        elif connection.is_busy or self._has_taken_enough(nbytes):
+            self._pause()
+
+    def _is_browser(self, first_bytes: FirstBytes, data: bytes) -> bool:
+        """Whether a web browser speaks; then the connection ends, and nothing of it counts."""
+        if found := first_bytes.feed(data):
+            self._is_silent = True
+            self.owes_input = False
+            self.connection.closed()
+            self._refuse(f"{self.origin} from {self.peer}: closed: it sent {found}, as a web browser does")
+            self.abort()
+            return True
+        if first_bytes.is_decided:
+            self._first_bytes = None
+        return False
+
+    def _account(self, size: int, spent_ns: int) -> None:
+        whole_ns, self._late_ns = spent_ns + self._late_ns, 0
+        self._ns_per_byte = (self._ns_per_byte + whole_ns / size) / 2
+        self._spent_ns += spent_ns
+        # Whoever has sent more than was read takes all that it gets.
+        self.expected_ns = whole_ns if size < self._size else max(whole_ns, SHARE_NS)
+        self._hub.shares.charge(spent_ns)
+
+    def _has_taken_enough(self, size: int) -> bool:
+        """Whether the rest must wait for a later tick."""
+        self._is_light = size < self._size
+        if self._hub.shares.is_used_up(self._spent_ns, is_light=self._is_light):
+            return True
+        return self._hub.waiting_of(self.origin) >= POSTED_MAX
+
+    def eof_received(self) -> bool:
+        self._end_of_input()
+        if not self._service.outlives_silence and self._deadline is None:
+            self._deadline = self._hub.output.tick + LINGER_TICKS
+            self._close_unless_expecting()
+        self._hub.wake()
+        return True
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        reason = f": {exc}" if exc else ""
+        self._hub.note("gone", f"{self.origin}: gone{reason}", origin=self.origin, dropped=self.dropped)
+        transport, self._transport = self._transport, None
+        if exc is not None and transport is not None and self._deadline is None and not self._is_silent:
+            # A client that closes without having read its stream resets the connection. What it sent before waits in
+            # the socket still, which the transport is about to close.
+            with suppress(OSError):
+                self._left = transport.get_extra_info("socket").dup()
+        if self._left is None:
+            self._part()
+            return
+        self._left.setblocking(False)
+        self._is_paused = True
+        self._stalled_since = None
+        self.owes_input = False
+        self._hub.wake()
+        self._read_left(self._left)
+
+    def pause_writing(self) -> None:
+        self._stalled_since = self._hub.output.tick
+
+    def resume_writing(self) -> None:
+        self._stalled_since = None
+        self._hub.wake()
+
+    # ---------------------------------------------------------------- what a tick calls
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether so much waits for it that it misses samples."""
+        return self._stalled_since is not None
+
+    @property
+    def is_leaving(self) -> bool:
+        """Whether it has said that it sends nothing more, is to be closed, or has gone."""
+        return self._deadline is not None or self._left is not None
+
+    def publish(self, output: Output) -> None:
+        """Give the client a tick."""
+        if self.connection.is_busy:
+            # What it has sent before is worked on now, and is paid for as if it had just been read.
+            start_ns = time.thread_time_ns()
+            self._give(output)
+            spent_ns = time.thread_time_ns() - start_ns
+            self._late_ns += spent_ns
+            self._hub.shares.charge(spent_ns)
+        else:
+            self._give(output)
+
+    def _give(self, output: Output) -> None:
+        connection = self.connection
+        try:
+            connection.publish(output)
+            inputs = connection.due()
+        except ProtocolError as error:
+            self._offend(str(error))
+            return
+        except Exception:
+            self._fail()
+            return
+        if inputs:
+            self._hub.post(inputs)
+        self._write()
+        if self._deadline is not None:
+            if output.tick >= self._deadline:
+                self.abort()
+            else:
+                self._close_unless_expecting()
+        elif connection.is_over:
+            self._finish()
+        elif self._stalled_since is not None and output.tick - self._stalled_since > STALLED_TICKS:
+            self._cut_off(f"has read nothing for {STALLED_TICKS // TICKS_PER_S} s")
+        else:
+            self.read_on()
+
+    def relieve(self) -> None:
+        """No tick comes: go on with what does not need one."""
+        connection = self.connection
+        try:
+            inputs = connection.read_on(self._hub.output)
+        except ProtocolError as error:
+            self._offend(str(error))
+            return
+        except Exception:
+            self._fail()
+            return
+        if inputs:
+            self._hub.post(inputs)
+        self._write()
+        if connection.is_over and self._deadline is None:
+            self._finish()
+        else:
+            self.read_on()
+
+    def read_on(self) -> None:
+        """A tick has gone by: take a place among those who wait to be read."""
+        if self._is_paused and not self._is_waiting and self._may_be_read():
+            self._is_waiting = True
+            self._hub.shares.wait(self, is_light=self._is_light)
+        self._spent_ns = 0
+
+    def go_on(self) -> None:
+        """It is its turn to be read."""
+        self._is_waiting = False
+        if self._left is not None:
+            self._read_left(self._left)
+        elif self._may_be_read() and self._transport is not None and not self._transport.is_closing():
+            self._is_paused = False
+            self._transport.resume_reading()
+
+    def _may_be_read(self) -> bool:
+        if self.connection.is_busy or self.is_behind:
+            return False
+        return self._hub.waiting_of(self.origin) < POSTED_MAX
+
+    def close(self) -> None:
+        """End the connection once what waits has been sent."""
+        if self._transport is not None:
+            self._transport.close()
+        elif self._left is not None:
+            self._part()
+
+    def abort(self) -> None:
+        """End the connection at once."""
+        if self._transport is not None:
+            self._transport.abort()
+        elif self._left is not None:
+            self._part()
+
+    # ---------------------------------------------------------------- inside
+
+    def _write(self) -> None:
+        connection, transport = self.connection, self._transport
+        if transport is None:
+            if self._left is not None:
+                # Nobody is there to hear it. Before the connection is made, what is queued is still to be sent.
+                connection.take()
+            return
+        is_sample = self._service.is_sample
+        for message in connection.take():
+            if transport.is_closing():
+                return
+            backlog = transport.get_write_buffer_size()
+            if is_sample(message):
+                if backlog > SAMPLE_BACKLOG:
+                    self._miss()
+                    continue
+                self.owes_input = True
+            elif backlog > BACKLOG_MAX:
+                self._cut_off(f"does not read: {backlog} bytes wait for it")
+                return
+            transport.write(message)
+        if self.is_behind:
+            self._pause()
+
+    def _miss(self) -> None:
+        if not self.dropped:
+            text = f"{self.origin}: reads too slowly and misses packages"
+            self._hub.note("slow", text, is_problem=True, origin=self.origin)
+        self.dropped += 1
+
+    def _pause(self) -> None:
+        if not self._is_paused and self._transport is not None and not self._transport.is_closing():
+            self._is_paused = True
+            self._transport.pause_reading()
+
+    def _read_left(self, left: socket.socket) -> None:
+        """Read on of a connection that broke, as much as its share allows; then it is over."""
+        while self._left is not None:
+            if _is_empty(left):
+                # What it held is free for others now, whatever its share of the time is.
+                self._part()
+                return
+            if not self._may_be_read():
+                return
+            count = left.recv_into(self.get_buffer(0))
+            self._read(count)
+            if self._has_taken_enough(count) and not _is_empty(left):
+                return
+
+    def _part(self) -> None:
+        """It has gone, and all that it sent is read."""
+        if self._left is not None:
+            self._left.close()
+            self._left = None
+        self.expected_ns = 0
+        self._end_of_input()
+        self._forget(self.origin)
+        self._hub.wake()
+
+    def _end_of_input(self) -> None:
+        if self._is_silent:
+            return
+        self._is_silent = True
+        self.owes_input = False
+        inputs = self.connection.closed()
+        if inputs:
+            self._hub.post(inputs)
+        self._write()
+
+    def _offend(self, why: str) -> None:
+        self._hub.note("offence", f"{self.origin}: closed: {why}", is_problem=True, origin=self.origin)
+        self._finish()
+
+    def _cut_off(self, why: str) -> None:
+        text = f"{self.origin}: cut off: it {why}"
+        self._hub.note("cut_off", text, is_problem=True, origin=self.origin)
+        self.abort()
+
+    def _fail(self) -> None:
+        """A mistake of ours: this client pays for it, the others go on."""
+        text = f"{self.origin}: internal error, please report it:\n{traceback.format_exc()}"
+        self._hub.note("bug", text, is_problem=True, origin=self.origin)
+        self.abort()
+
+    def _close_unless_expecting(self) -> None:
+        if not self.connection.is_expecting:
+            self.close()
+
+    def _finish(self) -> None:
+        """Send what is left, then close."""
+        self._write()
+        if self._deadline is None:
+            self._deadline = self._hub.output.tick + LINGER_TICKS
+        self.close()
+
+
+def _is_empty(broken: socket.socket) -> bool:
+    """Return whether nothing is left to be read of a connection that broke."""
+    try:
+        return not broken.recv(1, socket.MSG_PEEK)
+    except OSError:
+        return True

@@ -1,0 +1,1 @@
+"""The local channel of `elitescript ctl` and its verbs."""

@@ -1,0 +1,339 @@
+"""The local channel of `elitescript ctl`: JSON lines between two processes of one user on one computer.
+
+Each served robot listens at an address that follows from its instance. On POSIX that is a socket in a folder which
+only the user can enter; elsewhere a TCP port of this computer, whose number and secret lie in a file there.
+
+A request is `{"verb": …, "arguments": […], "values": {…}}` (on TCP also `"token"`), its answer
+`{"ok": true, "text": …, "result": {…}}` or `{"ok": false, "error": …}`. Requests of one connection are answered in
+their order; an order is answered when the robot has done or refused it, `play` with `"wait": true` when the task has
+ended. A web browser is not answered.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import json
+import os
+import secrets
+import stat
+import tempfile
+from pathlib import Path
+from typing import Any, Final
+
+from elitescript.errors import UsageError
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import Alarm, TaskStateChanged
+from elitescript.messages.outputs import Output
+from elitescript.messages.timing import PERIOD_S, seconds
+from elitescript.protocol.browsers import is_web_request
+from elitescript.services.control.verbs import VERBS, Verb, VerbRequest, outcome_text
+from elitescript.services.robot_server import RobotServer
+
+LINE_MAX: Final = 64 * 1024
+ANSWER_TIMEOUT_S: Final = 6.0
+"""For a tick; in lockstep time may stand still."""
+REPLY_TICKS: Final = 1000
+"""Within which the robot answers an order."""
+PLAY: Final = "play"
+"""The verb that can wait for what it has started."""
+_HAS_UNIX: Final = hasattr(asyncio, "start_unix_server")
+
+
+def runtime_folder() -> Path:
+    """The folder of the addresses of this user's robots.
+
+    Raises:
+        UsageError: it belongs to somebody else, or others may write to it.
+    """
+    place = os.environ.get("XDG_RUNTIME_DIR") or os.environ.get("LOCALAPPDATA")
+    if place:
+        folder = Path(place) / "elitescript"
+    else:
+        user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "")
+        folder = Path(tempfile.gettempdir()) / f"elitescript-{user}"
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if hasattr(os, "getuid"):
+        found = folder.lstat()
+        if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid() or found.st_mode & 0o077:
+            raise UsageError(f"{folder} must be a folder that only you can use (mode 700); remove it")
+    return folder
+
+
+def address_of(instance: int) -> Path:
+    """Where the robot of an instance listens."""
+    return runtime_folder() / f"serve-{instance}.{'sock' if _HAS_UNIX else 'json'}"
+
+
+class ControlChannel:
+    """The channel of one served robot.
+
+    Args:
+        station: the robot.
+        instance: which one this is on this computer.
+    """
+
+    __slots__ = ("_count", "_expected", "_path", "_server", "_station", "_token", "_writers")
+
+    def __init__(self, station: RobotServer, instance: int) -> None:
+        self._station = station
+        self._path = address_of(instance)
+        self._server: asyncio.Server | None = None
+        self._token = ""
+        self._count = 0
+        self._expected: set[asyncio.Future[Any]] = set()
+        self._writers: set[asyncio.StreamWriter] = set()
+
+    @property
+    def address(self) -> str:
+        """Path of the socket, or of the file that tells port and secret."""
+        return str(self._path)
+
+    @property
+    def port(self) -> int:
+        """Number of the TCP port; 0 if it is a socket in a folder."""
+        return 0 if _HAS_UNIX or self._server is None else int(self._server.sockets[0].getsockname()[1])
+
+    async def open(self) -> None:
+        """Listen. If another living robot has the address, take one of our own beside it."""
+        if await _is_alive(self._path):
+            self._path = self._path.with_stem(f"{self._path.stem}-{os.getpid()}")
+        self._path.unlink(missing_ok=True)
+        if _HAS_UNIX:
+            # Nobody else may connect, not even in the moment before the mode is set.
+            mask = os.umask(0o177)
+            try:
+                self._server = await asyncio.start_unix_server(self._serve, str(self._path), limit=LINE_MAX)
+            finally:
+                os.umask(mask)
+            return
+        self._server = await asyncio.start_server(self._serve, "127.0.0.1", 0, limit=LINE_MAX)
+        self._token = secrets.token_hex(16)
+        port = self._server.sockets[0].getsockname()[1]
+        self._path.write_text(json.dumps({"port": port, "token": self._token}), encoding="utf-8")
+
+    async def close(self) -> None:
+        """Listen no more."""
+        if self._server is not None:
+            self._server.close()
+            for expected in self._expected:
+                expected.cancel()
+            for writer in self._writers:
+                writer.transport.abort()
+            self._path.unlink(missing_ok=True)
+            await asyncio.sleep(0)
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._count += 1
+        origin = f"ctl#{self._count}"
+        self._writers.add(writer)
+        number = 0
+        try:
+            while line := await reader.readline():
+                number += 1
+                if number == 1 and is_web_request(line):
+                    break
+                writer.write(json.dumps(await self._answer(f"{origin}/{number}", line)).encode() + b"\n")
+                await writer.drain()
+        except (ConnectionError, ValueError, asyncio.CancelledError):
+            # The client has gone, or sends a line without an end: nobody is there to be told.
+            pass
+        finally:
+            self._writers.discard(writer)
+            writer.close()
+
+    async def _answer(self, origin: str, line: bytes) -> dict[str, Any]:
+        try:
+            asked = json.loads(line)
+            if not isinstance(asked, dict):
+                raise UsageError("a request is a JSON object")
+            if self._token and not hmac.compare_digest(str(asked.get("token", "")), self._token):
+                raise UsageError("the token is wrong")
+            verb = VERBS.get(str(asked.get("verb")))
+            if verb is None:
+                raise UsageError(f"there is no verb {asked.get('verb')!r}; there are {', '.join(VERBS)}")
+            arguments, values = asked.get("arguments", []), asked.get("values", {})
+            if not isinstance(arguments, list) or not isinstance(values, dict):
+                raise UsageError("arguments are a list, values an object")
+            station = self._station
+            picture, description = station.output.snapshot, station.link.description
+            request = VerbRequest(origin, tuple(map(str, arguments)), values, picture, description, station.world)
+            if asked.get("wait") is True and verb.name == PLAY:
+                return await self._play_to_the_end(verb, request)
+            return await self._carry_out(verb, request)
+        except (UsageError, json.JSONDecodeError, UnicodeDecodeError) as error:
+            return {"ok": False, "error": str(error)}
+
+    async def _play_to_the_end(self, verb: Verb, request: VerbRequest) -> dict[str, Any]:
+        ending = Ending()
+        self._station.follow(ending.take)
+        self._expected.add(ending.finished)
+        try:
+            answer = await self._carry_out(verb, request)
+            if not answer["ok"]:
+                return answer
+            return await ending.finished
+        finally:
+            ending.finished.cancel()
+            self._expected.discard(ending.finished)
+
+    async def _carry_out(self, verb: Verb, request: VerbRequest) -> dict[str, Any]:
+        station = self._station
+        if verb.name == "ports":
+            return {"ok": True, "result": _clients(station)}
+        if verb.order is None:
+            assert verb.tell is not None
+            result = verb.tell(request, station.output)
+            if verb.name == "state":
+                result |= {"left_out": station.left_out, "waits_for": station.waits_for}
+            return {"ok": True, "result": result}
+        order, awaited = verb.order(request).answered(request.origin)
+        if not order.inputs:
+            return {"ok": True, "text": order.text}
+        answers = OutputCollector(awaited)
+        station.post(list(order.inputs))
+        station.follow(answers.take)
+        self._expected.add(answers.finished)
+        try:
+            await asyncio.wait_for(answers.finished, ANSWER_TIMEOUT_S)
+            return {"ok": True, "text": outcome_text(order, answers.texts)}
+        except TimeoutError:
+            waits = f": time waits for {station.waits_for}" if station.waits_for else ""
+            return {"ok": True, "text": f"{order.text} (asked for; the robot has not answered yet{waits})"}
+        finally:
+            self._expected.discard(answers.finished)
+
+
+class OutputCollector:
+    """What the robot says to several requests. Outputs may come in a row, before anybody else has a turn.
+
+    Args:
+        origins: of the requests; without any, the next output is all that counts.
+
+    Attributes:
+        finished: done when all of them are answered.
+    """
+
+    __slots__ = ("_origins", "_texts", "_ticks_left", "finished")
+
+    def __init__(self, origins: tuple[str, ...]) -> None:
+        self._origins = origins
+        self._texts: dict[str, str] = {}
+        self._ticks_left = REPLY_TICKS
+        self.finished: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+
+    @property
+    def texts(self) -> list[str]:
+        """The answers in the order of the origins."""
+        return [self._texts[origin] for origin in self._origins]
+
+    def take(self, output: Output) -> bool:
+        """Look at an output; whether the next one is wanted too."""
+        if self.finished.done():
+            return False
+        self._texts |= {reply.origin: reply.text for reply in output.replies if reply.origin in self._origins}
+        self._ticks_left -= 1
+        if len(self._texts) == len(self._origins):
+            self.finished.set_result(None)
+        elif not self._ticks_left:
+            text = f"the robot has not answered for {REPLY_TICKS * PERIOD_S:g} s of its time; it may do it later"
+            self.finished.set_exception(UsageError(text))
+        return not self.finished.done()
+
+
+class Ending:
+    """Waits for the end of the task that runs next, or goes on next.
+
+    Attributes:
+        finished: done at that end, with the answer to `play`.
+    """
+
+    __slots__ = ("_alarm", "_has_begun", "finished")
+
+    def __init__(self) -> None:
+        self._has_begun = False
+        self._alarm = ""
+        self.finished: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
+
+    def take(self, output: Output) -> bool:
+        """Look at an output; return whether the next one is wanted too."""
+        for event in output.events:
+            if self.finished.done():
+                break
+            if isinstance(event, Alarm):
+                self._alarm = f"{event.code} in line {event.line}: {event.class_name}: {event.text}"
+            elif isinstance(event, TaskStateChanged):
+                self._task_changed(event)
+        return not self.finished.done()
+
+    def _task_changed(self, event: TaskStateChanged) -> None:
+        if event.state is not TaskState.STOPPED:
+            self._has_begun = True
+        elif self._has_begun:
+            text = f"task {event.name} ended at {seconds(event.tick):.3f} s: {event.ending}"
+            if event.ending == "alarm":
+                self.finished.set_result({"ok": False, "error": f"{text} {self._alarm}".strip(), "ending": "alarm"})
+            else:
+                self.finished.set_result({"ok": True, "text": text, "ending": event.ending})
+
+
+def _clients(station: RobotServer) -> dict[str, Any]:
+    return {
+        name: {
+            "port": listener.number,
+            "clients": [
+                {"origin": client.origin, "peer": client.peer, "missed_packages": client.dropped}
+                for client in listener.clients.values()
+            ],
+        }
+        for name, listener in station.listeners.items()
+    } | {"script_sockets": {"clients": station.broker.count}}
+
+
+def ask(path: Path, verb: str, arguments: list[str], values: dict[str, Any], *, waits: bool = False) -> dict[str, Any]:
+    """Ask a served robot; for processes that have no event loop.
+
+    Args:
+        path: its address.
+        verb: a row of `VERBS`.
+        arguments: of the verb.
+        values: of `set`, by name.
+        waits: for the end of the task that `play` starts.
+
+    Raises:
+        UsageError: nobody is there.
+    """
+
+    async def exchange() -> dict[str, Any]:
+        reader, writer, token = await _connect(path)
+        record = {"verb": verb, "arguments": arguments, "values": values, "wait": waits}
+        writer.write(json.dumps({**record, "token": token} if token else record).encode() + b"\n")
+        line = await reader.readline()
+        writer.close()
+        if not line:
+            raise UsageError("the controller has gone before it answered")
+        answer: dict[str, Any] = json.loads(line)
+        return answer
+
+    return asyncio.run(exchange())
+
+
+async def _connect(path: Path) -> tuple[asyncio.StreamReader, asyncio.StreamWriter, str]:
+    try:
+        if _HAS_UNIX:
+            return (*await asyncio.open_unix_connection(str(path), limit=LINE_MAX * 16), "")
+        address = json.loads(path.read_text(encoding="utf-8"))
+        return (*await asyncio.open_connection("127.0.0.1", address["port"], limit=LINE_MAX * 16), address["token"])
+    except (OSError, ValueError, KeyError):
+        raise UsageError(f"no controller is served here ({path}); start one with `elitescript serve`") from None
+
+
+async def _is_alive(path: Path) -> bool:
+    if not path.exists():
+        return False
+    try:
+        _, writer, _ = await _connect(path)
+    except UsageError:
+        return False
+    writer.close()
+    return True

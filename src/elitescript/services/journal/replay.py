@@ -1,0 +1,182 @@
+"""A session that is written down as it happens, and one that happens again as it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from elitescript.environment.request_channels import RequestEnvironment
+from elitescript.errors import UsageError
+from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel.restart import restored_config
+from elitescript.messages.inputs import Input
+from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.runtime.environment import Files
+from elitescript.services.child.remote_files import FileDesk, RemoteFiles
+from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.journal.records import RecordError, check_answer
+from elitescript.services.journal.writer import Digest, Journal, JournalReader
+
+
+class RecordedRobot:
+    """A robot in this process whose session is written down. See `robot_link.Robot`.
+
+    Args:
+        config: of the robot.
+        files: its task folder; what was read from it goes into the journal too.
+        journal: where to write.
+    """
+
+    __slots__ = ("_answers", "_desk", "_journal", "_kernel")
+
+    def __init__(self, config: KernelConfig, files: Files, journal: Journal) -> None:
+        self._journal = journal
+        self._desk = FileDesk(files)
+        self._answers: list[Any] = []
+        self._kernel = Kernel(config, RequestEnvironment(RemoteFiles(self._ask)))
+
+    @property
+    def description(self) -> RobotDescription:
+        """What never changes about it."""
+        return self._kernel.description
+
+    def tick(self, inputs: Sequence[Input]) -> Output:
+        """Apply inputs in their order and go on by one tick."""
+        output = self._kernel.tick(inputs)
+        self._journal.tick(output.tick, inputs, self._answers, output)
+        self._answers.clear()
+        return output
+
+    def _ask(self, question: list[Any]) -> list[Any]:
+        answer = self._desk.answer(question)
+        self._answers.append(answer)
+        return answer
+
+
+class Difference(NamedTuple):
+    """Where a replay and its journal part."""
+
+    tick: int
+    text: str
+
+
+class Replay:
+    """Plays a journal again.
+
+    Args:
+        reader: the journal.
+        until_tick: the last tick to play; all if None.
+
+    Attributes:
+        difference: where it came out otherwise than in the journal; None while it did not.
+        checked_ticks: ticks that came out the same.
+        last_tick: the last one that was played; -1 before the first.
+    """
+
+    __slots__ = (
+        "_answers",
+        "_digest",
+        "_kernel",
+        "_last",
+        "_output_shape",
+        "_reader",
+        "_until",
+        "checked_ticks",
+        "difference",
+        "last_tick",
+    )
+
+    def __init__(self, reader: JournalReader, until_tick: int | None = None) -> None:
+        self._reader = reader
+        self._until = until_tick
+        self._answers: list[Any] = []
+        self._output_shape = full_codec().shape(Output)
+        self._digest = Digest()
+        self._kernel = self._fresh(reader.config)
+        self._last: Output | None = None
+        self.difference: Difference | None = None
+        self.checked_ticks = 0
+        self.last_tick = reader.config.first_tick - 1
+
+    def outputs(self, on_restart: Callable[[int, str], None] | None = None) -> Iterator[Output]:
+        """Play it: what clients heard, tick by tick; ends early where it differs.
+
+        What they were told while there was no robot comes with its last picture.
+
+        Args:
+            on_restart: told of the tick and the reason when a new robot goes on.
+
+        Raises:
+            UsageError: a line of the journal that makes no sense.
+        """
+        for record in self._reader.records():
+            if "tick" in record:
+                yield from self._run(record["tick"] - 1)
+                self._answers = list(record.get("asked", ()))
+                yield from self._run(record["tick"], record["in"])
+            elif "digest" in record:
+                yield from self._run(record["digest"])
+                self._compare(record)
+            elif "told" in record:
+                if self._until is not None and record["told"] > self._until:
+                    return
+                if self._last is not None:
+                    tick, events = record["told"], tuple(record["events"])
+                    yield replace(self._last, tick=tick, events=events, requests=(), replies=())
+            elif "restart" in record:
+                if self._until is not None and record["restart"] > self._until:
+                    return
+                if on_restart is not None:
+                    on_restart(record["restart"], str(record["reason"]))
+                config, description = self._reader.config, self._kernel.description
+                self._kernel = self._fresh(restored_config(config, description, record["state"], record["restart"]))
+            elif "end" in record:
+                yield from self._run(record["end"] - 1)
+            if self.difference is not None or (self._until is not None and self.last_tick >= self._until):
+                return
+
+    def _fresh(self, config: KernelConfig) -> Kernel:
+        try:
+            return Kernel(config, RequestEnvironment(RemoteFiles(self._ask)))
+        except UsageError as error:
+            raise UsageError(f"{self._reader.place}: {error}") from None
+
+    def _ask(self, question: list[Any]) -> list[Any]:
+        place = f"{self._reader.place}: tick {self._kernel.next_tick}"
+        if not self._answers:
+            raise UsageError(f"{place}: the journal has no answer to {question[0]!r} about files")
+        answer = self._answers.pop(0)
+        try:
+            check_answer(question, answer)
+        except RecordError as error:
+            raise UsageError(f"{place}: {error}") from None
+        return list(answer)
+
+    def _run(self, last: int, inputs: Sequence[Input] = ()) -> Iterator[Output]:
+        """Run up to and including a tick; the inputs are for that one."""
+        if self._until is not None:
+            last = min(last, self._until)
+        while self._kernel.next_tick <= last:
+            output = self._kernel.tick(inputs if self._kernel.next_tick == last else ())
+            self._digest.add(output_text(self._output_shape, output).encode())
+            self.last_tick, self._last = output.tick, output
+            yield output
+
+    def _compare(self, record: dict[str, Any]) -> None:
+        if self.last_tick < record["digest"]:
+            # Cut off by `until_tick`.
+            return
+        ours = self._digest.sums
+        total, _ = self._digest.mark()
+        sums = [record["ticks"][at : at + 8] for at in range(0, len(record["ticks"]), 8)]
+        first = record["digest"] - len(sums) + 1
+        for place, expected in enumerate(sums):
+            if place >= len(ours) or ours[place] != expected:
+                self.difference = Difference(first + place, "the robot did or said something else than in the session")
+                return
+        if total != record["hash"] or len(ours) != len(sums):
+            self.difference = Difference(first, "the check sums agree, the hash does not")
+            return
+        self.checked_ticks += len(sums)

@@ -1,0 +1,238 @@
+"""A session as a file: everything that came in from outside, tick by tick, so that it can be played again.
+
+One JSON text a line:
+
+    {"journal": 2, "version": ..., "python": ..., "hash_seed": ..., "config": [...]}
+    {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
+    {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
+                                                   the last such line, 8 digits each
+    {"told": 1190, "events": [...]}                what clients were told at that tick while there was no robot
+    {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from that picture
+    {"end": 2000}                                  the session ended before that tick
+
+Lines are written by a thread (`journal_file`), so what a killed process leaves behind lacks at most what happened
+in the last moment before, and a full or slow disk ends the journal, not the session.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from collections.abc import Iterator, Sequence
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any, Final
+from zlib import crc32
+
+from elitescript import __version__
+from elitescript.errors import UsageError
+from elitescript.kernel import KernelConfig
+from elitescript.messages.codec import Codec, to_text
+from elitescript.messages.events import Event, Warned
+from elitescript.messages.inputs import Input
+from elitescript.messages.outputs import Output
+from elitescript.messages.shapes import CodecError
+from elitescript.messages.snapshot import Snapshot
+from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.journal.file import JournalFile
+from elitescript.services.journal.records import DIGEST_TICKS, RecordError, RecordReader
+
+FORMAT: Final = 2
+"""To be raised with every change of a record, of a message that is in one, or of a configuration."""
+LINE_MAX: Final = 64 * 1024 * 1024
+_NOTHING: Final = to_text([])
+
+
+class Digest:
+    """What a robot has said: a running hash, and a check sum for each tick since the last mark."""
+
+    __slots__ = ("_hash", "sums")
+
+    def __init__(self) -> None:
+        self._hash = blake2b(digest_size=16)
+        self.sums: list[str] = []
+
+    def add(self, text: bytes) -> None:
+        """Count an output, as its JSON text."""
+        self._hash.update(text)
+        self.sums.append(f"{crc32(text):08x}")
+
+    def mark(self) -> tuple[str, str]:
+        """The hash of everything so far, and the check sums since the last mark."""
+        sums, self.sums = "".join(self.sums), []
+        return self._hash.hexdigest(), sums
+
+
+class Journal:
+    """Writes a session down.
+
+    Args:
+        path: the file; one that is there is replaced.
+        config: of the robot.
+
+    Raises:
+        UsageError: the file exists, or cannot be written.
+    """
+
+    __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_over", "_is_told", "_last_tick", "_output")
+
+    def __init__(self, path: Path, config: KernelConfig) -> None:
+        self._codec = full_codec()
+        self._inputs = self._codec.shape(Input)
+        self._output = self._codec.shape(Output)
+        self._digest = Digest()
+        self._last_tick = config.first_tick - 1
+        self._is_told = False
+        self._is_over = False
+        self._file = JournalFile(path)
+        self._write(
+            {
+                "journal": FORMAT,
+                "version": __version__,
+                "python": platform.python_version(),
+                "hash_seed": os.environ.get("PYTHONHASHSEED", "random"),
+                "config": self._codec.shape(KernelConfig).encode(config),
+            }
+        )
+
+    @property
+    def failure(self) -> str:
+        """Why nothing more is written; empty while all is well."""
+        return self._file.failure
+
+    def tick(self, tick: int, inputs: Sequence[Input] | str, answers: Sequence[Any], output: Output | bytes) -> None:
+        """A tick is over.
+
+        Args:
+            tick: its number.
+            inputs: what it was given, or the JSON text of it.
+            answers: what was said of files in it.
+            output: what it gave, or the JSON text of it.
+        """
+        if self.failure or self._is_over:
+            return
+        given = inputs if isinstance(inputs, str) else to_text([self._inputs.encode(item) for item in inputs])
+        if given != _NOTHING or answers:
+            asked = f',"asked":{to_text(list(answers))}' if answers else ""
+            self._file.put(f'{{"tick":{tick},"in":{given}{asked}}}\n'.encode())
+        text = output if isinstance(output, bytes) else output_text(self._output, output).encode()
+        self._digest.add(text)
+        self._last_tick = tick
+        if len(self._digest.sums) >= DIGEST_TICKS:
+            self._mark()
+
+    def restart(self, tick: int, reason: str, last: Snapshot, lost: Sequence[Input] = ()) -> None:
+        """A new robot goes on at `tick` from the last picture of the old one; `lost` is what the old one died of."""
+        self._mark()
+        state = self._codec.shape(Snapshot).encode(last)
+        self._write(
+            {
+                "restart": tick,
+                "reason": reason,
+                "state": state,
+                "lost": [self._inputs.encode(item) for item in lost],
+            }
+        )
+
+    def told(self, tick: int, events: Sequence[Event]) -> None:
+        """Clients were told of something at a tick, in the place of a robot that is gone."""
+        self._mark()
+        event = self._codec.shape(Event)
+        self._write({"told": tick, "events": [event.encode(item) for item in events]})
+
+    def take_warning(self, tick: int) -> tuple[Warned, ...]:
+        """That nothing more is written, once."""
+        if not self.failure or self._is_told:
+            return ()
+        self._is_told = True
+        return (Warned(tick, f"the journal ends here, it cannot be written: {self.failure}"),)
+
+    def close(self) -> None:
+        """The session is over."""
+        if not self._is_over:
+            self._is_over = True
+            self._mark()
+            self._write({"end": self._last_tick + 1})
+            self._file.close()
+
+    def _mark(self) -> None:
+        if self._digest.sums:
+            total, sums = self._digest.mark()
+            self._write({"digest": self._last_tick, "hash": total, "ticks": sums})
+
+    def _write(self, record: dict[str, Any]) -> None:
+        self._file.put(to_text(record).encode() + b"\n")
+
+
+class JournalReader:
+    """Reads a journal, line by line.
+
+    Args:
+        path: the file.
+
+    Attributes:
+        config: of the robot at the start.
+        header: the first line.
+        note: what is wrong with the end of the file; empty if nothing is.
+        place: file, line and byte of the record that was read last, for messages.
+
+    Raises:
+        UsageError: no journal, or one of another format.
+    """
+
+    __slots__ = ("_codec", "_path", "config", "header", "note", "place")
+
+    def __init__(self, path: Path) -> None:
+        self._codec: Codec = full_codec()
+        self._path = path
+        self.note = ""
+        self.place = f"{path}: line 1"
+        try:
+            with path.open("rb") as file:
+                first = file.readline(LINE_MAX)
+        except OSError as error:
+            raise UsageError(f"{path}: {error.strerror or error}") from error
+        try:
+            self.header: dict[str, Any] = json.loads(first)
+            if (found := self.header["journal"]) != FORMAT:
+                version = str(self.header.get("version", "unknown"))[:20]
+                raise UsageError(
+                    f"{path}: line 1: a journal of format {str(found)[:20]}, written by elitescript {version}; "
+                    f"{FORMAT} is known here: replay it with the version that wrote it"
+                )
+            self.config = self._codec.shape(KernelConfig).decode(self.header["config"])
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
+            at = getattr(error, "pos", getattr(error, "start", 0))
+            raise UsageError(f"{path}: line 1, byte {at}: no journal of this program") from error
+        except CodecError as error:
+            raise UsageError(f"{path}: line 1: {error}") from error
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Every line but the first, with inputs and pictures decoded.
+
+        Raises:
+            UsageError: a line that makes no sense; the text names file, line and byte.
+        """
+        reader = RecordReader(self._codec, self.config.first_tick)
+        last, has_end = self.config.first_tick - 1, False
+        with self._path.open("rb") as file:
+            start = len(file.readline(LINE_MAX))
+            for number, line in enumerate(file, 2):
+                if not line.endswith(b"\n"):
+                    self.note = (
+                        f"the journal was cut off behind tick {last}: line {number} is not complete and was left out"
+                    )
+                    return
+                self.place = f"{self._path}: line {number}, byte {start}"
+                try:
+                    record = reader.read(line)
+                except RecordError as error:
+                    place = f"{self._path}: line {number}, byte {start + error.at}"
+                    raise UsageError(f"{place}: {error}") from None
+                last = max([last, *(record[key] for key in ("tick", "digest", "told") if key in record)])
+                has_end = has_end or "end" in record
+                yield record
+                start += len(line)
+        if not has_end:
+            self.note = f"the journal was cut off behind tick {last}: it has no end mark"

@@ -1,0 +1,1 @@
+"""The SSH port: commands, files in memory, log, bridges to serial lines."""

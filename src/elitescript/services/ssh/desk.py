@@ -1,0 +1,89 @@
+"""What SSH clients of a robot find: its SSH port, the files behind it, its log, and bridges to its serial ports."""
+
+from __future__ import annotations
+
+import socket
+from typing import TYPE_CHECKING, Final
+
+from elitescript.messages.events import Event
+from elitescript.services.clients.binding import bind_one
+from elitescript.services.ssh.commands import DATA_PATH
+from elitescript.services.ssh.controller_history import ControllerHistory
+from elitescript.services.ssh.files import RobotFiles
+from elitescript.services.ssh.line_taps import LineTaps
+from elitescript.services.ssh.serial_bridges import SerialBridges
+from elitescript.services.ssh.server import SshPort
+from elitescript.services.table import SSH
+
+if TYPE_CHECKING:
+    from elitescript.services.robot_server import RobotServer
+
+NOTE: Final = "ssh"
+"""Kind of the notes of the SSH port."""
+LOG_PATH: Final = DATA_PATH + "log/log_history.csv"
+
+
+class SshDesk:
+    """The SSH side of one robot.
+
+    Args:
+        station: the robot; it shows the desk what passes to and from its serial lines, and its events.
+        password: that clients log in with.
+    """
+
+    __slots__ = ("_bound", "_bridges", "_history", "_password", "_port", "_station", "number", "taps")
+
+    def __init__(self, station: RobotServer, password: str) -> None:
+        self._station = station
+        self._password = password
+        self._history = ControllerHistory()
+        self._bound: socket.socket | None = None
+        self._bridges: SerialBridges | None = None
+        self._port: SshPort | None = None
+        self.taps = LineTaps(self._warn)
+        self.number = 0
+        """Of the port; 0 before `bind`."""
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the host key; empty before `open`."""
+        return "" if self._port is None else self._port.fingerprint
+
+    def hear(self, event: Event) -> None:
+        """Something has happened to the robot."""
+        self._history.take(event)
+
+    def bind(self, host: str, number: int, spare: int | None) -> None:
+        """Take the port.
+
+        Raises:
+            UsageError: it cannot be had.
+        """
+        self._bound, said = bind_one(SSH.name, host, number, spare)
+        self.number = self._bound.getsockname()[1]
+        if said:
+            self._station.note("spare_port", said, is_problem=True, port=SSH.name, number=self.number)
+        self._bridges = SerialBridges(host, self.taps)
+        self._port = SshPort(self._password, RobotFiles({LOG_PATH: self._history.text}), self._bridges, self._warn)
+
+    def release(self) -> None:
+        """Give the port back: another one cannot be had."""
+        if self._bound is not None:
+            self._bound.close()
+            self._bound = None
+
+    async def open(self) -> None:
+        """Accept clients."""
+        assert self._port is not None and self._bound is not None
+        await self._port.open(self._bound)
+
+    async def close(self) -> None:
+        """Let clients go, end every bridge."""
+        if self._port is not None:
+            await self._port.close()
+        if self._bridges is not None:
+            self._bridges.close_all()
+        self.release()
+
+    def _warn(self, text: str) -> None:
+        self._station.note(NOTE, text, is_problem=True)

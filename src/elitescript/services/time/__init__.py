@@ -1,0 +1,1 @@
+"""Ticks against the wall clock, or in step with clients."""

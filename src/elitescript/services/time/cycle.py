@@ -1,0 +1,242 @@
+"""The cycle of a served robot: one tick of 4 ms after the other, against the wall clock, in an event loop.
+
+A tick has two moments: it begins when it is due, and what it gives leaves `OUTLET_NS` later. How long the robot takes
+differs from tick to tick, the more so when its process or the caches have to be woken up; what leaves at an appointed
+time does not show it.
+
+The timers of an event loop have a resolution of 1 ms; on Linux a `timerfd` wakes us within 0.1 ms instead. A tick that
+begins late is counted; ticks that have been missed are made up for, one after the other, so that robot time and wall
+clock agree again. If more than `CATCH_UP_TICKS` have been missed, because the computer was away or ticks last longer
+than their period, all of them are *left out*: robot time stands still for so long, and whoever listens is told.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+import time
+from collections.abc import Callable
+from typing import Any, Final, Protocol
+
+PERIOD_NS: Final = 4_000_000
+LATE_NS: Final = PERIOD_NS
+"""A tick that begins this much after its time is counted as an overrun."""
+OUTLET_NS: Final = 1_000_000
+"""After the moment at which a tick is due; most robots have given their output by then."""
+CATCH_UP_TICKS: Final = 125
+"""Missed ticks that are made up for, 0.5 s; more would reach clients in one burst."""
+
+
+class Timer(Protocol):
+    """Wakes a waiter at a time of `time.monotonic_ns`."""
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether it wakes well within a millisecond."""
+
+    def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
+        """Set the result of the waiter at that time."""
+
+    def close(self) -> None:
+        """Give back what the operating system has lent."""
+
+
+class Cycle:
+    """When the next tick is due.
+
+    Args:
+        alarm: what wakes it; the best there is if None.
+        on_left_out: called with the number of ticks that are left out.
+        outlet_alarm: what wakes it for the outlets; another one of the same kind if None.
+
+    Attributes:
+        overruns: ticks that began late by a period or more.
+        lag_ticks: whole periods by which the present tick began late; those that are left out do not count.
+        left_out: ticks that never were, because the computer was away or too slow.
+        worst_ns: the latest beginning of a tick since `worst_ns` was last set to 0.
+    """
+
+    __slots__ = ("_alarm", "_due_ns", "_on_left_out", "_outlet_alarm", "lag_ticks", "left_out", "overruns", "worst_ns")
+
+    def __init__(
+        self,
+        alarm: Timer | None = None,
+        on_left_out: Callable[[int], None] | None = None,
+        outlet_alarm: Timer | None = None,
+    ) -> None:
+        self._alarm = alarm or best_alarm()
+        self._outlet_alarm = outlet_alarm or best_alarm()
+        self._on_left_out = on_left_out
+        self._due_ns = 0
+        self.overruns = 0
+        self.lag_ticks = 0
+        self.left_out = 0
+        self.worst_ns = 0
+
+    def restart(self) -> None:
+        """The next tick is due a period from now; what was missed before is forgotten."""
+        self._due_ns = 0
+
+    async def next(self) -> None:
+        """Return when the next tick is due; others are served before it in any case.
+
+        Before a tick that begins late, whatever has arrived by the time that `lag_ticks` tells is read: of what arrives
+        later the tick knows nothing, and of what is not read nobody could tell when it came.
+        """
+        now_ns = time.monotonic_ns()
+        if self._due_ns == 0:
+            self._due_ns = now_ns
+        self._due_ns += PERIOD_NS
+        if now_ns >= self._due_ns:
+            await asyncio.sleep(0)
+            now_ns = time.monotonic_ns()
+        else:
+            now_ns = await _until(self._due_ns, self._alarm)
+        self._note(now_ns - self._due_ns, now_ns)
+        if self.lag_ticks:
+            # The loop looks for what has arrived in the first of these rounds, and hands it on in the second.
+            await asyncio.sleep(0)
+            await asyncio.sleep(0)
+
+    async def outlet(self) -> None:
+        """Return when what the present tick gives is to leave; at once if that was before, or no alarm is so exact."""
+        if self._outlet_alarm.is_exact:
+            await _until(self._due_ns + OUTLET_NS, self._outlet_alarm)
+
+    def close(self) -> None:
+        """No tick comes after this."""
+        self._alarm.close()
+        self._outlet_alarm.close()
+
+    def _note(self, late_ns: int, now_ns: int) -> None:
+        self.worst_ns = max(self.worst_ns, late_ns)
+        self.lag_ticks = 0
+        if late_ns < LATE_NS:
+            return
+        self.overruns += 1
+        missed = late_ns // PERIOD_NS
+        if missed > CATCH_UP_TICKS:
+            self.left_out += missed
+            self._due_ns = now_ns
+            if self._on_left_out is not None:
+                self._on_left_out(missed)
+        else:
+            self.lag_ticks = missed
+
+
+class LoopTimer:
+    """An alarm from the timers of the event loop."""
+
+    __slots__ = ("_timer",)
+
+    is_exact: Final = False
+
+    def __init__(self) -> None:
+        self._timer: asyncio.TimerHandle | None = None
+
+    def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
+        loop = asyncio.get_running_loop()
+        self._timer = loop.call_at(loop.time() + (due_ns - time.monotonic_ns()) / 1e9, _wake, waiter)
+
+    def close(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+
+
+class TimerFdTimer:
+    """An alarm from a Linux timer that is a file.
+
+    It rings every period from the time at which it is first asked for, so that in a steady cycle it need not be set
+    again. When it rings and nobody waits it stops.
+
+    Raises:
+        OSError: there is none.
+    """
+
+    __slots__ = ("_fd", "_loop", "_next_ns", "_set", "_waiter")
+
+    is_exact: Final = True
+
+    def __init__(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._waiter: asyncio.Future[None] | None = None
+        self._next_ns = 0
+        self._fd, self._set = _open_timer()
+        self._loop.add_reader(self._fd, self._rung)
+
+    def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
+        self._waiter = waiter
+        if due_ns != self._next_ns:
+            self._next_ns = due_ns
+            self._set(due_ns, PERIOD_NS)
+
+    def close(self) -> None:
+        if self._fd >= 0:
+            self._loop.remove_reader(self._fd)
+            os.close(self._fd)
+            self._fd = -1
+
+    def _rung(self) -> None:
+        try:
+            count = os.read(self._fd, 8)
+        except BlockingIOError:
+            return
+        waiter, self._waiter = self._waiter, None
+        if waiter is None:
+            self._next_ns = 0
+            self._set(0, 0)
+        else:
+            self._next_ns += PERIOD_NS * int.from_bytes(count, sys.byteorder)
+            _wake(waiter)
+
+
+def best_alarm() -> Timer:
+    """The most exact alarm that this computer and the running event loop have."""
+    if sys.platform == "linux":
+        try:
+            return TimerFdTimer()
+        except (OSError, AttributeError, NotImplementedError):
+            pass
+    return LoopTimer()
+
+
+async def _until(due_ns: int, alarm: Timer) -> int:
+    """Wait for a time of `time.monotonic_ns`; return what time it is then."""
+    loop = asyncio.get_running_loop()
+    while (now_ns := time.monotonic_ns()) < due_ns:
+        waiter = loop.create_future()
+        alarm.wake_at(due_ns, waiter)
+        await waiter
+    return now_ns
+
+
+def _wake(waiter: asyncio.Future[None]) -> None:
+    if not waiter.done():
+        waiter.set_result(None)
+
+
+def _open_timer() -> tuple[int, Callable[[int, int], Any]]:
+    """A timer on the clock of `time.monotonic_ns`, and what sets it to an absolute time and a period; 0 stops it."""
+    if sys.version_info >= (3, 13):
+        fd = os.timerfd_create(time.CLOCK_MONOTONIC, flags=os.TFD_NONBLOCK | os.TFD_CLOEXEC)
+        return fd, lambda due_ns, period_ns: os.timerfd_settime_ns(
+            fd, flags=os.TFD_TIMER_ABSTIME, initial=due_ns, interval=period_ns
+        )
+    import ctypes
+
+    clock_monotonic, absolute = 1, 1
+    libc = ctypes.CDLL(None, use_errno=True)
+    opened: int = libc.timerfd_create(clock_monotonic, os.O_NONBLOCK | os.O_CLOEXEC)
+    if opened < 0:
+        raise OSError(ctypes.get_errno(), "timerfd_create")
+    # struct itimerspec: interval and first time, each in seconds and nanoseconds.
+    spec = (ctypes.c_long * 4)()
+    settime = libc.timerfd_settime
+
+    def set_timer(due_ns: int, period_ns: int) -> None:
+        spec[0], spec[1] = divmod(period_ns, 1_000_000_000)
+        spec[2], spec[3] = divmod(due_ns, 1_000_000_000)
+        settime(opened, absolute, spec, None)
+
+    return opened, set_timer

@@ -1,0 +1,171 @@
+"""Lockstep: time waits for the clients of the RTSI port.
+
+A client takes part from its first input package (`U`) after the start of its packages (`S`) on, until it pauses (`P`),
+ends its connection or goes. Robot time then advances only while every such client has answered the last data package
+that it got by an input package, of any of its recipes. So between two packages of a client lies exactly one answer of
+that client; with a recipe of 125 Hz the robot makes two ticks for each answer. As fast as the clients answer, as fast
+does time pass.
+
+- Clients that have not sent an input yet, or that get no packages, are not asked. Time does not wait for them, but
+  while one that gets packages is behind with reading them, so that no package is left out.
+- A client that time has waited for `timeout_s` is let go, with a line in the log: time goes on without it, and it takes
+  part again from its next input package on. Without this bound a client that answers only now and then (the vendor's
+  `RtsiIOInterface` sends nothing unless a value was set) would stop time for ever.
+- While no client takes part, time passes as on the wall: power can be switched and programs loaded.
+- Everything else (dashboard, primary port, sockets of programs) goes on, measured in robot time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Final, NamedTuple
+
+from elitescript.messages.timing import PERIOD_S
+from elitescript.protocol.rtsi.connection import RtsiConnection
+from elitescript.services.clients.tcp import Client
+
+TIMEOUT_S: Final = 0.5
+"""How long time waits for a client by default (*assumed*). The vendor's C++ client gives up its connection when it has
+got no package for 1 s."""
+UNANSWERING_S: Final = 0.02
+"""The same for a client that has sent inputs before and never answered a package by one (*assumed*)."""
+STEP_MAX_S: Final = 5 * PERIOD_S
+"""What counts of the time between two looks at the clients: while this process was stopped nobody could answer."""
+REPORT_S: Final = 10.0
+"""Wall time within which the log names the same client once."""
+
+
+class Gate(NamedTuple):
+    """Whether time may go on."""
+
+    is_open: bool
+    has_participants: bool
+    waits_for: str
+    """Origin of a client that time waits for; empty if there is none."""
+
+
+_UNASKED = Gate(True, False, "")
+_OPEN = Gate(True, True, "")
+
+
+class Lockstep:
+    """Which clients of one robot's RTSI port time waits for, and how long.
+
+    Args:
+        clients: of the port, by origin; read at every call.
+        note: receives a line of the log and the origin of its client.
+        timeout_s: wall time after which a client is let go, s; infinite for never.
+    """
+
+    __slots__ = (
+        "_clients",
+        "_let_go",
+        "_note",
+        "_passed",
+        "_quiet_s",
+        "_tick",
+        "_timeout_s",
+        "_unanswering",
+        "_waited_s",
+    )
+
+    def __init__(
+        self, clients: Mapping[str, Client], note: Callable[[str, str], None], timeout_s: float = TIMEOUT_S
+    ) -> None:
+        self._clients = clients
+        self._note = note
+        self._timeout_s = timeout_s
+        self._tick = -1
+        self._waited_s: dict[str, float] = {}
+        """How long time has waited for a client at this tick."""
+        self._unanswering: set[str] = set()
+        """Clients that have never answered a package since they were let go."""
+        self._passed: set[str] = set()
+        """Clients behind with reading that time does not wait for any more."""
+        self._quiet_s: dict[str, float] = {}
+        """How long the log does not name a client again."""
+        self._let_go: dict[str, int] = {}
+        """How often it was let go in that time."""
+
+    def gate(self) -> Gate:
+        """Ask the clients."""
+        has_participants = False
+        behind = ""
+        for client in self._clients.values():
+            connection = client.connection
+            if not isinstance(connection, RtsiConnection) or not connection.is_streaming or client.is_leaving:
+                continue
+            if connection.answers:
+                has_participants = True
+                if client.owes_input:
+                    return Gate(False, True, client.origin)
+            if client.is_behind and client.origin not in self._passed:
+                behind = client.origin
+        if not has_participants:
+            return _UNASKED
+        return Gate(False, True, behind) if behind else _OPEN
+
+    def watch(self, tick: int, elapsed_s: float) -> bool:
+        """Let clients go that time has waited for too long; whether one was.
+
+        Args:
+            tick: the last one; time that has gone on since the last call has waited for no client.
+            elapsed_s: wall time since the last call, s.
+        """
+        step_s = min(elapsed_s, STEP_MAX_S)
+        self._tell(elapsed_s)
+        if tick != self._tick:
+            self._tick = tick
+            self._waited_s.clear()
+            step_s = 0.0
+        self._unanswering &= self._clients.keys()
+        self._passed = {origin for origin in self._passed if self._is_behind(origin)}
+        is_let_go = False
+        while not (found := self.gate()).is_open:
+            origin = found.waits_for
+            waited_s = self._waited_s[origin] = self._waited_s.get(origin, 0.0) + step_s
+            if waited_s < self._timeout_of(origin):
+                break
+            is_let_go = True
+            self._release(origin)
+        return is_let_go
+
+    def _timeout_of(self, origin: str) -> float:
+        connection = self._clients[origin].connection
+        assert isinstance(connection, RtsiConnection)
+        if connection.answers > 1:
+            self._unanswering.discard(origin)
+        return min(UNANSWERING_S, self._timeout_s) if origin in self._unanswering else self._timeout_s
+
+    def _is_behind(self, origin: str) -> bool:
+        client = self._clients.get(origin)
+        return client is not None and client.is_behind
+
+    def _release(self, origin: str) -> None:
+        client = self._clients[origin]
+        connection = client.connection
+        assert isinstance(connection, RtsiConnection)
+        if connection.answers and client.owes_input:
+            if connection.answers == 1:
+                self._unanswering.add(origin)
+            connection.forget_answers()
+            what = "has not answered a package"
+        else:
+            self._passed.add(origin)
+            what = "has not read its packages"
+        if origin in self._quiet_s:
+            self._let_go[origin] = self._let_go.get(origin, 0) + 1
+            return
+        self._quiet_s[origin] = REPORT_S
+        text = f"{origin} {what} for {self._timeout_s:g} s: time goes on without it until its next input package"
+        self._note(text, origin)
+
+    def _tell(self, elapsed_s: float) -> None:
+        """Say how often a client was let go since the log named it last."""
+        for origin in list(self._quiet_s):
+            self._quiet_s[origin] -= elapsed_s
+            if self._quiet_s[origin] > 0.0:
+                continue
+            del self._quiet_s[origin]
+            if count := self._let_go.pop(origin, 0):
+                self._note(f"{origin} was let go {count} times more within {REPORT_S:g} s", origin)

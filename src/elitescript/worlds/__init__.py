@@ -1,1 +1,0 @@
-"""What programs reach outside themselves: real folders, and folders in memory."""
