@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types coverage flips invariants peers bench figures picture reference golden dist lock clean
+.PHONY: help demo test lint types coverage flips invariants peers bench figures picture reference docs golden dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -22,9 +22,10 @@ help:
 	@echo "make figures     write the figures and measured tables of docs/explanation"
 	@echo "make picture     take the picture of a plot page in the README again (needs Chromium)"
 	@echo "make reference   write docs/reference from the code"
+	@echo "make docs        build the site from docs and examples: build/site/html"
 	@echo "make golden      record the event traces of the examples again"
 	@echo "make dist        build wheel and sdist into dist/, check them, install and try the wheel in an environment of its own"
-	@echo "make lock        resolve requirements-dev.lock and requirements-dist.lock again (needs uv)"
+	@echo "make lock        resolve the requirements-*.lock again (needs uv)"
 	@echo "make clean       remove .venv and caches"
 
 # The named interpreter if it is new enough, else the newest python3.x on the path.
@@ -112,6 +113,17 @@ bench: $(READY)
 reference: $(READY)
 	$(BIN)/python tools/write_reference.py
 
+# What builds the site goes into .venv too; `make test` does without it.
+DOCS_READY := $(VENV)/.docs-ready
+
+$(DOCS_READY): $(READY) requirements-docs.lock
+	$(BIN)/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-docs.lock
+	@touch $@
+
+docs: $(DOCS_READY)
+	$(BIN)/python -m tools.build_site
+	@echo "The site: build/site/html/index.html"
+
 golden: $(READY)
 	$(BIN)/python tools/record_golden.py
 
@@ -124,12 +136,13 @@ dist: $(READY)
 	build/dist/tools/bin/python -m twine check --strict dist/*
 	$(BIN)/python -m tools.try_dist dist build/dist
 
-LOCK := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes \
-    --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --quiet $(LOCK_FLAGS)
+COMPILE := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes \
+    --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --quiet
 
 lock:
-	$(LOCK) --extra dev --output-file requirements-dev.lock
-	$(LOCK) --extra dist --output-file requirements-dist.lock
+	$(COMPILE) --extra dev --output-file requirements-dev.lock $(LOCK_FLAGS)
+	$(COMPILE) --extra docs --constraint requirements-dev.lock --output-file requirements-docs.lock $(LOCK_FLAGS)
+	$(COMPILE) --extra dist --output-file requirements-dist.lock $(LOCK_FLAGS)
 
 clean:
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis build dist

@@ -19,8 +19,8 @@ def devices_page() -> str:
         "# World files and faults",
         "",
         NOTICE,
-        "What the sections of a world file may hold ([docs/devices.md](../devices.md) shows how). Each is a list:",
-        "write `[[tcp]]` once for every device. `name` is what messages call it.",
+        "What the sections of a world file may hold ([how to write one](../how-to/devices.md)). Each is a list: write",
+        "`[[tcp]]` once for every device. `name` is what messages call it.",
         "",
         "`[world]` has `seed`, a whole number, and `network`, `virtual` or `real`.",
     ]

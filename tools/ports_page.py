@@ -22,7 +22,7 @@ _PAGES = {
     "interpreter": "interpreter.md",
     "query": "interpreter.md",
     "modbus": "modbus.md",
-    "ssh": "../ssh.md",
+    "ssh": "../how-to/ssh.md",
 }
 
 
@@ -113,9 +113,9 @@ def ports_page() -> str:
         "",
         "## SSH",
         "",
-        "`serve --ssh` ([what it is for](../ssh.md)) answers SFTP and SCP with files in memory, and these commands;",
-        "`PORT` and `NUMBER` are decimal, `...` are further options. There is no shell: anything else ends with status "
-        f"{ssh_commands.NO_SUCH_COMMAND}.",
+        "`serve --ssh` ([what it is for](../how-to/ssh.md)) answers SFTP and SCP with files in memory, and these",
+        "commands; `PORT` and `NUMBER` are decimal, `...` are further options. There is no shell: anything else ends",
+        f"with status {ssh_commands.NO_SUCH_COMMAND}.",
         "",
         "| command | what it does |",
         "|---|---|",

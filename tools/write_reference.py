@@ -15,93 +15,23 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "src"))
 
 from elitescript import errors
-from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.definition.page import CHAPTERS, chapters, kind_of, source_of
-from elitescript.commands.definition.registry import Command, Param
 from elitescript.controller.safety import states as safety
 from elitescript.lint import explanations
 from elitescript.messages.signals import SIGNALS, Signal
+from tools.api_page import api_page
+from tools.command_line_page import command_line_page
+from tools.commands_pages import COMMAND_PAGES
 from tools.devices_page import devices_page
 from tools.events_page import events_page
 from tools.faults_page import faults_page
 from tools.line_port_pages import dashboard_page, interpreter_page
-from tools.markdown import NOTICE, anchor, cell
+from tools.markdown import NOTICE, cell
 from tools.modbus_page import modbus_page
 from tools.ports_page import ports_page
 from tools.primary_page import primary_page
 from tools.rtsi_page import rtsi_page
 
 FOLDER: Final = Path(__file__).resolve().parent.parent / "docs" / "reference"
-
-
-def _how_many(commands: int, simulated: int) -> tuple[str, ...]:
-    if simulated == commands:
-        return (f"{commands} commands, all of them simulated.",)
-    return (
-        f"{commands} commands, {simulated} of them simulated. The others are known to the checker, check their",
-        "arguments when they are called, and then raise `NotSimulatedError` with the reason.",
-    )
-
-
-def commands_page() -> str:
-    """Support matrix and every command in full."""
-    simulated = sum(command.is_simulated for command in CATALOGUE)
-    by_chapter = chapters(CATALOGUE)
-    lines = [
-        "# Commands",
-        "",
-        NOTICE,
-        *_how_many(len(CATALOGUE), simulated),
-        "",
-        "- Lengths are in m, angles in rad, times in s, unless a unit in brackets says otherwise.",
-        "- A pose is `[x, y, z, Rx, Ry, Rz]`, roll-pitch-yaw about the fixed axes x, y, z.",
-        "- Joints are `[base, shoulder, elbow, wrist1, wrist2, wrist3]`.",
-        "- bool and int stand for each other, an int stands for a float. NaN, infinity, a wrong length and text for a",
-        "  number are errors.",
-        "- *documented*: in a manual; *observed*: in real programs or clients; *assumed*: decided here.",
-        "",
-        "| chapter | commands | simulated |",
-        "|---|---:|---:|",
-    ]
-    for family, commands in by_chapter.items():
-        count = sum(command.is_simulated for command in commands)
-        lines.append(f"| [{CHAPTERS[family]}](#{anchor(CHAPTERS[family])}) | {len(commands)} | {count} |")
-    for family, commands in by_chapter.items():
-        lines += ["", f"## {CHAPTERS[family]}", "", "| command | since | evidence | simulated |", "|---|---|---|---|"]
-        for command in commands:
-            mark = "yes" if command.is_simulated else "no"
-            name = f"[`{cell(command.signature)}`](#{anchor(command.name)})"
-            lines.append(f"| {name} | {command.since} | {command.evidence} | {mark} |")
-        for command in commands:
-            lines += _command_section(command)
-    return "\n".join(lines) + "\n"
-
-
-def _command_section(command: Command) -> list[str]:
-    details = command.details
-    lines = ["", f"### {command.name}", "", f"`{command.signature}`", "", details.summary]
-    if details.behaviour:
-        lines += ["", details.behaviour]
-    if command.params:
-        lines += ["", *(_argument(param) for param in command.params)]
-    if details.returns_text:
-        lines += ["", f"Returns {kind_of(details.returns)}: {details.returns_text}"]
-    if details.raises:
-        lines += ["", *(f"- raises `{name}`: {text}" for name, text in details.raises.items())]
-    facts = [source_of(command).capitalize()]
-    for name in command.aliases:
-        other = CATALOGUE.get(name)
-        assert other is not None
-        facts.append(f"also called `{name}` ({source_of(other)})")
-    facts += [] if command.works_in_sec else ["not in secondary programs"]
-    facts += [] if command.is_simulated else ["not simulated yet"]
-    return [*lines, "", "; ".join(facts) + "."]
-
-
-def _argument(param: Param) -> str:
-    default = "" if param.is_required else f", default `{param.default_text}`"
-    other = f" Also written {', '.join(f'`{spelling}`' for spelling in param.spellings)}." if param.spellings else ""
-    return f"- `{param.name}` ({kind_of(param.quantity)}{default}): {param.text}{other}"
 
 
 def errors_page() -> str:
@@ -294,7 +224,9 @@ def _range(signal: Signal) -> str:
 
 
 PAGES: Final[dict[str, Callable[[], str]]] = {
-    "commands.md": commands_page,
+    "api.md": api_page,
+    "command-line.md": command_line_page,
+    **COMMAND_PAGES,
     "dashboard.md": dashboard_page,
     "devices.md": devices_page,
     "errors.md": errors_page,
@@ -313,10 +245,11 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
 
 def main() -> int:
     """Write all pages."""
-    FOLDER.mkdir(parents=True, exist_ok=True)
     for name, page in PAGES.items():
-        (FOLDER / name).write_text(page(), encoding="utf-8", newline="\n")
-        print(FOLDER / name)
+        path = FOLDER / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(page(), encoding="utf-8", newline="\n")
+        print(path)
     return 0
 
 

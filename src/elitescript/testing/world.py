@@ -2,7 +2,7 @@
 
     >>> from elitescript.testing.world import TcpServer, World
 
-See `docs/devices.md`.
+See `docs/how-to/devices.md`.
 """
 
 from __future__ import annotations

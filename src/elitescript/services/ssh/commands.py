@@ -106,4 +106,6 @@ def read_command(command: str) -> Action:
         if match := row.pattern.fullmatch(command):
             return row.action(match)
     shown = command if len(command) <= 80 else command[:80] + "..."
-    return Refuse(f"elitescript: {shown!r} is no command here. This is no shell; see docs/ssh.md for what there is.\n")
+    return Refuse(
+        f"elitescript: {shown!r} is no command here. This is no shell; see docs/how-to/ssh.md for what there is.\n"
+    )

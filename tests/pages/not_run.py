@@ -1,0 +1,21 @@
+"""What pages show and the tests do not run, with the reason. A row that fits nothing fails the tests."""
+
+from __future__ import annotations
+
+from typing import Final
+
+NOT_RUN: Final[dict[str, str]] = {
+    r"make \w+": "the targets of the Makefile build an environment, or run these tests",
+    r"elitescript devices .*": "opens the ports that the page names, which another process may have",
+    r"elitescript serve --ssh.*": "needs the extra `ssh`; tests/services runs it",
+    r"elitescript run .* --serial .*": "needs a serial port of this computer",
+    r"elitescript run examples/camera_picking.script --set .*": "needs `devices` in another terminal",
+    r"mbpoll .*": "a program of somebody else",
+}
+"""Pattern of a whole command, and why it is not run. `elitescript` commands are parsed all the same."""
+
+CHECKED_ELSEWHERE: Final[dict[str, str]] = {
+    "docs/reference/api.md": "signatures; tests/test_device_docstrings.py runs the examples of the docstrings",
+    "docs/reference/rules.md": "programs with mistakes; tests/lint/test_explanations.py checks each one",
+}
+"""Generated pages whose blocks other tests run."""
