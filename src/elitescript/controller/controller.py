@@ -212,7 +212,7 @@ class Controller:
         self.task.program.run_tick(self._tick)
 
     def next_tick(self) -> int | None:
-        """The next tick at which anything is due; None when nothing will ever happen by itself."""
+        """Return the next tick at which anything is due; None when nothing will ever happen by itself."""
         tick, arm, program = self._tick, self.arm_state, self.task.program
         due = (program.next_tick(tick), arm.next_tick, self._inbox.next_tick, self.safety.next_tick(tick))
         ticks = [at for at in (*due, self.power.next_tick, self._fault_tick) if at is not None]
@@ -317,11 +317,11 @@ class Controller:
         return self.safety.speed_scale
 
     def joints(self) -> JointState:
-        """Target and measured joints of the present tick."""
+        """Return the target and measured joints of the present tick."""
         return self.joints_at(self._tick)
 
     def joint_torques(self) -> Six:
-        """Torques of this tick without those that the arm needs to carry and to move itself, N m."""
+        """Return torques of this tick without those that the arm needs to carry and to move itself, N m."""
         return self.loads.remaining_torques(self._tick)
 
     @property
@@ -335,15 +335,15 @@ class Controller:
         return self.arm_state.is_resting and self._joint_encoders.is_exact
 
     def tcp_wrench(self, is_compensated: bool) -> Six:
-        """What the surroundings exert on the TCP in this tick, TCP frame; see `wrench_sensor`."""
+        """Return what the surroundings exert on the TCP in this tick, TCP frame; see `wrench_sensor`."""
         return self.yielding.wrench(self.arm_state, self._tick, is_compensated)
 
     def joints_at(self, tick: int) -> JointState:
-        """Target and measured joints at a tick from the present one up to the next at which something is due."""
+        """Return target and measured joints at a tick, from the present one up to the next that is due."""
         return self._joint_encoders.read(tick, self.arm_state.joints(tick))
 
     def tcp_pose(self, q: Six) -> Six:
-        """Pose of the active TCP at joint positions, base frame."""
+        """Return the pose of the active TCP at joint positions, base frame."""
         return pose_from_transform(self.arm.forward_tcp(q, self.setup.T_flange_tcp))
 
     def path_offset_along(self, frame: OffsetFrame) -> Six:
@@ -356,7 +356,7 @@ class Controller:
         return self.tcp_pose(self.path_offset.without(Setpoint(joints.q_target, joints.qd_target)).q)
 
     def state_at(self, tick: int) -> RobotState:
-        """The machine at such a tick."""
+        """Return the machine at such a tick."""
         joints = self.joints_at(tick)
         return build_state(
             tick=tick,
@@ -375,11 +375,11 @@ class Controller:
         )
 
     def state(self) -> RobotState:
-        """The machine at the present tick."""
+        """Return the machine at the present tick."""
         return self.state_at(self._tick)
 
     def read(self, name: str, index: int = 0) -> Value:
-        """One point of the signal image."""
+        """Return one point of the signal image."""
         return self.signals.read(name, index)
 
     def port_register(self, address: int, version: tuple[int, ...]) -> int:
@@ -405,23 +405,23 @@ class Controller:
         return PortImage(View(source, version))
 
     def tool_pin(self, index: int) -> bool:
-        """Level of a tool pin."""
+        """Return the level of a tool pin."""
         return self.signals.tool_pin(index)
 
     def non_default_signals(self) -> dict[str, Value]:
-        """Every signal that is not at its default."""
+        """Return every signal that is not at its default."""
         return self.signals.non_defaults()
 
     def encoder_count(self, index: int) -> float:
-        """What the counter of a conveyor encoder shows."""
+        """Return what the counter of a conveyor encoder shows."""
         return self.tracking.encoders[index].count(self._tick)
 
     def encoder_unwound(self, index: int, delta: float) -> float:
-        """A difference of two counts of an encoder, without the overflow of its counter."""
+        """Return a difference of two counts of an encoder, without the overflow of its counter."""
         return self.tracking.encoders[index].range.unwound(delta)
 
     def timestamp_s(self) -> float:
-        """The controller's clock, seconds since 1970."""
+        """Return the controller's clock, seconds since 1970."""
         return self._epoch_s + seconds(self._tick)
 
     # ---------------------------------------------------------------- requests
@@ -464,7 +464,7 @@ class Controller:
         self.motion.take_over(braking, tick, thread)
 
     def is_move_done(self, move: int) -> bool:
-        """Whether that move is over."""
+        """Return whether that move is over."""
         return self.motion.is_done(move) and self.yielding.is_done(move)
 
     def cancel_move(self, move: int) -> None:

@@ -80,7 +80,7 @@ ACTIONS: Final[dict[type, str]] = {
 
 
 def refusal_text(request: MachineRequest, error: Exception) -> str:
-    """One line about a request that was refused.
+    """Return one line about a request that was refused.
 
     Args:
         request: what was asked for.

@@ -20,7 +20,7 @@ class ProgramPort(Protocol):
         """Run every script thread that is due, until each waits or has used up this tick's work."""
 
     def next_tick(self, tick: int) -> int | None:
-        """Earliest tick after `tick` at which a script thread is due; None while all wait for something else."""
+        """Return the earliest tick after `tick` at which a script thread is due; None while there is none."""
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
         """Take note that a move is over; threads that wait for it go on at the next `run_tick`."""

@@ -87,5 +87,5 @@ class Agenda:
             self.on_failure(owner, error)
 
     def next_tick(self, tick: int) -> int | None:
-        """The next tick after `tick` at which a call is due."""
+        """Return the next tick after `tick` at which a call is due."""
         return max(self._due[0][0], tick + 1) if self._due else None

@@ -264,7 +264,7 @@ class Device:
 
 
 def setting_names(device_class: type[Device]) -> list[str]:
-    """Names of the settings of a class, in the order in which they were written."""
+    """Return names of the settings of a class, in the order in which they were written."""
     import inspect
 
     hidden = {name for owner in device_class.__mro__ for name in vars(owner).get("_kept", ())}
@@ -279,7 +279,7 @@ def setting_names(device_class: type[Device]) -> list[str]:
 
 
 def misspelt(device_class: type[Device]) -> list[tuple[str, str]]:
-    """Methods of a user's class that are almost called like one of ours, each with that one."""
+    """Return methods of a user's class that are almost called like one of ours, each with that one."""
     own = {
         name
         for owner in device_class.__mro__

@@ -75,7 +75,7 @@ class Drain:
         return min(self._moved_tick + self._drain_ticks, self._begin_tick + ticks_for(DRAIN_MAX_S))
 
     def is_over(self, tick: int) -> bool:
-        """Whether everything has arrived and no device has something to do in the next tick, or it has taken too long.
+        """Return whether everything has arrived and no device is due in the next tick, or the time is up.
 
         Args:
             tick: the one that has run.

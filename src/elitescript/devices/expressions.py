@@ -74,7 +74,7 @@ class Expression:
         self.signals = tuple(signals)
 
     def value(self, read: Read, arguments: Mapping[str, Any] | None = None) -> Any:
-        """What it comes to.
+        """Return what it comes to.
 
         Args:
             read: gives the level of a signal.
@@ -126,7 +126,7 @@ class Expression:
                 raise UsageError(f"{self.text!r}: {what!r} is not possible here; functions are {known}")
 
     def _signal(self, node: ast.AST) -> str | None:
-        """Name of the signal that a node means; None if it means none."""
+        """Return the name of the signal that a node means; None if it means none."""
         match node:
             case ast.Subscript(value=ast.Name(id=name)) if name not in self._names:
                 pass

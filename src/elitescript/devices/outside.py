@@ -71,7 +71,7 @@ class Outside:
             self.channels = world.channels
 
     def world_for(self, source_name: str) -> ProgramEnvironment:
-        """The world of a program; a file's own folder is its task folder unless another one was given."""
+        """Return the world of a program; a file's own folder is its task folder unless another one was given."""
         if self._world is not None:
             return self._world
         folder = self._task_dir

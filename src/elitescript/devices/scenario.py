@@ -121,7 +121,7 @@ def _empty_world(options: object, tables: Mapping[str, Any], network: str) -> Wo
 
 
 def _made(section: str, number: int, row: Mapping[str, Any], folder: Path, files: dict[Path, Any]) -> Any:
-    """What one row declares."""
+    """Return what one row declares."""
     kind = KINDS[section]
     settings = dict(row)
     named = settings.pop(CLASS_KEY, None)
@@ -158,7 +158,7 @@ def _loaded(name: str) -> Any:
 
 
 def _named_class(named: object, folder: Path, files: dict[Path, Any], base: type[Device]) -> type[Device]:
-    """A class of a Python file beside the world file."""
+    """Return a class of a Python file beside the world file."""
     file_name, colon, name = named.rpartition(":") if isinstance(named, str) else ("", "", "")
     if not colon or not file_name.endswith(".py"):
         raise UsageError(f'{CLASS_KEY}: write file and class, such as "cell.py:Camera", not {named!r}')
@@ -191,7 +191,7 @@ def _imported(path: Path) -> Any:
 
 
 def _python_place(error: Exception) -> str:
-    """File and line of a mistake in a Python file, as `cell.py:12`; empty if it is not in one."""
+    """Return the file and line of a mistake in a Python file, as `cell.py:12`; empty if it is not in one."""
     if isinstance(error, SyntaxError) and error.filename:
         return f"{error.filename}:{error.lineno}"
     return place_in(error)

@@ -45,7 +45,7 @@ class RobotSignals:
         return self._hub.agenda.time_s
 
     def read(self, name: str) -> Value:
-        """The level of a signal, such as `standard_digital_out[0]`.
+        """Return the level of a signal, such as `standard_digital_out[0]`.
 
         Raises:
             UsageError: no such signal.

@@ -31,7 +31,7 @@ class RobotAccess(Protocol):
         """The present tick."""
 
     def read(self, name: str, index: int) -> Value:
-        """A point of the signal image."""
+        """Return a point of the signal image."""
 
     def write(self, request: WriteSignal, by: str) -> None:
         """Set a point; it takes effect in the tick that is about to run.
@@ -48,14 +48,14 @@ class RobotAccess(Protocol):
         """Add to the record of what happens."""
 
     def connect(self, service: str, origin: str) -> Connection:
-        """A connection to a port of the robot, as its server sees it.
+        """Return a connection to a port of the robot, as its server sees it.
 
         Raises:
             UsageError: there is no such port.
         """
 
     def output(self) -> Output:
-        """What the last tick gives to whoever is connected to a port."""
+        """Return what the last tick gives to whoever is connected to a port."""
 
     def post(self, inputs: Sequence[Input]) -> None:
         """What somebody asks for who is connected to a port, in the tick that is about to run."""
@@ -116,7 +116,7 @@ class Surroundings:
         """A signal of the robot has changed in the tick that runs."""
 
     def next_tick(self, tick: int) -> int | None:
-        """The next tick after `tick` at which a device does something."""
+        """Return the next tick after `tick` at which a device does something."""
         return None
 
     def settle(self) -> None:

@@ -119,7 +119,7 @@ class _TomlScanner:
         return path
 
     def _inside(self, path: Path) -> Path:
-        """The last table of a list of tables, or the table itself."""
+        """Return the last table of a list of tables, or the table itself."""
         return (*path, self._counts[path] - 1) if path in self._counts else path
 
     def _assignment(self, table: Path) -> None:

@@ -158,7 +158,7 @@ class World(Surroundings):
             self.signals.robot.disturb(input_request(fault, self.agenda.tick))
 
     def resolved(self, fault: Fault) -> Fault:
-        """A fault with the port, line or input that its `on` means, and with the seed of this world.
+        """Return a fault with the port, line or input that its `on` means, and with the seed of this world.
 
         Raises:
             UsageError: no device is called so, or it has no place for such a fault, or more than one.
@@ -269,7 +269,7 @@ class World(Surroundings):
 
 
 def describe(device: Device, error: Exception) -> str:
-    """Where the code of a device failed, and how."""
+    """Return where the code of a device failed, and how."""
     place = place_in(error)
     kind = type(device).__name__
     named = device.title if device.title == kind else f"{device.title} ({kind})"
@@ -277,7 +277,7 @@ def describe(device: Device, error: Exception) -> str:
 
 
 def place_in(error: Exception) -> str:
-    """File and line where code that is not ours has failed; empty if none has."""
+    """Return the file and line where code that is not ours has failed; empty if none has."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not frame.filename.startswith((_HOME, _LIBRARY, "<"))]
     return f"{own[-1].filename}:{own[-1].lineno}" if own else ""

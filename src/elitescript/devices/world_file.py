@@ -108,7 +108,7 @@ def load_cell(path: str | Path, *, network: str = "") -> WorldFile:
 
 
 def _huge(value: object, path: TomlPath) -> TomlPath | None:
-    """Path of a whole number that no float and no TOML of other readers has; None if there is none."""
+    """Return the path of a whole number that no float and no TOML of other readers has; None if there is none."""
     if isinstance(value, int):
         return None if -(2**63) <= value < 2**63 else path
     items: Iterable[tuple[str | int, object]] = ()
@@ -156,7 +156,7 @@ def _signals(table: Mapping[str, Any]) -> dict[str, Value]:
 
 
 def line_of(text: str, section: str, table: object, message: str) -> int:
-    """The line, from 1, that a message is about; the nearest one that is known.
+    """Return the line, from 1, that a message is about; the nearest one that is known.
 
     The message names a table as `[section]`, `[section.part]` or `[[section.part]] 2:` and then a key, perhaps followed
     by `row 3:` and further keys; if it does not, the key of the section that it names first counts, and without one
@@ -190,7 +190,7 @@ def line_of(text: str, section: str, table: object, message: str) -> int:
 
 
 def _place_in(message: str) -> tuple[str, int, list[str]]:
-    """Table, its number in a list of tables, and the words that may be keys."""
+    """Return table, its number in a list of tables, and the words that may be keys."""
     place, bracket, rest = message.lstrip("[").partition("]")
     if not message.startswith("[") or not bracket:
         return "", 1, []
@@ -202,7 +202,7 @@ def _place_in(message: str) -> tuple[str, int, list[str]]:
 
 
 def _line_of_refusal(text: str, error: Exception) -> int:
-    """The line at which `tomllib` gave up."""
+    """Return the line at which `tomllib` gave up."""
     found = re.search(r"\(at line (\d+)", str(error))
     if found:
         return int(found[1])
@@ -214,7 +214,7 @@ def _line_of_refusal(text: str, error: Exception) -> int:
 
 
 def _has_bare_index(text: str) -> bool:
-    """Whether a line begins like `standard_digital_in[3] =`."""
+    """Return whether a line begins like `standard_digital_in[3] =`."""
     for line in text.split("\n"):
         name, bracket, rest = line.partition("=")[0].strip().partition("[")
         if bracket and name.isidentifier() and rest[:-1].isdecimal() and rest.endswith("]"):

@@ -20,7 +20,7 @@ MISSING: Final = "serial ports need pyserial: pip install 'elitescript[serial]';
 
 
 def parse_bindings(texts: Iterable[str]) -> dict[str, str]:
-    """Bindings by device from `PORT=DEVICE`, such as `tool=/dev/ttyUSB0` or `box=socket://127.0.0.1:7000`.
+    """Return bindings by device from `PORT=DEVICE`, such as `tool=/dev/ttyUSB0` or `box=socket://127.0.0.1:7000`.
 
     Raises:
         UsageError: not of this form, or see `check_bindings`.
@@ -35,7 +35,7 @@ def parse_bindings(texts: Iterable[str]) -> dict[str, str]:
 
 
 def check_bindings(lines: Mapping[str, str]) -> dict[str, str]:
-    """Bindings by device, from bindings by the name of the port.
+    """Return bindings by device, from bindings by the name of the port.
 
     Raises:
         UsageError: no such port, something bound twice, an address that is none, or pyserial is needed and missing.
@@ -60,7 +60,7 @@ def _checked(port: str, target: str, found: Mapping[str, str]) -> dict[str, str]
 
 
 def bridge_address(target: str) -> tuple[str, int] | None:
-    """Address and port of `socket://HOST:PORT`; None for a device of this computer.
+    """Return the address and port of `socket://HOST:PORT`; None for a device of this computer.
 
     Raises:
         UsageError: an address that is none.

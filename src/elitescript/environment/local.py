@@ -106,7 +106,7 @@ class LocalFiles:
         self._allowance.add(0, 1)
 
     def _path(self, name: str) -> Path:
-        """Where a name leads once every link on the way is followed.
+        """Return where a name leads once every link on the way is followed.
 
         Raises:
             ScriptPermissionError: outside the folder.
@@ -155,5 +155,5 @@ class _RealFile(FileIO):
 
 
 def _renamed(error: OSError, name: str) -> OSError:
-    """The same error, with the name in the task folder instead of a path of this computer."""
+    """Return the same error, with the name in the task folder instead of a path of this computer."""
     return type(error)(error.errno, error.strerror or "cannot be opened", name)

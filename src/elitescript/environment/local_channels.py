@@ -187,7 +187,7 @@ class LocalChannels:
         self._leaving = [channel for channel in self._leaving if not channel.is_over]
 
     def next_tick(self, tick: int) -> int | None:
-        """Every tick while time is held back."""
+        """Return every tick while time is held back."""
         return tick + 1 if self.is_real else None
 
     def _hold(self, tick: int) -> None:

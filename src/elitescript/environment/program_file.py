@@ -18,7 +18,7 @@ _MOST_NEIGHBOURS: Final = 1000
 
 
 def source_of(program: str | Path) -> SourceFile:
-    """The source of a program: a path, or a text.
+    """Return the source of a program: a path, or a text.
 
     A str is a path if it is a single line that ends in `.script` or otherwise looks like a path: a word with a suffix,
     with slashes, or alone. Everything else is program text.
@@ -42,7 +42,7 @@ def source_of(program: str | Path) -> SourceFile:
 
 
 def neighbours(path: Path) -> str:
-    """The file nearby that was meant, as a question; empty if none is named alike."""
+    """Return the file nearby that was meant, as a question; empty if none is named alike."""
     try:
         if path.exists():
             return ""
@@ -62,7 +62,7 @@ def neighbours(path: Path) -> str:
 
 
 def _is_path(text: str) -> bool:
-    """Whether a str names a file. No statement is a word alone, and none looks like `cell.scrpt` or `jobs/cell`."""
+    """Return whether a str names a file. No statement is a single word, nor looks like `cell.scrpt` or `jobs/cell`."""
     line = text.strip()
     if not line or "\n" in text or "\r" in text:
         return False

@@ -62,7 +62,7 @@ class RequestChannels:
         self._requests: list[ChannelRequest] = []
 
     def take(self) -> tuple[ChannelRequest, ...]:
-        """What was asked for since the last call, in order."""
+        """Return what was asked for since the last call, in order."""
         requests, self._requests = tuple(self._requests), []
         return requests
 

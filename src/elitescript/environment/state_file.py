@@ -37,7 +37,7 @@ class Disk(Protocol):
     """What a state file does to the disk, step by step."""
 
     def read(self, path: Path, size_max: int) -> bytes:
-        """The first bytes of a file.
+        """Return the first bytes of a file.
 
         Raises:
             OSError: there is none, or it cannot be read.
@@ -53,7 +53,7 @@ class Disk(Protocol):
         """Give a file another name, which another file may have until then."""
 
     def lock(self, path: Path) -> IO[bytes]:
-        """Lock a file, which is made if there is none, until what this returns is closed.
+        """Return lock a file, which is made if there is none, until what this returns is closed.
 
         Raises:
             BlockingIOError: somebody else has it.
@@ -263,7 +263,7 @@ class StateFile:
 
 
 def state_text(levels: Levels) -> str:
-    """The content of a state file.
+    """Return the content of a state file.
 
     Args:
         levels: see `StateFile.save`.
@@ -273,7 +273,7 @@ def state_text(levels: Levels) -> str:
 
 
 def kept_levels(signals: Levels) -> dict[str, tuple[Value, ...]]:
-    """The families that are kept."""
+    """Return the families that are kept."""
     return {name: signals[name] for name in KEPT}
 
 

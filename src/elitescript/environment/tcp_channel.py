@@ -233,7 +233,7 @@ class TcpChannel:
 
 
 def _unacknowledged(connection: socket.socket) -> int:
-    """Bytes that the system has taken and the peer's system has not confirmed; 0 where that cannot be asked."""
+    """Return bytes that the system has taken and the peer's system has not confirmed; 0 where that cannot be asked."""
     if sys.platform != "linux":
         return 0
     from fcntl import ioctl

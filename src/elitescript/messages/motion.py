@@ -109,7 +109,7 @@ class MicroLine:
     """Part frame in which poses are given, in the base frame."""
 
     def __len__(self) -> int:
-        """How many points there are."""
+        """Return how many points there are."""
         return len(self.numbers) // 48
 
     def point(self, number: int) -> Six:

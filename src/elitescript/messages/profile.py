@@ -42,7 +42,7 @@ DEFAULT_FIRMWARE: Final = "2.14"
 
 
 def profile(name: str = DEFAULT_FIRMWARE) -> Profile:
-    """The profile of a firmware.
+    """Return the profile of a firmware.
 
     Raises:
         UsageError: there is none of that name.

@@ -114,5 +114,5 @@ def parse_signal_name(text: str) -> tuple[Signal, int]:
 
 
 def signal_name(signal: Signal, index: int) -> str:
-    """The name under which one point of a family is addressed."""
+    """Return the name under which one point of a family is addressed."""
     return signal.name if signal.size == 1 else f"{signal.name}[{index}]"

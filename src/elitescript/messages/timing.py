@@ -23,7 +23,7 @@ _ROUNDING_TICKS: Final = 1e-9
 
 
 def seconds(tick: int) -> float:
-    """The time of a tick."""
+    """Return the time of a tick."""
     return tick / TICKS_PER_S
 
 
@@ -32,7 +32,7 @@ LONGEST_S: Final = 1e12
 
 
 def ticks_for(duration_s: float) -> int:
-    """Ticks that a wait of `duration_s` takes: rounded up, a wait never ends early.
+    """Return ticks that a wait of `duration_s` takes: rounded up, a wait never ends early.
 
     Raises:
         UsageError: not a number.

@@ -30,24 +30,24 @@ class JointLoads:
         self._warmth = ThermalModel(model, self._dynamics)
 
     def remaining_torques(self, tick: int) -> Six:
-        """Torques without those that the arm needs to carry and to move itself, N m; `tick` is the present one."""
+        """Return torques without those that carry and move the arm itself, N m; `tick` is the present one."""
         joints, qdd = self._arm_state.joints(tick), self._arm_state.actual_acceleration()
         setup = self._setup
         return self._dynamics.remaining_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
 
     def measured(self, tick: int) -> tuple[Six, Six]:
-        """Torques that the joints apply altogether, N m, and currents of their motors, A (*assumed*)."""
+        """Return torques that the joints apply altogether, N m, and currents of their motors, A (*assumed*)."""
         joints, qdd = self._arm_state.joints(tick), self._arm_state.actual_acceleration()
         setup = self._setup
         torques = self._dynamics.measured_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
         return torques, self._dynamics.currents(torques)
 
     def currents(self, tick: int) -> Six:
-        """Currents of the motors, A (*assumed*: torque constants, friction)."""
+        """Return currents of the motors, A (*assumed*: torque constants, friction)."""
         return self.measured(tick)[1]
 
     def target_currents(self, tick: int) -> Six:
-        """Currents that the target asks for, A; the controller's own model of the arm has no friction (*assumed*)."""
+        """Return the currents of the target, A; the controller's model of the arm has no friction (*assumed*)."""
         joints, qdd = self._arm_state.joints(tick), self._arm_state.target_acceleration()
         setup = self._setup
         return self._dynamics.currents(
@@ -55,7 +55,7 @@ class JointLoads:
         )
 
     def temperatures(self, tick: int) -> tuple[Six, float]:
-        """Temperatures of the joints and of the control box, degC; see `controller.arm.thermal_model`."""
+        """Return temperatures of the joints and of the control box, degC; see `controller.arm.thermal_model`."""
         return self._warmth.temperatures(tick)
 
     def leap(self, tick: int) -> None:

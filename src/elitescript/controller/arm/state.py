@@ -135,7 +135,7 @@ class ArmState:
         return self._tick + 1 if self._is_stepped else self._motion.next_tick
 
     def joints(self, tick: int) -> JointState:
-        """Target and actual joints at a tick from the present one up to the next that is due."""
+        """Return the target and actual joints at a tick from the present one up to the next that is due."""
         if tick > self._tick and self._is_stepped:
             return self._ahead()
         if tick != self._joints_tick:
@@ -147,7 +147,7 @@ class ArmState:
         return self._joints
 
     def target_acceleration(self) -> Six:
-        """Acceleration with which the target goes on from the present tick, rad/s^2.
+        """Return the acceleration with which the target goes on from the present tick, rad/s^2.
 
         Where it jumps, this is the value of the time that follows. It is a difference of the speeds of this instant and
         the next (of the next tick, for what goes from tick to tick), because path, profile and speed percentage all
@@ -164,7 +164,7 @@ class ArmState:
         return (a, b, c, d, e, f)
 
     def actual_acceleration(self) -> Six:
-        """Acceleration with which the joints themselves go on from the present tick, rad/s^2."""
+        """Return the acceleration with which the joints themselves go on from the present tick, rad/s^2."""
         if self._plant is None or not self._is_stepped:
             return self.target_acceleration()
         before, after = self.joints(self._tick).qd_actual, self.joints(self._tick + 1).qd_actual

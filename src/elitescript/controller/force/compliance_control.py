@@ -131,14 +131,14 @@ class ComplianceControl:
         return False
 
     def wrench(self, arm: ArmState, tick: int, is_compensated: bool) -> Six:
-        """What the surroundings exert on the TCP at the present tick, TCP frame."""
+        """Return what the surroundings exert on the TCP at the present tick, TCP frame."""
         joints = arm.joints(tick)
         if is_compensated:
             return self.sensor.compensated(joints.q_actual, joints.qd_actual)
         return self.sensor.raw(joints.q_actual, joints.qd_actual, arm.actual_acceleration)
 
     def is_done(self, call: int) -> bool:
-        """Whether the call of that number is over."""
+        """Return whether the call of that number is over."""
         if call == FORCE_CALL:
             return not self._force.is_yielding
         return call != GUIDING_CALL or not self._guiding.is_active

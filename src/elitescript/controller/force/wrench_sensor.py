@@ -79,7 +79,7 @@ class WrenchSensor:
         return self.contact.wrench(p, v, self.external_wrench)
 
     def _client_reading(self, q: Six, offset: Vector3) -> Six:
-        """What a client's sensor reads, along the axes of the base frame, with moments about the TCP.
+        """Return what a client's sensor reads, along the axes of the base frame, with moments about the TCP.
 
         Its axes are those of the flange, and what it sends is free of the weight of tool and sensor (*assumed*).
         """
@@ -127,7 +127,7 @@ class WrenchSensor:
         return _turned(transpose(R_base_tcp), external)
 
     def _payload_wrench(self, q: Six, qd: Six, qdd: Six) -> Six:
-        """What the payload exerts on the flange, about the TCP and along its axes."""
+        """Return what the payload exerts on the flange, about the TCP and along its axes."""
         payload = self._setup.payload
         T_flange_com: Transform = (*IDENTITY[:9], *payload.cog)
         ax, ay, az, *alpha = self._acceleration(q, qd, qdd, T_flange_com)
@@ -147,7 +147,7 @@ class WrenchSensor:
         return _turned(transpose(rotation_of(T_base_tcp)), (*force, mx, my, mz))
 
     def _acceleration(self, q: Six, qd: Six, qdd: Six, T_flange_point: Transform) -> Six:
-        """Acceleration of a point of the flange and angular acceleration, base frame."""
+        """Return the acceleration of a point of the flange and angular acceleration, base frame."""
         before, after = [
             tcp_twist(
                 self._arm,
@@ -179,6 +179,6 @@ def _cross(a: Sequence[float], b: Sequence[float]) -> Vector3:
 
 
 def _in_base(R: Rotation, inertia: Six) -> Rotation:
-    """A tensor of the flange frame along the axes of the base frame."""
+    """Return a tensor of the flange frame along the axes of the base frame."""
     xx, yy, zz, xy, xz, yz = inertia
     return multiply(multiply(R, (xx, xy, xz, xy, yy, yz, xz, yz, zz)), transpose(R))

@@ -140,11 +140,11 @@ class YieldingCorrection(ABC):
 
     @abstractmethod
     def _frame(self, T_base_tcp: Transform, nominal_twist: Six) -> Rotation:
-        """Axes of the frame in the base frame."""
+        """Return axes of the frame in the base frame."""
 
     @abstractmethod
     def _wanted(self, axes: Rotation, free: Six, T_base_tcp: Transform, now: JointState) -> Six:
-        """Velocity that the free part is to have in the next period, base frame."""
+        """Return the velocity that the free part is to have in the next period, base frame."""
 
     @abstractmethod
     def _settled(self, step: Yielded, nominal: Setpoint, is_resting: bool) -> None:
@@ -208,7 +208,7 @@ class YieldingCorrection(ABC):
         self.is_on = True
 
     def _next(self, nominal: Setpoint, now: JointState) -> _Step:
-        """The next period; whoever looks at it before time goes on to it has worked it out for all."""
+        """Return the next period; whoever looks at it before time goes on to it has worked it out for all."""
         sensor = self._body.sensor
         question = _Question(nominal, now, sensor.external_wrench, sensor.zero, self._body.setup.T_flange_tcp)
         if self._answer is None or self._answer[0] != question:
@@ -268,7 +268,7 @@ class YieldingCorrection(ABC):
         return (k * x, k * y, k * z, a, b, c)
 
     def _left_over(self, axes: Rotation, deviation: Six) -> Six:
-        """What the arm still moves beside the nominal motion along axes that are not free any more."""
+        """Return what the arm still moves beside the nominal motion along axes that are not free any more."""
         left = _difference(deviation, selected(axes, self._selection, deviation))
         return ZERO_SIX if max(map(abs, left)) < _ROUNDING else left
 

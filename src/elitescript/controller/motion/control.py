@@ -131,7 +131,7 @@ class MotionControl:
         return self._source is not None
 
     def rate(self, tick: int) -> float:
-        """How fast planned time passes, 0 to 1; the speed percentage while no planned move runs."""
+        """Return how fast planned time passes, 0 to 1; the speed percentage while no planned move runs."""
         source = self._source
         return source.scale.rate(tick * PERIOD_S) if isinstance(source, Move) else self.speed_scale
 
@@ -147,14 +147,14 @@ class MotionControl:
         return None if source is None or source.due_tick >= NEVER else source.due_tick
 
     def setpoint(self, tick: int) -> Setpoint:
-        """Target joints at the time of a tick, from the present one up to the next that is due: rad, rad/s."""
+        """Return the target joints at a tick, from the present one up to the next that is due: rad, rad/s."""
         if tick != self._sampled_tick:
             self._sampled = self.sample(tick)
             self._sampled_tick = tick
         return self._sampled
 
     def rests_at(self, tick: int) -> bool:
-        """Whether the arm stands still from a tick on, which is not after the next one that is due."""
+        """Return whether the arm stands still from a tick on, which is not after the next one that is due."""
         return self._next is None and (self._source is None or self._source.end_tick <= tick)
 
     def rebase(self, q: Six) -> None:
@@ -168,7 +168,7 @@ class MotionControl:
         return isinstance(self._source, ToolDrive | ServoDrive)
 
     def sample(self, tick: float) -> Setpoint:
-        """Target joints at any time, in ticks, from the present tick up to the next that is due: rad, rad/s."""
+        """Return the target joints at any time, in ticks, from the present up to the next that is due: rad, rad/s."""
         source = self._source
         if source is None:
             return Setpoint(self._q_rest, ZERO_SIX)
@@ -210,7 +210,7 @@ class MotionControl:
         return call.number
 
     def is_done(self, number: int) -> bool:
-        """Whether the call of that number is over."""
+        """Return whether the call of that number is over."""
         return all(source is None or not source.is_awaited(number) for source in (self._source, self._next))
 
     def cancel(self, number: int, tick: int) -> None:

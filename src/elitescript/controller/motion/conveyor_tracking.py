@@ -280,7 +280,7 @@ class Tracking:
     # ---------------------------------------------------------------- laws of the way
 
     def _on(self, law: Following | Coast, tick: int, elapsed_s: float) -> tuple[float, float]:
-        """Return way and speed of the arm on a law."""
+        """Return the way and speed of the arm on a law."""
         if isinstance(law, Coast):
             return law.at(elapsed_s)
         assert self._conveyor is not None
@@ -332,7 +332,7 @@ class Tracking:
 
 
 def _is_same_course(line: CountLine, other: CountLine, tick: int) -> bool:
-    """Whether two lines, one of them new at a tick, are one: counts that are set come with rounding."""
+    """Return whether two lines, one of them new at a tick, are one: counts that are set come with rounding."""
     if line == other:
         return True
     return abs(line.at(tick) - other.at(tick)) < _SAME_COUNT and abs(line.rate - other.rate) < _SAME_COUNT

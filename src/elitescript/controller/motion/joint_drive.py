@@ -59,7 +59,7 @@ class Drive:
         self._held_ticks = -1
 
     def is_awaited(self, number: int) -> bool:
-        """Whether the call of that number is not over."""
+        """Return whether the call of that number is not over."""
         return number == self.number and not self.is_returned
 
     @property
@@ -152,23 +152,23 @@ class JointDrive(Drive):
         return self._start_tick + max(1, ticks_for(self.profile.duration_s))
 
     def setpoint(self, tick: float) -> Setpoint:
-        """Target joints at a tick up to `due_tick`."""
+        """Return the target joints at a tick up to `due_tick`."""
         return self.profile.at((tick - self._start_tick) * PERIOD_S)
 
     def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
-        """States up to the next tick that is due, with the speeds that were asked for."""
+        """Return states up to the next tick that is due, with the speeds that were asked for."""
         due_tick = self.due_tick
         step = (due_tick - tick) / points if due_tick < NEVER else 0.0
         return (Setpoint(self.setpoint(tick + k * step).q, self._qd) for k in range(points + 1 if step else 1))
 
     def obstacle(self, tick: int) -> Obstacle | None:
-        """What keeps the drive from going on beyond a tick."""
+        """Return what keeps the drive from going on beyond a tick."""
         if tick < self._limit_tick:
             return None
         return range_obstacle(self._limits, self._obstacle_joint, self.setpoint(tick).q, "speedj")
 
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
-        """Whether a joint that has no room left is meant to go further out."""
+        """Return whether a joint that has no room left is meant to go further out."""
         joint = obstacle.joint
         middle = 0.5 * (self._limits.q_min[joint] + self._limits.q_max[joint])
         return self._qd[joint] * (q[joint] - middle) > 0.0

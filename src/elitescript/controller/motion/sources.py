@@ -51,10 +51,10 @@ class MotionSource(Protocol):
         """Where the arm rests at `end_tick`, rad."""
 
     def setpoint(self, tick: float) -> Setpoint:
-        """Target joints at a tick up to `due_tick`: rad, rad/s."""
+        """Return the target joints at a tick up to `due_tick`: rad, rad/s."""
 
     def is_awaited(self, number: int) -> bool:
-        """Whether the call of that number is not over."""
+        """Return whether the call of that number is not over."""
 
 
 class Move:
@@ -142,7 +142,7 @@ class Move:
         return min(self.end_tick, self.return_tick)
 
     def setpoint(self, tick: float) -> Setpoint:
-        """Target joints at a tick from the start on."""
+        """Return the target joints at a tick from the start on."""
         if tick >= self.end_tick:
             return Setpoint(self.q_rest, ZERO_SIX)
         q, qd = self.segment.setpoint(self.path_time_s(tick))
@@ -153,11 +153,11 @@ class Move:
         return Setpoint(q, qd)
 
     def is_awaited(self, number: int) -> bool:
-        """Whether the call of that number is not over."""
+        """Return whether the call of that number is not over."""
         return number == self.number and not self.is_returned
 
     def can_blend(self, tick: int) -> bool:
-        """Whether a move that is asked for in this tick may take over before this one has come to rest."""
+        """Return whether a move that is asked for in this tick may take over before this one has come to rest."""
         return self.is_returned and self.returned_tick == tick and not (self.is_stopping or self.is_paused)
 
     def note_return(self, tick: int) -> None:
@@ -179,7 +179,7 @@ class Move:
         self.set_rate(tick, rate, change_ramp(self.segment, path_time_s, now, rate, least_s, qdd_max))
 
     def stop_ramp_s(self, tick: int, deceleration: float) -> float:
-        """Time in which the joints can be brought to rest on the path with a deceleration, rad/s^2."""
+        """Return the time in which the joints can be brought to rest on the path with a deceleration, rad/s^2."""
         rate = self.scale.rate(tick * PERIOD_S)
         return max(stop_ramp(self.segment, self.path_time_s(tick), rate, deceleration), PERIOD_S)
 
@@ -212,7 +212,7 @@ class Move:
         self._lay()
 
     def path_time_s(self, tick: float) -> float:
-        """How far along the segment the arm is, as time at full speed."""
+        """Return how far along the segment the arm is, as time at full speed."""
         return min(self.scale.path_time(tick * PERIOD_S), self.segment.duration_s)
 
     @property
@@ -257,7 +257,7 @@ class MovePChain(Move):
         return False
 
     def can_grow(self, T_flange_tcp: Transform) -> bool:
-        """Whether the call of its last line is over and another line may follow."""
+        """Return whether the call of its last line is over and another line may follow."""
         is_going_on = not (self.is_stopping or self.is_paused)
         return self.is_returned and is_going_on and T_flange_tcp == self.T_flange_tcp
 
@@ -325,11 +325,11 @@ class Braking:
         return self.end_tick
 
     def setpoint(self, tick: float) -> Setpoint:
-        """Target joints at a tick from the start on."""
+        """Return the target joints at a tick from the start on."""
         if tick >= self.end_tick:
             return Setpoint(self.q_rest, ZERO_SIX)
         return self.profile.at((tick - self.start_tick) * PERIOD_S)
 
     def is_awaited(self, number: int) -> bool:
-        """Whether the call of that number is not over."""
+        """Return whether the call of that number is not over."""
         return number == self.number

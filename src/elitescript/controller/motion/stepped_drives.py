@@ -62,14 +62,14 @@ class Stepped(Drive, ABC):
 
     @abstractmethod
     def _look_ahead(self) -> Setpoint:
-        """State of the next tick."""
+        """Return the state of the next tick."""
 
     @abstractmethod
     def _step(self) -> None:
         """Take the state of the next tick."""
 
     def setpoint(self, tick: float) -> Setpoint:
-        """Target joints at a tick up to `due_tick`."""
+        """Return the target joints at a tick up to `due_tick`."""
         return self._setpoint if tick <= self._tick or self._stands_still else self._look_ahead()
 
     def advance(self, tick: int) -> None:
@@ -117,7 +117,7 @@ class ToolDrive(Stepped):
         return isinstance(self.request, SpeedL) and self._xd != self.request.xd
 
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
-        """Whether it is meant to go there: standstill may be asked for anywhere."""
+        """Return whether it is meant to go there: standstill may be asked for anywhere."""
         return self._xd != ZERO_SIX
 
     @property
@@ -126,7 +126,7 @@ class ToolDrive(Stepped):
         return self.state.q
 
     def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
-        """The present place, with the velocity that was asked for."""
+        """Yield the present place, with the velocity that was asked for."""
         q, motion = self.state.q, self._motion
         yield Setpoint(q, joint_speeds(motion.arm, q, self._xd, motion.T_flange_tcp) or self.state.qd)
 
@@ -155,7 +155,7 @@ class ToolDrive(Stepped):
         return self._is_reached and self.state.qd == ZERO_SIX and self._xd == ZERO_SIX
 
     def obstacle(self, tick: int) -> Obstacle | None:
-        """What keeps the drive from going on beyond a tick."""
+        """Return what keeps the drive from going on beyond a tick."""
         if self._stands_still:
             return None
         ahead = self._next()
@@ -277,14 +277,14 @@ class ServoDrive(Stepped):
         return self.state.is_at(self._q_target)
 
     def obstacle(self, tick: int) -> Obstacle | None:
-        """What keeps the drive from going on beyond a tick."""
+        """Return what keeps the drive from going on beyond a tick."""
         if self._stands_still:
             return None
         ahead = self._next()
         return ahead if isinstance(ahead, Obstacle) else None
 
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
-        """Whether it is meant to go there; a target is inside the range, so the arm only brakes first."""
+        """Return whether it is meant to go there; a target is inside the range, so the arm only brakes first."""
         return False
 
     def set_fraction(self, tick: int, fraction: float) -> None:

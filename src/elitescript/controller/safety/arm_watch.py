@@ -56,11 +56,11 @@ class ArmWatch:
         return self._monitor.limits
 
     def is_needed(self, mode: SafetyMode) -> bool:
-        """Whether anything can be exceeded in a mode, so that every tick of a motion has to be looked at."""
+        """Return whether anything can be exceeded in a mode, so that every tick of a motion has to be looked at."""
         return self._monitor.is_watching(mode) or self.force.is_watching
 
     def is_within(self, q: Six, mode: SafetyMode, pairs: Sequence[bool] | None = None) -> bool:
-        """Whether joints (rad) respect the ranges of the model and the limits of position of a mode.
+        """Return whether joints (rad) respect the ranges of the model and the limits of position of a mode.
 
         Args:
             q: the joints.
@@ -73,7 +73,7 @@ class ArmWatch:
         return self._monitor.position_breach(q, self._setup.T_flange_tcp, mode, switched) is None
 
     def is_outside(self, tick: int, mode: SafetyMode) -> bool:
-        """Whether the actual joints exceed a limit of position of a mode."""
+        """Return whether the actual joints exceed a limit of position of a mode."""
         q = self.arm_state.joints(tick).q_actual
         return self._monitor.position_breach(q, self._setup.T_flange_tcp, mode, self._pairs()) is not None
 
@@ -90,7 +90,7 @@ class ArmWatch:
         return self._monitor.speed_breach(joints.q_actual, joints.qd_actual, self._setup.T_flange_tcp, mode)
 
     def asks_for_reduced(self, tick: int) -> bool:
-        """Whether an input or the place of the TCP asks for reduced mode."""
+        """Return whether an input or the place of the TCP asks for reduced mode."""
         if self._signals.read("reduced_mode"):
             return True
         q = self.arm_state.joints(tick).q_actual

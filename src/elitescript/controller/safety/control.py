@@ -113,7 +113,7 @@ class SafetyControl:
         return WHAT_TO_DO.get(self.mode, "")
 
     def refusal(self, action: str) -> str:
-        """Why an action is refused now; empty if it is not."""
+        """Return why an action is refused now; empty if it is not."""
         return self._safety.refusal(action)
 
     def require(self, action: str) -> None:
@@ -125,7 +125,7 @@ class SafetyControl:
         self._safety.check(action)
 
     def next_tick(self, tick: int) -> int | None:
-        """Next tick that has to be looked at; None while nothing moves that is watched."""
+        """Return the next tick that has to be looked at; None while nothing moves that is watched."""
         if self._effects or self._is_task_new:
             return tick + 1
         if not self._is_watching:

@@ -55,7 +55,7 @@ class ForceWatch:
         return (None if force <= self._known else breach), ""
 
     def caution(self, request: ForceMode, mode: SafetyMode) -> str:
-        """What to say about a target force that the arm may not reach; empty where it may."""
+        """Return what to say about a target force that the arm may not reach; empty where it may."""
         rows = zip(request.target[:3], request.selection[:3], strict=True)
         force, limit = hypot(*[target for target, is_free in rows if is_free]), self._monitor.limits.tcp_force_max(mode)
         if force <= limit:

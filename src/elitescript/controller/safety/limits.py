@@ -92,7 +92,7 @@ class SafetyBounds:
         return replace(self, tcp_force_max=None) == _NO_BOUNDS
 
     def within(self, other: SafetyBounds) -> SafetyBounds:
-        """These ranges and speeds, with the ranges of `other` where there are none, and no speed above its speeds."""
+        """Return these ranges and speeds, completed with the ranges of `other`, and no speed above its speeds."""
         qd_max = self.qd_max or other.qd_max
         if self.qd_max is not None and other.qd_max is not None:
             a, b, c, d, e, f = map(min, self.qd_max, other.qd_max)
@@ -145,7 +145,7 @@ class SafetyPlane:
             object.__setattr__(self, "normal", (x / length, y / length, z / length))
 
     def distance(self, T_base_tcp: Transform) -> float:
-        """How far the TCP is on the allowed side, m; negative behind the plane."""
+        """Return how far the TCP is on the allowed side, m; negative behind the plane."""
         x, y, z = T_base_tcp[9:]
         a, b, c = self.point
         u, v, w = self.normal
@@ -202,7 +202,7 @@ class SafetyLimits:
         return self.normal.is_empty and not self.planes and self.tool_direction is None
 
     def bounds(self, mode: SafetyMode) -> SafetyBounds:
-        """Limits of speed and range in a mode."""
+        """Return limits of speed and range in a mode."""
         return self.normal if mode is SafetyMode.NORMAL else self.reduced.within(self.normal)
 
     def tcp_force_max(self, mode: SafetyMode) -> float:

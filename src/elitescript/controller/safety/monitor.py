@@ -49,7 +49,7 @@ class Breach:
     hints: tuple[str, ...] = ()
 
     def details(self, mode: SafetyMode) -> dict[str, Any]:
-        """What an alarm says about it besides the text, in the safety mode that it leads to."""
+        """Return what an alarm says about it besides the text, in the safety mode that it leads to."""
         details: dict[str, Any] = {
             "safety_mode": mode.name,
             "reason": self.kind,
@@ -78,14 +78,14 @@ class SafetyMonitor:
         self.limits = limits
 
     def is_watching(self, mode: SafetyMode) -> bool:
-        """Whether anything can be exceeded in a mode, so that every tick of a motion has to be looked at."""
+        """Return whether anything can be exceeded in a mode, so that every tick of a motion has to be looked at."""
         limits = self.limits
         return not limits.is_default or (mode is not SafetyMode.NORMAL and not limits.bounds(mode).is_empty)
 
     def position_breach(
         self, q: Six, T_flange_tcp: Transform, mode: SafetyMode, pairs: Sequence[bool] = NO_PAIRS
     ) -> Breach | None:
-        """The first limit of position that joints (rad) exceed.
+        """Return the first limit of position that joints (rad) exceed.
 
         Args:
             q: the joints.
@@ -116,7 +116,7 @@ class SafetyMonitor:
         return None
 
     def speed_breach(self, q: Six, qd: Six, T_flange_tcp: Transform, mode: SafetyMode) -> Breach | None:
-        """The first limit of speed that joints at q (rad) with speeds qd (rad/s) exceed."""
+        """Return the first limit of speed that joints at q (rad) with speeds qd (rad/s) exceed."""
         bounds = self.limits.bounds(mode)
         if bounds.qd_max is not None:
             for joint, (speed, limit) in enumerate(zip(qd, bounds.qd_max, strict=True)):
@@ -129,7 +129,7 @@ class SafetyMonitor:
         return None
 
     def speed_share(self, q: Six, qd: Six, T_flange_tcp: Transform, mode: SafetyMode) -> float:
-        """The largest speed as a share of its limit; more than 1 above it."""
+        """Return the largest speed as a share of its limit; more than 1 above it."""
         bounds: SafetyBounds = self.limits.bounds(mode)
         shares = [0.0]
         if bounds.qd_max is not None:
@@ -139,17 +139,17 @@ class SafetyMonitor:
         return max(shares)
 
     def tcp_speed(self, q: Six, qd: Six, T_flange_tcp: Transform) -> float:
-        """Speed of the TCP, m/s."""
+        """Return the speed of the TCP, m/s."""
         x, y, z, *_ = tcp_twist(self._arm, q, qd, T_flange_tcp)
         return sqrt(x * x + y * y + z * z)
 
     def force_breach(self, force: float, mode: SafetyMode) -> Breach | None:
-        """The limit of the force at the TCP, if a force (N) exceeds it."""
+        """Return the limit of the force at the TCP, if a force (N) exceeds it."""
         limit = self.limits.tcp_force_max(mode)
         return None if force <= limit else _tcp_force_breach(force, limit, mode)
 
     def asks_for_reduced(self, q: Six, T_flange_tcp: Transform, pairs: Sequence[bool]) -> bool:
-        """Whether the TCP is behind a plane that triggers reduced mode."""
+        """Return whether the TCP is behind a plane that triggers reduced mode."""
         triggers = [plane for plane in self.limits.planes if plane.use == "trigger_reduced"]
         if not triggers:
             return False
@@ -158,7 +158,7 @@ class SafetyMonitor:
 
 
 def obstacle_breach(obstacle: Obstacle) -> Breach:
-    """The end of a joint range or a singularity that a motion at a speed has come to."""
+    """Return the end of a joint range or a singularity that a motion at a speed has come to."""
     joint = JOINT_NAMES[obstacle.joint] if obstacle.joint >= 0 else ""
     if joint:
         first = f"end the motion before joint {joint} comes to the end of its range: give a time t and call stopj"
@@ -178,7 +178,7 @@ def obstacle_breach(obstacle: Obstacle) -> Breach:
 
 
 def requested_breach(reason: str) -> Breach:
-    """A stop that somebody outside asked for."""
+    """Return a stop that somebody outside asked for."""
     return Breach(
         "request",
         reason or "asked for from outside",
@@ -217,7 +217,7 @@ def _range_breach(joint: int, angle: float, low: float, high: float) -> Breach:
 def _excess(
     kind: str, text: str, value: float, limit: float, unit: str, hints: tuple[str, str, str], name: str = ""
 ) -> Breach:
-    """A value above its upper limit."""
+    """Return a value above its upper limit."""
     return Breach(kind, text, name, value, f"<= {limit:.6g}", unit, hints)
 
 

@@ -93,7 +93,7 @@ class ReducedSpeed:
             self._motion.set_speed_scale(self.scale, tick)
 
     def slow_down(self, tick: int) -> bool:
-        """Lower the speed with which what is under way goes on; to be called in every tick of reduced mode.
+        """Return the lower the speed with which what is under way goes on; to be called in every tick of reduced mode.
 
         Returns:
             Whether the motion is slower than it would be in normal mode.
@@ -137,7 +137,7 @@ class ReducedSpeed:
         return True
 
     def _possible(self, rate: float, qd: Six, wanted: float, qd_ahead: Six) -> float:
-        """The rate nearest to the wanted one that the joints can take on within a period."""
+        """Return the rate nearest to the wanted one that the joints can take on within a period."""
         low, high = 0.0, 1.0
         for w, w_ahead, limit in zip(qd, qd_ahead, self._motion.limits.qdd_max, strict=True):
             if w_ahead:

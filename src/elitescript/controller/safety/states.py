@@ -97,7 +97,7 @@ class SafetyInputs:
 
 
 def _from(modes: tuple[SafetyMode, ...], after: SafetyMode | None) -> dict[SafetyMode, SafetyMode | None]:
-    """A row that leads from these states to another one and leaves every other state as it is."""
+    """Return a row that leads from these states to another one and leaves every other state as it is."""
     return {mode: after if mode in modes else mode for mode in MODES}
 
 
@@ -199,7 +199,7 @@ class Safety:
         return self.mode in MOVING_MODES
 
     def refusal(self, action: str) -> str:
-        """Why an action is refused in this state; empty if it is not."""
+        """Return why an action is refused in this state; empty if it is not."""
         return REFUSALS.get((self.mode, action), "")
 
     def check(self, action: str) -> None:

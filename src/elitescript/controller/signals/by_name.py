@@ -45,7 +45,7 @@ class Signals(Mapping[str, Value]):
 
 
 def signal_write(name: str, value: object) -> WriteSignal:
-    """The request that sets one signal, with the value checked against its kind.
+    """Return the request that sets one signal, with the value checked against its kind.
 
     Raises:
         UsageError: no such signal, or a value of another kind.

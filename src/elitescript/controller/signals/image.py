@@ -99,20 +99,20 @@ class SignalImage:
         self.tool_analog_mode = _DEFAULT_TOOL_ANALOG_MODE
 
     def read(self, name: str, index: int = 0) -> Value:
-        """The level of one point."""
+        """Return the level of one point."""
         return self._values[name][index]
 
     def physical(self, name: str, index: int) -> Value:
-        """The level that is applied to an input, which a fault may hide from the robot; of others what `read` says."""
+        """Return the level that is applied to an input, which a fault may hide from the robot; of others as `read`."""
         applied = None if self.faults is None else self.faults.physical(name, index)
         return self._values[name][index] if applied is None else applied
 
     def highest(self, name: str, index: int) -> float:
-        """The highest level that an analog channel can have in its domain, V or A; 1 of a digital one."""
+        """Return the highest level that an analog channel can have in its domain, V or A; 1 of a digital one."""
         return _RANGES[self.domain(name, index)][1] if name in _ANALOG else 1.0
 
     def levels(self, name: str) -> Sequence[Value]:
-        """The levels of one family."""
+        """Return the levels of one family."""
         return self._values[name]
 
     @property
@@ -125,7 +125,7 @@ class SignalImage:
         return self._image
 
     def domain(self, name: str, index: int) -> AnalogDomain:
-        """Electrical meaning of an analog channel."""
+        """Return electrical meaning of an analog channel."""
         return self._domains.get((name, index), AnalogDomain.VOLTAGE)
 
     @property
@@ -138,17 +138,17 @@ class SignalImage:
         return self._domain_image
 
     def is_tool_output(self, index: int) -> bool:
-        """Whether a tool pin can be driven."""
+        """Return whether a tool pin can be driven."""
         pin = self.tool_pins[index]
         return pin.is_enabled and pin.is_output
 
     def tool_pin(self, index: int) -> bool:
-        """Level of a tool pin: the driven one of an output, the applied one of an input."""
+        """Return the level of a tool pin: the driven one of an output, the applied one of an input."""
         name = TOOL_PIN_OUT if self.tool_pins[index].is_output else TOOL_PIN_IN
         return bool(self._values[name][index])
 
     def non_defaults(self) -> dict[str, Value]:
-        """Every point that is not at its default, under the name that `--set` takes."""
+        """Return every point that is not at its default, under the name that `--set` takes."""
         return {
             signal_name(row, index): value
             for row in SIGNALS.values()
@@ -285,7 +285,7 @@ class SignalImage:
             self._store(name, index, forced)
 
     def _forced(self, name: str, index: int) -> Value | None:
-        """The level of an output that is tied to whether a program runs; None if it can be written now."""
+        """Return the level of an output that is tied to whether a program runs; None if it can be written now."""
         choice = self._runstate.get((name, index), RunstateChoice.KEEP)
         if choice is RunstateChoice.KEEP or (self._is_running and choice is not RunstateChoice.FOLLOW):
             return None

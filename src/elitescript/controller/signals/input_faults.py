@@ -44,11 +44,11 @@ class _Chance:
         return word
 
     def share(self, *key: int) -> float:
-        """A number in (0, 1]."""
+        """Return a number in (0, 1]."""
         return ((self.word(*key) >> 11) + 1) / (1 << 53)
 
     def normal(self, key: int) -> float:
-        """A normally distributed number (Box and Muller 1958)."""
+        """Return a normally distributed number (Box and Muller 1958)."""
         return sqrt(-2.0 * log(self.share(key, 0))) * cos(2.0 * pi * self.share(key, 1))
 
 
@@ -72,11 +72,11 @@ class _Effect:
         self._chance = chance
 
     def read(self, tick: int, level: Value) -> Value:
-        """What is read in a tick in which `level` is applied."""
+        """Return what is read in a tick in which `level` is applied."""
         raise NotImplementedError
 
     def next_tick(self, tick: int) -> int:
-        """The next tick at which something else may be read though the same is applied."""
+        """Return the next tick at which something else may be read though the same is applied."""
         return _FAR
 
 
@@ -328,7 +328,7 @@ class InputFaults:
         return True
 
     def physical(self, name: str, index: int) -> Value | None:
-        """What is applied to an input that has faults; None of the others."""
+        """Return what is applied to an input that has faults; None of the others."""
         found = self._inputs.get((name, index))
         return None if found is None else found.physical
 

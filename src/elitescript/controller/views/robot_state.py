@@ -59,7 +59,7 @@ class CartesianStateFinder:
 
 
 def _are_same(joints: JointState, other: JointState | None) -> bool:
-    """Whether they are the very same tuples; equal ones may differ in the sign of a zero."""
+    """Return whether they are the very same tuples; equal ones may differ in the sign of a zero."""
     return other is not None and (
         joints.q_target is other.q_target
         and joints.qd_target is other.qd_target

@@ -160,7 +160,7 @@ class SnapshotBuilder:
 
 
 def elbow_velocity(arm: Arm, q: Six, qd: Six) -> Three:
-    """Velocity of the elbow (m/s, base frame) for joints in rad and rad/s, as a central difference."""
+    """Return the velocity of the elbow (m/s, base frame) for joints in rad and rad/s, as a central difference."""
     if qd == ZERO_SIX:
         return (0.0, 0.0, 0.0)
     before, after = [arm.elbow([a + h * w for a, w in zip(q, qd, strict=True)]) for h in (-_INSTANT_S, _INSTANT_S)]

@@ -52,7 +52,7 @@ ACTUAL_COLUMNS: Final = tuple(f"qa{joint}" for joint in range(1, 7))
 
 
 def step_ticks(step_s: float | None) -> int:
-    """Ticks from one row to the next.
+    """Return ticks from one row to the next.
 
     Args:
         step_s: the time that is asked for; one tick if None.

@@ -87,7 +87,7 @@ class TraceSignals:
         self._shown = SignalLevels({}, has_defaults=not self.names)
 
     def of(self, image: Image) -> SignalLevels:
-        """The signals of an image; the very same mapping as before if none of them has changed.
+        """Return the signals of an image; the very same mapping as before if none of them has changed.
 
         Args:
             image: every family by name.
@@ -112,7 +112,7 @@ class TraceSignals:
 
 
 def _expanded(names: str | Iterable[str]) -> tuple[str, ...]:
-    """The names of single signals, each once.
+    """Return the names of single signals, each once.
 
     Raises:
         UsageError: there is no such signal.

@@ -32,7 +32,7 @@ class WarningLimit:
         self._first: dict[tuple[str, str], _Warning] = {}
 
     def takes(self, event: Event) -> bool:
-        """Whether an event is to be passed on; one that is not is counted."""
+        """Return whether an event is to be passed on; one that is not is counted."""
         if not (isinstance(event, Warned) or (isinstance(event, DeviceNoted) and event.is_warning)):
             return True
         kind = _kind(event)
@@ -43,7 +43,7 @@ class WarningLimit:
         return count <= MOST
 
     def rest(self, tick: int) -> list[Event]:
-        """How many of each kind were left out, as warnings; the next run begins with none."""
+        """Return how many of each kind were left out, as warnings; the next run begins with none."""
         told: list[Event] = []
         for kind, count in self._counts.items():
             if count > MOST:

@@ -164,7 +164,7 @@ class DelayLine:
         return bytes(data)
 
     def _through(self, size: int, before: int) -> int:
-        """How many of so many bytes are through by now, of which so many others have arrived in this tick before."""
+        """Return how many of `size` bytes are through by now, after `before` bytes earlier in this tick."""
         passed = self._agenda.tick - self._free
         if self._byte_ticks:
             size = min(size, int(passed / self._byte_ticks + _ROUNDING))

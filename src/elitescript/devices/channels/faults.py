@@ -65,7 +65,7 @@ class FaultKind(NamedTuple):
         return self.digital.is_possible or self.analog.is_possible
 
     def effect(self, channel: str) -> FaultEffect:
-        """What it does at a place of one kind."""
+        """Return what it does at a place of one kind."""
         return {TCP: self.tcp, LINE: self.line, DIGITAL: self.digital, ANALOG: self.analog}[channel]
 
 
@@ -441,7 +441,7 @@ _DEFAULTS: Final[dict[str, Any]] = {
 
 
 def fault_from(settings: Mapping[str, Any]) -> Fault:
-    """A fault from its settings by name.
+    """Return a fault from its settings by name.
 
     Raises:
         UsageError: one is not known, is missing or makes no sense.
@@ -489,7 +489,7 @@ def check_protocol(fault: Fault, devices: Mapping[str, str]) -> None:
 
 
 def place_of(on: object) -> tuple[str, str, int]:
-    """What `on` means.
+    """Return what `on` means.
 
     Returns:
         `TCP`, address (empty for any) and port; `LINE`, device and 0; `DIGITAL` or `ANALOG`, family and index of an
@@ -531,12 +531,12 @@ def _named_place(name: str) -> tuple[str, str, int]:
 
 
 def is_of_input(fault: Fault) -> bool:
-    """Whether it is about an input."""
+    """Return whether it is about an input."""
     return TABLE[fault.kind].is_of_inputs
 
 
 def nowhere(on: object, names: Iterable[str]) -> UsageError:
-    """The error for a place that no device, line or signal has.
+    """Return the error for a place that no device, line or signal has.
 
     Args:
         on: what was written.

@@ -186,7 +186,7 @@ class FaultyChannels:
                 self._say(f"{title_of(active.fault.kind, active.fault.on)} acts")
 
     def _found(self, place: tuple[str, str, int], *kinds: str) -> _Active | None:
-        """A fault of some kind that is at work at a place."""
+        """Return a fault of some kind that is at work at a place."""
         for active in self._active:
             if active.fault.kind in kinds and _is_at(place, active.place) and active.is_on(self._agenda.tick):
                 return active
@@ -275,7 +275,7 @@ class FaultyChannels:
         return events
 
     def incoming(self, event: ChannelEvent) -> Sequence[ChannelEvent]:
-        """What the robot hears now of an event that was brought to it."""
+        """Return what the robot hears now of an event that was brought to it."""
         self._take(event)
         events, self._events = self._events, []
         return events
@@ -395,7 +395,7 @@ class FaultyChannels:
     # ---------------------------------------------------------------- what goes wrong
 
     def _pieces(self, channel: _FaultyChannel, direction: str, data: bytes) -> Pieces:
-        """What becomes of a message, or of one part of it."""
+        """Return what becomes of a message, or of one part of it."""
         is_continued = (
             direction == TO_ROBOT and channel.place[0] == LINE and self._agenda.tick - channel.last_data <= PAUSE_TICKS
         )
@@ -417,7 +417,7 @@ class FaultyChannels:
         return [piece for piece in pieces if piece[1]]
 
     def _meets(self, active: _Active, channel: _FaultyChannel, direction: str, is_continued: bool) -> bool:
-        """Whether a fault meets the message that is passing; a message that comes in parts is one."""
+        """Return whether a fault meets the message that is passing; a message that comes in parts is one."""
         if is_continued and active.number in channel.is_message:
             return channel.is_message[active.number]
         active.seen += 1
@@ -431,13 +431,13 @@ class FaultyChannels:
 
 
 def _is_at(place: tuple[str, str, int], where: tuple[str, str, int]) -> bool:
-    """Whether a channel is at the place that a fault names."""
+    """Return whether a channel is at the place that a fault names."""
     kind, address, port = where
     return place[0] == kind and place[2] == port and (place[1] == address or (kind == TCP and not address))
 
 
 def _held_back(channel: _FaultyChannel) -> str:
-    """What a fault holds back of a channel, in words."""
+    """Return what a fault holds back of a channel, in words."""
     kind, address, port = channel.place
     place = address if kind == LINE else f"{address}:{port}"
     size = sum(size for size, _ in channel.held.values())

@@ -296,7 +296,7 @@ class VirtualNetwork:
         return [owner for server in found if server is not None and (owner := _owner(server)) is not None]
 
     def places(self, owner: object) -> list[int | str]:
-        """Ports and lines that a device has, as the places of faults."""
+        """Return ports and lines that a device has, as the places of faults."""
         found: list[int | str] = []
         for endpoint, server in self.servers.items():
             if _owner(server) is owner:
@@ -404,7 +404,7 @@ class VirtualNetwork:
     # ---------------------------------------------------------------- time
 
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
-        """What has happened up to a tick, in order; the devices act in it."""
+        """Return what has happened up to a tick, in order; the devices act in it."""
         self.agenda.run(tick)
         events, self._events = self._events, []
         if self.outside is not None:
@@ -440,7 +440,7 @@ class VirtualNetwork:
         return [self._inner[channel] for channel in channels if channel in self._inner]
 
     def next_tick(self, tick: int) -> int | None:
-        """The next tick at which a device does something."""
+        """Return the next tick at which a device does something."""
         due = self.agenda.next_tick(tick)
         other = None if self.outside is None else self.outside.next_tick(tick)
         return due if other is None else other if due is None else min(due, other)

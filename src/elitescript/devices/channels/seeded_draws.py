@@ -11,7 +11,7 @@ _MASK: Final = (1 << 64) - 1
 
 
 def drawn(*key: int) -> int:
-    """A whole number in [0, 2**64) for a key (the finalizer of SplitMix64: Steele, Lea, Flood 2014)."""
+    """Return a whole number in [0, 2**64) for a key (the finalizer of SplitMix64: Steele, Lea, Flood 2014)."""
     value = 0
     for part in key:
         value = (value + part + 0x9E3779B97F4A7C15) & _MASK
@@ -22,5 +22,5 @@ def drawn(*key: int) -> int:
 
 
 def share(*key: int) -> float:
-    """A number in [0, 1) for a key."""
+    """Return a number in [0, 1) for a key."""
     return (drawn(*key) >> 11) / (1 << 53)

@@ -44,7 +44,7 @@ class LineBuffer:
 
 
 def encoded(answer: str | bytes, line_end: str, encoding: str) -> bytes:
-    """What goes out for an answer."""
+    """Return what goes out for an answer."""
     return bytes(answer) if isinstance(answer, bytes | bytearray) else (answer + line_end).encode(encoding)
 
 

@@ -79,7 +79,7 @@ class Table:
         self._values[_address(self._name, address)] = self._checked(address, value)
 
     def take(self, address: int, count: int) -> list[int]:
-        """Values as a request asks for them.
+        """Return values as a request asks for them.
 
         Raises:
             DeviceError: an address is not there.
@@ -193,7 +193,7 @@ class ModbusDevice(Device):
         bus.slaves[self.unit] = Slave(_Memory(self, bus))
 
     def _bus(self, context: DeviceContext) -> _Bus:
-        """What carries requests to this device: several may share a line, or a port as behind a gateway."""
+        """Return what carries requests to this device: several may share a line, or a port as behind a gateway."""
         network = context.network
         place: Endpoint = (self.address, self.port) if self.address else self.port
         server = network.servers.get(place) if self.port else network.lines.get(self.line)
@@ -312,7 +312,7 @@ class _RtuBus(_Bus, LineDevice):
 
 
 def _address(name: str, address: object) -> int:
-    """An address of a table; one that comes out of a file may be a text of digits.
+    """Return an address of a table; one that comes out of a file may be a text of digits.
 
     Raises:
         UsageError: it is none.

@@ -75,13 +75,13 @@ class DeclaredReply:
             raise UsageError("send: say what happens: send, expression, set or close")
 
     def fits(self, line: str) -> re.Match[str] | bool:
-        """Whether it is the reply to a line."""
+        """Return whether it is the reply to a line."""
         if self._pattern is None:
             return line == self._to
         return self._pattern.fullmatch(line) or False
 
     def text(self, line: str, found: re.Match[str] | bool, device: Device) -> str | None:
-        """What is sent; the texts of a list follow each other, and the last one stays."""
+        """Return what is sent; the texts of a list follow each other, and the last one stays."""
         if self._expression is not None:
             groups = [] if isinstance(found, bool) else list(found.groups())
             return str(self._expression.value(device.cell.read, {"line": line, "groups": groups}))
@@ -366,7 +366,7 @@ def _rows(key: str, tables: object, kind: Callable[[object], Any]) -> list[Any]:
 
 
 def _entry(key: str, text: object) -> tuple[str, int]:
-    """A place such as `holding_registers[4]`."""
+    """Return a place such as `holding_registers[4]`."""
     check_text(key, text)
     name, _, rest = str(text).partition("[")
     if name not in TABLES or not rest.endswith("]") or not rest[:-1].isdecimal() or int(rest[:-1]) > 65535:

@@ -16,7 +16,7 @@ BAUD_MAX: Final = 10_000_000
 
 
 def line_device(key: str, line: str) -> str:
-    """The device that the name of a line means.
+    """Return the device that the name of a line means.
 
     Raises:
         UsageError: the robot has no such line; the text begins with the name of the setting.
@@ -93,7 +93,7 @@ class LineDevice(Device):
             self._link = None
 
     def understood(self, data: bytes) -> bytes:
-        """The bytes as the other side understands them."""
+        """Return the bytes as the other side understands them."""
         settings = self.settings
         if settings is None or not self.baud or settings.baud == self.baud:
             return data

@@ -79,7 +79,7 @@ class TcpConnection(Peer):
         self.server.forget(self)
 
     def lines(self, data: bytes) -> list[str]:
-        """Lines that are complete by these bytes."""
+        """Return lines that are complete by these bytes."""
         found = self._lines.receive(data)
         rest = self._lines.rest
         if rest and not self.server.has_complained:

@@ -129,7 +129,7 @@ class Wire(Device):
         self.cell.set(self.then, self._given(level), after_s)
 
     def _given(self, level: Any) -> Value:
-        """What `then` gets for a level of `when`."""
+        """Return what `then` gets for a level of `when`."""
         row, _ = parse_signal_name(self.then)
         is_active = bool(level) is not self.inverted
         if self.value is not None:

@@ -82,7 +82,7 @@ class XmlRpcServer(TcpServer):
         check_number("duration_s", self.duration_s, 0.0, LATENCY_MAX_S, "s")
 
     def procedure(self, name: str) -> Callable[..., Any] | None:
-        """What programs call by a name; None if there is nothing."""
+        """Return what programs call by a name; None if there is nothing."""
         if name in self.functions:
             return self.functions[name]
         if name.startswith("_") or hasattr(XmlRpcServer, name):
