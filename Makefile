@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types coverage flips invariants peers bench figures reference docs golden lock clean
+.PHONY: help demo test lint types coverage flips invariants peers bench figures picture reference docs golden dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -20,10 +20,12 @@ help:
 	@echo "make peers       install other people's packages and compare with them; writes the result there too"
 	@echo "make bench       the table of measured times"
 	@echo "make figures     write the figures and measured tables of docs/explanation"
+	@echo "make picture     take the picture of a plot page in the README again (needs Chromium)"
 	@echo "make reference   write docs/reference from the code"
 	@echo "make docs        build the site from docs and examples: build/site/html"
 	@echo "make golden      record the event traces of the examples again"
-	@echo "make lock        resolve requirements-dev.lock and requirements-docs.lock again (needs uv)"
+	@echo "make dist        build wheel and sdist into dist/, check them, install and try the wheel in an environment of its own"
+	@echo "make lock        resolve the requirements-*.lock again (needs uv)"
 	@echo "make clean       remove .venv and caches"
 
 # The named interpreter if it is new enough, else the newest python3.x on the path.
@@ -102,6 +104,9 @@ peers: $(READY)
 figures: $(READY)
 	$(BIN)/python -m tools.draw_motion
 
+picture: $(READY)
+	$(BIN)/python -m tools.plot_picture
+
 bench: $(READY)
 	$(BIN)/python -m benchmarks
 
@@ -122,12 +127,22 @@ docs: $(DOCS_READY)
 golden: $(READY)
 	$(BIN)/python tools/record_golden.py
 
+# The tools have an environment of their own; the wheel is built from the sdist.
+dist: $(READY)
+	rm -rf dist build/dist
+	$(BIN)/python -m venv build/dist/tools
+	build/dist/tools/bin/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-dist.lock
+	build/dist/tools/bin/python -m build --no-isolation --outdir dist .
+	build/dist/tools/bin/python -m twine check --strict dist/*
+	$(BIN)/python -m tools.try_dist dist build/dist
+
 COMPILE := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes \
     --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --quiet
 
 lock:
 	$(COMPILE) --extra dev --output-file requirements-dev.lock $(LOCK_FLAGS)
 	$(COMPILE) --extra docs --constraint requirements-dev.lock --output-file requirements-docs.lock $(LOCK_FLAGS)
+	$(COMPILE) --extra dist --output-file requirements-dist.lock $(LOCK_FLAGS)
 
 clean:
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis build dist

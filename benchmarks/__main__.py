@@ -6,7 +6,7 @@ import platform
 import sys
 from importlib import import_module
 
-MODULES = ("programs", "streams", "language_loop", "kinematics", "motion", "ticks", "serving", "devices")
+MODULES = ("programs", "streams", "language_loop", "kinematics", "motion", "ticks", "serving", "devices", "choices")
 HEAD = ("what", "ours", "the other", "ratio")
 
 

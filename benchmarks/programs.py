@@ -26,7 +26,7 @@ end
 """One minute of nothing but going along with a belt that creeps."""
 
 
-def _process_s(command: list[str], runs: int = RUNS) -> float:
+def process_s(command: list[str], runs: int = RUNS) -> float:
     """Median wall time of a process, s."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
     times = []
@@ -41,8 +41,8 @@ def _start_rows() -> list[tuple[str, str, str, str]]:
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "hello.script"
         program.write_text('textmsg("hello")\n')
-        ours = _process_s([sys.executable, "-m", "elitescript", "run", str(program)])
-    python = _process_s([sys.executable, "-c", "pass"])
+        ours = process_s([sys.executable, "-m", "elitescript", "run", str(program)])
+    python = process_s([sys.executable, "-c", "pass"])
     return [
         (
             "start to exit, one-line program",

@@ -75,7 +75,19 @@ EQUIVALENT: Final = {
 LEFT_OUT: Final = ("test_reference", "test_devices_page", "test_motion_page")
 """Tests that compare generated pages with the code."""
 
-KEPT: Final = ("src", "tests", "tools", "docs", "examples", "benchmarks", "pyproject.toml", "README.md", "Makefile")
+KEPT: Final = (
+    "src",
+    "tests",
+    "tools",
+    "docs",
+    "examples",
+    "benchmarks",
+    "pyproject.toml",
+    "README.md",
+    "README.zh.md",
+    "CHANGELOG.md",
+    "Makefile",
+)
 TIMEOUT_S: Final = 600.0
 
 

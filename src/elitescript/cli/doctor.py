@@ -16,6 +16,7 @@ from elitescript.cli.output import jsonlines
 from elitescript.cli.ssh_login import has_extra
 from elitescript.services.channels.connect_policy import OPTION, ConnectPolicy
 from elitescript.services.child.jail import is_complete
+from elitescript.services.clients.binding import bind
 from elitescript.services.robots import probe_jail
 from elitescript.services.table import SSH, port_numbers, spare_numbers
 from elitescript.services.time.cycle import Cycle
@@ -93,12 +94,10 @@ async def _lateness() -> dict[str, float]:
 
 
 def _is_free(number: int) -> bool:
-    with socket.socket() as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind(("127.0.0.1", number))
-        except OSError:
-            return False
+    try:
+        bind("127.0.0.1", number).close()
+    except OSError:
+        return False
     return True
 
 

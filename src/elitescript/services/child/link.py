@@ -9,6 +9,8 @@ nonsense is killed and reported; a fresh child goes on from the last picture, so
 from __future__ import annotations
 
 import asyncio
+import os
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -278,9 +280,12 @@ class ChildLink:
         self._boots += 1
         self._answered = 0
         self._reader = OutputReader(self._codec)
+        if os.name != "posix":
+            # A descriptor cannot be handed to a child there.
+            raise UsageError(f"robots have no process of their own on this system ({sys.platform}); use --in-process")
         try:
             self._child = ChildProcess(self._message, self._ended)
-        except (OSError, ValueError, AttributeError) as error:
+        except (OSError, ValueError) as error:
             raise UsageError(f"no process for the robot can be started: {error}; use --in-process") from error
         self._child.send(frames.LOCK_IN, to_text([self._is_jailed, self._memory_max]))
 
