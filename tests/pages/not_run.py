@@ -10,7 +10,13 @@ NOT_RUN: Final[dict[str, str]] = {
     r"elitescript serve --ssh.*": "needs the extra `ssh`; tests/services runs it",
     r"elitescript run .* --serial .*": "needs a serial port of this computer",
     r"elitescript run examples/camera_picking.script --set .*": "needs `devices` in another terminal",
+    r"elitescript serve --host .*": "opens ports at an address that this computer does not have",
     r"mbpoll .*": "a program of somebody else",
+    r"pip install .*": "installs from a package index",
+    r"sudo .*": "changes the system",
+    r"git clone .*": "needs the network",
+    r"cp /usr/share/Elite/.*|cp -r EliPlugin-learning/.*": "files of the vendor's SDK",
+    r"g\+\+ .*|\./move|python watch\.py": "needs the vendor's SDK",
 }
 """Pattern of a whole command, and why it is not run. `elitescript` commands are parsed all the same."""
 

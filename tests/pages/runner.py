@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -142,6 +143,7 @@ class PageRunner:
         self._cwd_file = folder / "cwd"
         self._module = ModuleType("page")
         self._served: list[tuple[Served, list[str], str]] = []
+        self._background: list[int] = []
         shutil.copytree(ROOT / "examples", self.folder / "examples")
         hook = folder / "hook"
         hook.mkdir()
@@ -190,11 +192,14 @@ class PageRunner:
             runners[block.language](block, place)
 
     def close(self) -> None:
-        """Compare the output of what is served with what the page shows, and end it."""
+        """Compare the output of what is served with what the page shows, and end all that is left."""
         try:
             for served, expected, place in self._served:
                 served.check(expected, place)
         finally:
+            for group in self._background:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(group, signal.SIGKILL)
             for served, _, _ in self._served:
                 served.stop()
 
@@ -294,6 +299,8 @@ class PageRunner:
             text=True,
             start_new_session=True,
         )
+        if re.search(r"(?<![&>])&(?![&\d])", script):
+            self._background.append(process.pid)
         with process:
             try:
                 output, _ = process.communicate(timeout=COMMAND_LIMIT_S)

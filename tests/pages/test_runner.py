@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -24,6 +26,12 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Iterator[Run]:
 
 def block(info: str, text: str) -> str:
     return f"```{info}\n{text}\n```\n"
+
+
+def is_running(number: str) -> bool:
+    """Whether a process has not ended, as the system lists it; one that nobody waits for stays there as `Z`."""
+    found = subprocess.run(["ps", "-o", "stat=", "-p", number], capture_output=True, text=True, check=False)
+    return found.stdout.strip()[:1] not in ("", "Z")
 
 
 class TestBlocks:
@@ -76,6 +84,13 @@ class TestBlocks:
     def test_another_exit_code_fails(self, run: Run) -> None:
         with pytest.raises(PageError, match="exit code 3, not 2"):
             run(block("console exit=2", "$ exit 3"))
+
+    def test_what_a_page_leaves_in_the_background_ends_with_it(self, run: Run) -> None:
+        assert run(block("sh", "sleep 60 > /dev/null 2>&1 & echo $! > pid")) == 1
+        number = Path("pid").read_text(encoding="utf-8").strip()
+        deadline = time.monotonic() + 5
+        while is_running(number):
+            assert time.monotonic() < deadline
 
 
 class TestServe:
