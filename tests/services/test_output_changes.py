@@ -70,7 +70,7 @@ def test_a_change_is_taken_by_its_place():
     reader = OutputReader(CODEC)
     before = reader.read(*OutputWriter(CODEC).message(output(1))).snapshot.robot
     after = reader.read(frames.OUTPUT_CHANGES, changes([[], [], [], [MODE, 5]], bits=1 << TIME, numbers=bytes(8)))
-    assert after.snapshot.robot == replace(before, tick=2, time_s=0.0, robot_mode=RobotMode.POWER_ON)
+    assert after.snapshot.robot == replace(before, tick=2, time_s=0.0, robot_mode=RobotMode.IDLE)
 
 
 @pytest.mark.parametrize(
