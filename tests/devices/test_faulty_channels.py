@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.errors import UsageError
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW
@@ -123,7 +124,7 @@ def test_trickled_messages_follow_each_other():
 
 def test_refusing_and_ending_it():
     bench = Bench(Fault("refuse", 5000, for_s=0.02))
-    assert bench.opening == [(1, ChannelOpened(1, False, "connection refused"))]
+    assert bench.opening == [(1, ChannelOpened(1, False, "connection refused", ChannelError.REFUSED))]
     bench.play(5)
     bench.channels.open("h", 5000, 2.0)
     assert bench.play(1) == [(7, ChannelOpened(2, True))]
@@ -140,7 +141,7 @@ def test_a_disconnect_breaks_connections_and_refuses_until_reconnect():
     bench = Bench(Fault("disconnect", 5000, at_s=0.02), Fault("reconnect", 5000, at_s=0.04))
     assert bench.play(4) == [(5, ChannelClosed(1, "connection reset by peer"))]
     bench.channels.open("h", 5000, 2.0)
-    assert bench.play(1) == [(6, ChannelOpened(2, False, "connection refused"))]
+    assert bench.play(1) == [(6, ChannelOpened(2, False, "connection refused", ChannelError.REFUSED))]
     bench.play(4)
     bench.channels.open("h", 5000, 2.0)
     assert bench.play(1) == [(11, ChannelOpened(3, True))]

@@ -6,6 +6,7 @@ import pytest
 
 from elitescript.devices.agenda import DeviceError
 from elitescript.devices.channels.network import UNSENT_MAX, Peer, VirtualNetwork
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW
@@ -30,7 +31,7 @@ def opened(channels, port):
 def test_a_port_without_a_server_refuses(channels):
     assert channels.open("h", 9, 2.0) == 1
     assert channels.next_tick(0) == 1
-    assert channels.arrivals(1) == [ChannelOpened(1, False, "connection refused")]
+    assert channels.arrivals(1) == [ChannelOpened(1, False, "connection refused", ChannelError.REFUSED)]
     assert channels.next_tick(1) is None
 
 

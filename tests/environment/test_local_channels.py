@@ -91,22 +91,25 @@ def test_the_end_of_the_peer_comes_after_its_last_bytes(bench, server):
 
 
 @pytest.mark.parametrize(
-    ("address", "reason"),
+    ("address", "reason", "number"),
     [
-        ("127.0.0.1", "connection refused"),
-        ("", "not known"),
-        ("a..b", "not known"),
-        ("a\0b", "not known"),
-        pytest.param("224.0.0.1", "unreachable", marks=pytest.mark.skipif(sys.platform != "linux", reason="its words")),
+        ("127.0.0.1", "connection refused", 111),
+        ("", "not known", 113),
+        ("a..b", "not known", 113),
+        ("a\0b", "not known", 113),
+        pytest.param(
+            "224.0.0.1", "unreachable", 101, marks=pytest.mark.skipif(sys.platform != "linux", reason="its words")
+        ),
     ],
 )
-def test_what_cannot_be_reached_says_why(bench, server, address, reason):
+def test_what_cannot_be_reached_says_why(bench, server, address, reason, number):
     port = port_of(server)
     server.close()
     channel = bench.channels.open(address, port, 2.0)
     (event,) = bench.until(bool)
     assert (event.channel, event.is_open) == (channel, False)
     assert reason in event.reason
+    assert event.error == number
     assert not bench.channels.is_real
 
 

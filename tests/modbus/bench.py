@@ -6,6 +6,7 @@ from collections.abc import Callable
 from math import ceil
 from typing import Any
 
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.modbus.frames.pdu import WRITE_COIL, WRITE_COILS, WRITE_REGISTER, WRITE_REGISTERS
 from elitescript.modbus.frames.tcp import TcpFrame, TcpSplitter, tcp_frame
@@ -78,7 +79,7 @@ class Network:
             self._splitters[channel] = TcpSplitter()
             self._tell(1, ChannelOpened(channel, True))
         elif port not in self.dead:
-            self._tell(1, ChannelOpened(channel, False, "connection refused"))
+            self._tell(1, ChannelOpened(channel, False, "connection refused", ChannelError.REFUSED))
         return channel
 
     def open_line(self, device: str, settings: Any) -> int:
@@ -92,7 +93,7 @@ class Network:
         device.segments.append(len(frames))
         device.requests += [(self.tick, frame.unit, frame.pdu) for frame in frames]
         if device.breaks_after is not None and len(frames) > device.breaks_after:
-            self._tell(device.latency, ChannelClosed(channel, "connection reset by peer"))
+            self._tell(device.latency, ChannelClosed(channel, "connection reset by peer", ChannelError.RESET))
             return
         parts = []
         for frame in frames[: device.per_segment]:

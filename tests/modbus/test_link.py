@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelData
 from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.modbus.frames import pdu
@@ -27,26 +28,24 @@ def test_a_signal_connects_first() -> None:
 
 
 @pytest.mark.parametrize(
-    ("reason", "code"),
+    ("end", "code"),
     [
-        ("", 104),
-        ("connection reset by peer", 104),
-        ("broken pipe", 32),
-        ("connection timed out", 110),
-        ("no route to host", 113),
-        ("network is unreachable", 101),
-        ("host is down", 112),
-        ("No route to host", 113),
-        ("no answer within 2 s", 110),
-        ("something new", 5),
+        (ChannelClosed(1), 104),
+        (ChannelClosed(1, "connection reset by peer", ChannelError.RESET), 104),
+        (ChannelClosed(1, "broken pipe", ChannelError.BROKEN_PIPE), 32),
+        (ChannelClosed(1, "connection timed out", ChannelError.TIMED_OUT), 110),
+        (ChannelClosed(1, "no route to host", ChannelError.HOST_UNREACHABLE), 113),
+        (ChannelClosed(1, "network is unreachable", ChannelError.NETWORK_UNREACHABLE), 101),
+        (ChannelClosed(1, "host is down", ChannelError.HOST_DOWN), 112),
+        (ChannelClosed(1, "something new", ChannelError.OTHER), 5),
     ],
 )
-def test_a_broken_connection_has_the_number_of_its_error(reason: str, code: int) -> None:
+def test_a_broken_connection_has_the_number_of_its_error(end: ChannelClosed, code: int) -> None:
     bench = Bench()
     bench.add("x")
     bench.run(10)
     del bench.network.devices[502]
-    bench.network.say(ChannelClosed(1, reason))
+    bench.network.say(end)
     bench.run(1)
     assert bench.master.codes("x") == (-2, code)
     assert bench.master.find("x").fault_tick == 11

@@ -6,6 +6,7 @@ import pytest
 
 from elitescript.environment.memory import MemoryEnvironment
 from elitescript.environment.request_channels import RequestEnvironment
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW, NOT_CONNECTED, CloseChannel, OpenLine, SendChannel
@@ -155,7 +156,7 @@ class TestConfiguring:
     def test_it_is_the_same_where_the_answer_comes_later(self):
         one, channels = remote(f"textmsg({TOOL})\ntextmsg(tool_serial_is_open())")
         tick(one)
-        tick(one, ChannelOpened(1, False, NOT_CONNECTED))
+        tick(one, ChannelOpened(1, False, NOT_CONNECTED, ChannelError.NOTHING_BOUND))
         assert one.log == ["True", "True"]
         assert one.host.connections == {}
         assert channels.take() == (OpenLine(1, "tool", LineSettings(115200, 0, 1, 8)),)

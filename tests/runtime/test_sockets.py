@@ -7,6 +7,8 @@ import pytest
 from elitescript.devices.channels.network import Peer, VirtualNetwork
 from elitescript.environment.memory import MemoryEnvironment
 from elitescript.environment.request_channels import RequestEnvironment
+from elitescript.messages.enums import ChannelError
+from elitescript.messages.events import ChannelActivity
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW, CloseChannel, CreditChannel, OpenChannel, SendChannel
 from elitescript.runtime.connections.sockets import CONNECTIONS_MAX
@@ -161,6 +163,17 @@ class TestOpening:
         assert channels.take() == (CloseChannel(1), OpenChannel(2, "tcp", "h", 5, 2.0))
         assert bench.log == ["False"]
         assert bench.warnings == ["socket 'socket_0' cannot connect to h:5: no answer within 2 s"]
+
+    @pytest.mark.parametrize(
+        ("error", "what"), [(ChannelError.TIMED_OUT, "timeout"), (ChannelError.REFUSED, "refused")]
+    )
+    def test_the_record_tells_a_time_out_from_a_refusal(self, error, what):
+        bench, _ = remote('textmsg(socket_open("h", 5))')
+        tick(bench)
+        tick(bench, ChannelOpened(1, False, "no way", error))
+        assert [(event.what, event.data) for event in bench.machine.events if isinstance(event, ChannelActivity)] == [
+            (what, "h:5: no way")
+        ]
 
     def test_a_late_answer_is_nobodys(self):
         bench, _ = remote('socket_open("h", 5)\nsocket_close()\ntextmsg(socket_is_connected())')

@@ -248,20 +248,24 @@ def test_a_refused_connection_says_why() -> None:
 
 
 @pytest.mark.parametrize(
-    ("error", "reason"),
+    ("error", "reason", "number"),
     [
-        (ConnectionResetError(104, "Connection reset by peer"), "connection reset by peer"),
-        (OSError(113, "Connect call failed ('10.0.0.1', 502)"), "no route to host"),
-        (
-            OSError("Multiple exceptions: [Errno 111] Connect call failed, [Errno 101] no"),
-            "connection refused",
-        ),
-        (OSError("no idea"), "no idea"),
-        (ValueError(), "ValueError"),
+        (ConnectionResetError(104, "Connection reset by peer"), "connection reset by peer", 104),
+        (BrokenPipeError(32, "Broken pipe"), "broken pipe", 32),
+        (TimeoutError(110, "Connection timed out"), "connection timed out", 110),
+        (OSError(113, "Connect call failed ('10.0.0.1', 502)"), "no route to host", 113),
+        (OSError(101, "Connect call failed"), "network is unreachable", 101),
+        (OSError(112, "Connect call failed"), "host is down", 112),
+        (OSError("Multiple exceptions: [Errno 111] Connect call failed, [Errno 101] no"), "connection refused", 111),
+        (socket.gaierror(socket.EAI_NONAME, "Name or service not known"), "Name or service not known", 113),
+        (socket.gaierror(socket.EAI_AGAIN, "Temporary failure"), "Temporary failure", 5),
+        (PermissionError(13, "Permission denied"), "permission denied", 5),
+        (OSError("no idea"), "no idea", 5),
+        (ValueError(), "ValueError", 5),
     ],
 )
-def test_reasons_are_in_the_words_of_the_operating_system(error: Exception, reason: str) -> None:
-    assert reason_of(error) == reason
+def test_reasons_are_in_the_words_of_the_operating_system(error: Exception, reason: str, number: int) -> None:
+    assert reason_of(error) == (reason, number)
 
 
 def test_nonsense_is_refused() -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import platform
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -46,6 +47,23 @@ def test_warnings_of_format_2_are_read_and_written_without_what_came_later():
     assert from_text(text)[1] == [["Warned", *fields], ["Printed", 1, "a", "main", 1]]
     with pytest.raises(CodecError):
         old.event(["Warned", *fields, True, True])
+
+
+@pytest.mark.parametrize(
+    ("data", "number"),
+    [
+        (["ChannelOpened", 1, False, "no answer within 2 s"], 110),
+        (["ChannelOpened", 1, False, "Connection refused"], 111),
+        (["ChannelOpened", 1, False, "Name or service not known"], 113),
+        (["ChannelOpened", 1, False, "nothing is connected"], -1),
+        (["ChannelOpened", 1, True, ""], 104),
+        (["ChannelClosed", 1, ""], 104),
+        (["ChannelClosed", 1, "broken pipe"], 32),
+        (["ChannelClosed", 1, "something new"], 5),
+    ],
+)
+def test_reasons_of_format_2_get_their_number(data: list[Any], number: int):
+    assert Format2(full_codec()).input(data).error == number
 
 
 def record_of(tmp_path: Path, old: str, new: str) -> Path:

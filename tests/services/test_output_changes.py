@@ -10,6 +10,7 @@ import pytest
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.values import CodecError
 from elitescript.kernel import Kernel, KernelConfig
+from elitescript.messages.enums import RobotMode
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.outputs import Output
 from elitescript.services.child import frames
@@ -61,26 +62,38 @@ def changes(rest=None, *, bits=0, numbers=b"", tick=2):
     return struct.pack("<qqQ", tick, tick, bits) + numbers + (b"" if rest is None else to_text(rest).encode())
 
 
+TIME, MODE = 0, 1
+"""Places of two fields of the robot's state: a number, and one that travels as JSON."""
+
+
+def test_a_change_is_taken_by_its_place():
+    reader = OutputReader(CODEC)
+    before = reader.read(*OutputWriter(CODEC).message(output(1))).snapshot.robot
+    after = reader.read(frames.OUTPUT_CHANGES, changes([[], [], [], [MODE, 5]], bits=1 << TIME, numbers=bytes(8)))
+    assert after.snapshot.robot == replace(before, tick=2, time_s=0.0, robot_mode=RobotMode.IDLE)
+
+
 @pytest.mark.parametrize(
     "content",
     [
         b"",
         changes()[:-1],
         changes([]),
-        changes([[], [], [], []]),
-        changes([[], [], [], [], [], []]),
-        changes([[], [], [], 0, []]),
-        changes([[], [], [], [3], []]),
-        changes([[], [], [], [0, []], []]),
-        changes([[], [], [], [1, [0.0] * 6], []]),
-        changes([[], [], [], [-1, 0], []]),
-        changes([[], [], [], [1000, 0], []]),
-        changes([[], [], [], ["16", 0], []]),
-        changes([[], [], [], [True, 0], []]),
-        changes([[], [], [], [], [0, 7]]),
-        changes([[], [], [], [], [1, 0.5]]),
-        changes([[], [], [], [], [2, "7"]]),
-        changes([[["Kernel"]], [], [], [], []]),
+        changes([[], [], []]),
+        changes([[], [], [], [], []]),
+        changes([[], [], [], 0]),
+        changes([[], [], [], {}]),
+        changes([[], [], [], [MODE]]),
+        changes([[], [], [], [TIME, 0.5]]),
+        changes([[], [], [], [-1, 0]]),
+        changes([[], [], [], [1000, 0]]),
+        changes([[], [], [], [str(MODE), 7]]),
+        changes([[], [], [], [True, 7]]),
+        changes([[], [], [], [MODE, 99]]),
+        changes([[], [], [], [MODE, "7"]]),
+        changes([[], [], [], [MODE, 7, MODE]]),
+        changes([[["Kernel"]], [], [], []]),
+        changes([0, [], [], []]),
         changes({}),
         changes(tick=-1),
         changes(tick=2**62),

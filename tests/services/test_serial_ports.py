@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator
 
 import pytest
 
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import (
@@ -111,7 +112,7 @@ def test_bytes_go_both_ways_over_a_bridge() -> None:
 def test_a_port_that_is_bound_to_nothing_is_not_connected() -> None:
     heard: list[Input] = []
     Broker(heard.extend).carry_out([OpenLine(1, "tool", SETTINGS)])
-    assert heard == [ChannelOpened(1, False, NOT_CONNECTED)]
+    assert heard == [ChannelOpened(1, False, NOT_CONNECTED, ChannelError.NOTHING_BOUND)]
 
 
 def test_a_device_that_is_not_there_is_refused_with_the_reason() -> None:
@@ -240,6 +241,6 @@ def test_who_does_not_keep_to_the_window_loses_the_port() -> None:
             await scene.open(1)
             scene.broker.carry_out([SendChannel(1, bytes(UNSENT_MAX)), SendChannel(1, bytes(CHANNEL_WINDOW))])
             closed = await scene.hear(ChannelClosed)
-            assert closed == ChannelClosed(1, f"{UNSENT_MAX} bytes wait for a port that takes none")
+            assert closed == ChannelClosed(1, f"{UNSENT_MAX} bytes wait for a port that takes none", ChannelError.OTHER)
 
     run(test())

@@ -10,6 +10,7 @@ from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.environment.request_channels import RequestChannels
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, KernelConfig
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.events import DeviceNoted, TextMessage
 from elitescript.messages.inputs import (
     AddFault,
@@ -301,7 +302,7 @@ def test_what_waits_for_a_slow_line_is_bounded():
     asked(bench, OpenLine(1, "/dev/ttymxc0", LineSettings(2400, 0, 1, 8)))
     heard = asked(bench, *[SendChannel(1, bytes(32_768))] * 20)
     assert [item for item in heard if not isinstance(item, ChannelCredit)] == [
-        ChannelClosed(1, f"{UNSENT_MAX} bytes wait for a device that is not so quick")
+        ChannelClosed(1, f"{UNSENT_MAX} bytes wait for a device that is not so quick", ChannelError.OTHER)
     ]
     assert bench.world._world.network.open_channels == 0
 

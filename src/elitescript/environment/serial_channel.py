@@ -10,6 +10,7 @@ from time import monotonic
 from typing import Any, Final
 
 from elitescript.environment.line_bindings import MISSING
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW
@@ -131,7 +132,7 @@ class SerialChannel:
             self._left = 0
         if reason:
             self.drop()
-            events.append(ChannelClosed(self._channel, reason))
+            events.append(ChannelClosed(self._channel, reason, ChannelError.OTHER))
         return events
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import socket
 import sys
 from contextlib import suppress
@@ -11,6 +12,7 @@ from threading import Thread
 from time import monotonic
 from typing import Any, Final
 
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW
 
@@ -21,6 +23,15 @@ _UNREAD_MAX: Final = 1 << 20
 """Bytes that are read and dropped before a connection is closed: unread ones would make the peer lose the last text."""
 
 
+_ERRORS: Final = {
+    errno.EPIPE: ChannelError.BROKEN_PIPE,
+    errno.ENETUNREACH: ChannelError.NETWORK_UNREACHABLE,
+    errno.ECONNRESET: ChannelError.RESET,
+    errno.ETIMEDOUT: ChannelError.TIMED_OUT,
+    errno.ECONNREFUSED: ChannelError.REFUSED,
+    errno.EHOSTDOWN: ChannelError.HOST_DOWN,
+    errno.EHOSTUNREACH: ChannelError.HOST_UNREACHABLE,
+}
 _UNDER_WAY: Final = (EINPROGRESS, EWOULDBLOCK, EINTR)
 """What a system says of an attempt to connect that goes on."""
 
@@ -44,6 +55,7 @@ class TcpChannel:
         "_address",
         "_channel",
         "_closing_end_s",
+        "_error",
         "_failure",
         "_found",
         "_is_open",
@@ -63,6 +75,7 @@ class TcpChannel:
         self._socket: socket.socket | None = None
         self._found: list[Any] | None = None
         self._failure = ""
+        self._error = ChannelError.OTHER
         self._is_open = False
         self._outgoing = bytearray()
         self._left = 0
@@ -90,7 +103,7 @@ class TcpChannel:
         try:
             self._look_up(0)
         except (OSError, ValueError):
-            self._failure = "the address is not known"
+            self._failure, self._error = "the address is not known", ChannelError.HOST_UNREACHABLE
 
     def _connect(self) -> None:
         if self._socket is None:
@@ -106,13 +119,13 @@ class TcpChannel:
         else:
             error = self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
         if error:
-            self._failure = strerror(error).lower()
+            self._failure, self._error = strerror(error).lower(), channel_error(error)
             return
         with suppress(OSError):
             self._is_open = bool(self._socket.getpeername())
         if self._is_open and self._socket.getpeername() == self._socket.getsockname():
             # Nobody listens, but the system has chosen that very port for this end.
-            self._failure = "connection refused"
+            self._failure, self._error = "connection refused", ChannelError.REFUSED
 
     # ---------------------------------------------------------------- bytes
 
@@ -139,25 +152,25 @@ class TcpChannel:
             try:
                 self._connect()
             except OSError as error:
-                self._failure = _words(error)
+                self._failure, self._error = _words(error), channel_error(error.errno)
             if self._failure:
                 self._end()
-                return [ChannelOpened(self._channel, False, self._failure)]
+                return [ChannelOpened(self._channel, False, self._failure, self._error)]
             if not self._is_open:
                 return []
             events.append(ChannelOpened(self._channel, True))
         try:
             self._flush()
             is_closed = self._receive(events)
-            reason = ""
+            closed = ChannelClosed(self._channel)
         except OSError as error:
-            is_closed, reason = True, _words(error)
+            is_closed, closed = True, ChannelClosed(self._channel, _words(error), channel_error(error.errno))
         if self._left:
             events.append(ChannelCredit(self._channel, self._left))
             self._left = 0
         if is_closed:
             self._end()
-            events.append(ChannelClosed(self._channel, reason))
+            events.append(closed)
         return events
 
     def _receive(self, events: list[ChannelEvent]) -> bool:
@@ -243,6 +256,11 @@ def _unacknowledged(connection: socket.socket) -> int:
         return int.from_bytes(ioctl(connection, TIOCOUTQ, bytes(4)), sys.byteorder)
     except OSError:
         return 0
+
+
+def channel_error(number: int | None) -> ChannelError:
+    """Return what an error number of this operating system means."""
+    return ChannelError.OTHER if number is None else _ERRORS.get(number, ChannelError.OTHER)
 
 
 def _words(error: OSError) -> str:

@@ -108,3 +108,20 @@ class DiscardReason(IntEnum):
     """It waited when the session ended."""
     CLEARED = 6
     """It waited when `clear_interpreter()` was executed."""
+
+
+class ChannelError(IntEnum):
+    """Why a channel does not open or breaks; the numbers are those of TCP/IP on Linux, which programs see."""
+
+    NOTHING_BOUND = -1
+    """Nothing of this computer is bound to the serial port: it opens all the same, and is silent."""
+    OTHER = 5
+    BROKEN_PIPE = 32
+    NETWORK_UNREACHABLE = 101
+    RESET = 104
+    """Also if the peer just closes."""
+    TIMED_OUT = 110
+    REFUSED = 111
+    HOST_DOWN = 112
+    HOST_UNREACHABLE = 113
+    """Also if the address is not known."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.machine import DisturbInput, MachineRequest
 
@@ -176,6 +177,9 @@ class ChannelOpened:
     channel: int
     is_open: bool
     reason: str = ""
+    """Why it is not open, in words."""
+    error: ChannelError = ChannelError.OTHER
+    """The same as a number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,6 +204,9 @@ class ChannelClosed:
 
     channel: int
     reason: str = ""
+    """Why it broke, in words; empty if the peer has closed."""
+    error: ChannelError = ChannelError.RESET
+    """The same as a number."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,11 +31,7 @@ class OpenChannel:
 
 
 NOT_CONNECTED: Final = "nothing is connected"
-"""Reason of a `ChannelOpened` for a serial port that is bound to nothing: it opens all the same, and is silent."""
-
-
-TIME_OUT_REASONS: Final = ("no answer within", "connection timed out")
-"""How the reason of a connection that took too long begins, in small letters."""
+"""Reason of a `ChannelOpened` with `ChannelError.NOTHING_BOUND`."""
 
 
 @dataclass(frozen=True, slots=True)

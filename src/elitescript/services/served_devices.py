@@ -17,6 +17,7 @@ from elitescript.devices.channels.faults import Fault
 from elitescript.devices.world import World
 from elitescript.errors import UsageError
 from elitescript.kernel.causes import WORLD
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelEvent, ChannelOpened, Do, Input
 from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
@@ -232,7 +233,7 @@ class ServedDevices:
             return
         self._close(lead)
         why = f"{UNSENT_MAX} bytes wait for a device that is not so quick"
-        self._refusals.append(ChannelClosed(lead.number, why))
+        self._refusals.append(ChannelClosed(lead.number, why, ChannelError.OTHER))
 
     def _close(self, lead: _Lead) -> None:
         self._forget(lead)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from elitescript.devices.agenda import Agenda
@@ -11,6 +12,7 @@ from elitescript.devices.channels.faults import BOTH, LINE, TCP, TO_DEVICE, TO_R
 from elitescript.devices.channels.seeded_draws import drawn, share
 from elitescript.devices.channels.wrong_replies import wrong_reply
 from elitescript.errors import UsageError
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.line import LineSettings
@@ -201,7 +203,7 @@ class FaultyChannels:
         if refused is not None:
             self._acts(refused)
             number = self._number()
-            event = ChannelOpened(number, False, REFUSED)
+            event = ChannelOpened(number, False, REFUSED, ChannelError.REFUSED)
             self._agenda.put(1, lambda: self._events.append(event))
             return number
         silent = self._found(place, "silence")
@@ -318,13 +320,13 @@ class FaultyChannels:
                 self._take_data(channel, data)
             case ChannelCredit(_, size):
                 self._take_credit(channel, size)
-            case ChannelOpened(_, is_open, reason):
-                if not is_open:
+            case ChannelOpened():
+                if not event.is_open:
                     self._forget(channel)
-                self._tell(channel, ChannelOpened(channel.number, is_open, reason))
-            case ChannelClosed(_, reason):
+                self._tell(channel, replace(event, channel=channel.number))
+            case ChannelClosed():
                 self._forget(channel)
-                end = ChannelClosed(channel.number, reason)
+                end = replace(event, channel=channel.number)
                 self._pass(channel, TO_ROBOT, 0, lambda: self._tell(channel, end))
 
     def _take_data(self, channel: _FaultyChannel, data: bytes) -> None:

@@ -14,6 +14,7 @@ from typing import Any, Final
 from elitescript.devices.agenda import Agenda, DeviceError
 from elitescript.devices.channels.delay_line import DelayLine
 from elitescript.devices.channels.faults import LINE
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW
@@ -306,18 +307,18 @@ class VirtualNetwork:
     def connect(self, channel: int, address: str, port: int) -> None:
         """Connect a channel to the server of a port, or refuse."""
         server = self.server(address, port)
-        self._begin(DeviceLink(self, channel, place=f"{address}:{port}"), server, REFUSED)
+        self._begin(DeviceLink(self, channel, place=f"{address}:{port}"), server, REFUSED, ChannelError.REFUSED)
 
     def connect_line(self, channel: int, device: str, settings: LineSettings) -> None:
         """Connect a channel to what is on a serial line, or refuse. Whoever had the line before loses it."""
         for link in [link for link in self._links.values() if link.line == device]:
             self.close(link.channel)
-        self._begin(DeviceLink(self, channel, device, settings), self.lines.get(device), NO_LINE)
+        self._begin(DeviceLink(self, channel, device, settings), self.lines.get(device), NO_LINE, ChannelError.OTHER)
 
-    def _begin(self, link: DeviceLink, server: Server | None, refusal: str) -> None:
+    def _begin(self, link: DeviceLink, server: Server | None, refusal: str, error: ChannelError) -> None:
         peer = None if server is None else server(link)
         if peer is None:
-            self.agenda.put(1, lambda: self.tell(ChannelOpened(link.channel, False, refusal)))
+            self.agenda.put(1, lambda: self.tell(ChannelOpened(link.channel, False, refusal, error)))
             return
         link.peer = peer
         self._links[link.channel] = link
@@ -383,7 +384,7 @@ class VirtualNetwork:
 
     def end(self, channel: int, reason: str = "") -> None:
         """A channel is closed by the device, and the program hears of it in this tick."""
-        self.tell(ChannelClosed(channel, reason))
+        self.tell(ChannelClosed(channel, reason, ChannelError.OTHER if reason else ChannelError.RESET))
         self._links.pop(channel, None)
 
     def drop(self, owner: object, reason: str) -> None:

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.events import UNDELIVERED
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
-from elitescript.messages.outputs import CHANNEL_WINDOW, TIME_OUT_REASONS
+from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.modbus.frames.tcp import tcp_frame
-from elitescript.modbus.master.exchange import TIMED_OUT, Exchange
+from elitescript.modbus.master.exchange import Exchange
 from elitescript.modbus.master.signals import CONNECTING, NO_ERROR, NOT_CONNECTED, ModbusSignal
 
 CONNECT_TICKS: Final = 2 * TICKS_PER_S
@@ -22,26 +23,7 @@ CONNECT_TICKS: Final = 2 * TICKS_PER_S
 RETRY_TICKS: Final = (TICKS_PER_S // 2, TICKS_PER_S, 2 * TICKS_PER_S, 4 * TICKS_PER_S)
 """Pauses between attempts to connect that fail one after the other; the last one stays (*assumed*)."""
 
-IO_ERROR: Final = 5
-UNREACHABLE: Final = 101
-ERROR_NUMBERS: Final = {
-    "": 104,
-    "broken pipe": 32,
-    "network is unreachable": UNREACHABLE,
-    "connection reset by peer": 104,
-    "connection timed out": TIMED_OUT,
-    "connection refused": 111,
-    "host is down": 112,
-    "no route to host": 113,
-    "the address is not known": 113,
-    "name or service not known": 113,
-}
-"""Error numbers of TCP/IP on Linux by their text; a peer that just closes counts as a reset, others as `IO_ERROR`."""
-
-LATE: Final = TIME_OUT_REASONS[0]
-"""How others say that an attempt to connect took too long."""
-
-_TIMED_OUT: Final = TIME_OUT_REASONS[1]
+_TIMED_OUT: Final = "connection timed out"
 _CLOSED_BY_DEVICE: Final = "the device has closed the connection"
 _NO_NETWORK: Final = "this run has no network"
 _NO_MODBUS: Final = "what the device sends is no MODBUS"
@@ -214,9 +196,9 @@ class MasterConnection:
         if not row:
             del self.signals[signal.frequency_hz]
 
-    def _complain(self, signal: ModbusSignal, trouble: str) -> None:
+    def _complain(self, signal: ModbusSignal, trouble: str, *, is_late: bool = False) -> None:
         if not signal.is_removed:
-            self._note_of(signal, "timeout" if trouble.startswith(LATE) else "refused", trouble)
+            self._note_of(signal, "timeout" if is_late else "refused", trouble)
             self._warn(f"{self.title(signal)}: {trouble}")
 
     def _give_up(self, signal: ModbusSignal, trouble: str) -> None:
@@ -250,9 +232,9 @@ class MasterConnection:
         self._collect(tick)
         if self._state is _OPEN:
             if self.exchange.look_at_time(tick):
-                self._lose(tick, _TIMED_OUT)
+                self._lose(tick, _TIMED_OUT, ChannelError.TIMED_OUT)
         elif self._state is _OPENING and tick >= self._open_end:
-            self._lose(tick, _TIMED_OUT)
+            self._lose(tick, _TIMED_OUT, ChannelError.TIMED_OUT)
         if self._state is _CLOSED and self.retry_tick is not None and tick >= self.retry_tick and self._is_wanted:
             self._connect(tick)
         if self._state is _OPEN:
@@ -315,7 +297,7 @@ class MasterConnection:
             if self.exchange.has_heard:
                 self._attempts = 0
             if self.exchange.is_lost:
-                self._lose(tick, _NO_MODBUS)
+                self._lose(tick, _NO_MODBUS, ChannelError.OTHER)
             elif self._taken >= _CREDIT_SIZE:
                 self._channels.credit(self._channel, self._taken)
                 self._taken = 0
@@ -332,7 +314,7 @@ class MasterConnection:
             self._note(self.name, "open", "")
             self.exchange.begin(tick)
         elif isinstance(event, ChannelOpened | ChannelClosed):
-            self._lose(tick, event.reason)
+            self._lose(tick, event.reason, event.error)
 
     def _connect(self, tick: int) -> None:
         self._room, self._taken = CHANNEL_WINDOW, 0
@@ -343,16 +325,16 @@ class MasterConnection:
             self._listen(self._channel, self)
         else:
             self._note(self.name, "refused", _NO_NETWORK)
-            self._fail(tick, UNREACHABLE, _NO_NETWORK)
+            self._fail(tick, ChannelError.NETWORK_UNREACHABLE, _NO_NETWORK)
             self.retry_tick = None
 
-    def _lose(self, tick: int, reason: str) -> None:
+    def _lose(self, tick: int, reason: str, error: ChannelError) -> None:
         """The connection does not come about, or stands no longer."""
         was_useful = self._state is _OPEN and self.exchange.has_heard
         if self._state is _OPEN:
             self._note(self.name, "closed", reason or "by the other side")
         else:
-            self._note(self.name, "timeout" if error_number(reason) == TIMED_OUT else "refused", reason)
+            self._note(self.name, "timeout" if error is ChannelError.TIMED_OUT else "refused", reason)
         self._state = _CLOSED
         self._hang_up()
         if self.exchange.is_probing:
@@ -360,12 +342,12 @@ class MasterConnection:
             self.exchange.fall_back()
             self.retry_tick = tick
             return
-        self._fail(tick, error_number(reason), reason or _CLOSED_BY_DEVICE)
+        self._fail(tick, error, reason or _CLOSED_BY_DEVICE)
         self._attempts += 1
         self.retry_tick = tick + (1 if was_useful else RETRY_TICKS[min(self._attempts, len(RETRY_TICKS)) - 1])
 
-    def _fail(self, tick: int, code: int, reason: str) -> None:
-        self.connection_code = code
+    def _fail(self, tick: int, error: ChannelError, reason: str) -> None:
+        self.connection_code = int(error)
         self._is_reset = False
         self._warn(f"MODBUS at {self.name}: {reason}")
         self._interrupt(tick)
@@ -407,11 +389,6 @@ class MasterConnection:
                 self._channels.send(self._channel, tcp_frame(number, signal.unit, signal.request))
         self._hang_up()
         self._is_reset = False
-
-
-def error_number(reason: str) -> int:
-    """Return the error number of TCP/IP that stands for the text of a reason."""
-    return TIMED_OUT if reason.startswith(LATE) else ERROR_NUMBERS.get(reason.lower(), IO_ERROR)
 
 
 def _turn(signal: ModbusSignal) -> int:

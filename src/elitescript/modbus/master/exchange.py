@@ -11,8 +11,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import Final
+from typing import Final, Protocol
 
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.modbus.frames.pdu import READS
 from elitescript.modbus.frames.tcp import TcpSplitter
@@ -31,7 +32,13 @@ PATIENCE_ROUNDS: Final = 2
 PATIENCE_TICKS: Final = 2
 """A burst that takes longer than so many round trips and ticks is the last one."""
 
-TIMED_OUT: Final = 110
+TIMED_OUT: Final = int(ChannelError.TIMED_OUT)
+
+
+class Complain(Protocol):
+    """Takes what is wrong with a signal, and whether it was not answered in time."""
+
+    def __call__(self, signal: ModbusSignal, trouble: str, *, is_late: bool = False) -> None: ...
 
 
 class Exchange:
@@ -83,7 +90,7 @@ class Exchange:
 
     def __init__(
         self,
-        complain: Callable[[ModbusSignal, str], None],
+        complain: Complain,
         note: Callable[[ModbusSignal, str, str], None],
         lose: Callable[[ModbusSignal, str], None],
         *,
@@ -249,8 +256,11 @@ class Exchange:
             if signal is self._chained:
                 self._chained = None
             signal.fail(tick, NO_ERROR, TIMED_OUT)
-            tell = self._lose if signal.is_once else self._complain
-            tell(signal, f"no answer within {seconds(REPLY_TICKS):g} s")
+            trouble = f"no answer within {seconds(REPLY_TICKS):g} s"
+            if signal.is_once:
+                self._lose(signal, trouble)
+            else:
+                self._complain(signal, trouble, is_late=True)
         return bool(late) and tick - self._heard_tick >= SILENCE_TICKS
 
     # ---------------------------------------------------------------- bytes

@@ -9,8 +9,9 @@ from __future__ import annotations
 from typing import Any, Final, Protocol
 
 from elitescript.commands.definition.context import Rule
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
-from elitescript.messages.outputs import CHANNEL_WINDOW, NOT_CONNECTED
+from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.runtime.connections.traffic import ChannelLog
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.threads.deadline import Deadline
@@ -59,6 +60,7 @@ class ScriptConnection:
         "_taken",
         "_waiting",
         "channel",
+        "error",
         "is_behind_numbers",
         "log",
         "queued",
@@ -71,6 +73,7 @@ class ScriptConnection:
         self.channel = channel
         self.log = log
         self.reason = ""
+        self.error: ChannelError | None = None
         self.received = bytearray()
         self.is_behind_numbers = False
         self.queued = 0
@@ -127,8 +130,9 @@ class ScriptConnection:
         elif isinstance(event, ChannelOpened | ChannelClosed):
             if self._state is _OPEN:
                 self.log.lost(event.reason)
-            elif event.reason != NOT_CONNECTED:
-                self.log.failed(event.reason)
+            elif event.error is not ChannelError.NOTHING_BOUND:
+                self.log.failed(event.reason, is_late=event.error is ChannelError.TIMED_OUT)
+            self.error = event.error
             self._end(event.reason)
         self._wake()
 
@@ -244,13 +248,13 @@ class ScriptConnection:
         self.sent += len(self._outgoing)
         self._outgoing.clear()
 
-    def close(self, reason: str = "") -> None:
-        """Close it from this side, whatever is under way."""
+    def close(self, reason: str = "", *, is_late: bool = False) -> None:
+        """Close it from this side, whatever is under way; `is_late` if it has not opened in time."""
         if self._state is not _CLOSED:
             if self._outgoing:
                 self._channels.send(self.channel, bytes(self._outgoing))
             self._channels.close(self.channel)
-            self.log.closed(reason)
+            self.log.closed(reason, is_late=is_late)
             self._end(reason)
             self._wake()
 

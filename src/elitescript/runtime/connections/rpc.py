@@ -197,7 +197,7 @@ class RemoteProcedures:
         try:
             while connection.is_opening:
                 if not connection.wait(f"{server.address}:{server.port} to accept a connection", until):
-                    connection.close(f"no answer within {seconds(CONNECT_TICKS):g} s")
+                    connection.close(f"no answer within {seconds(CONNECT_TICKS):g} s", is_late=True)
                     raise PeerError(f"no connection within {seconds(CONNECT_TICKS):g} s")
             if not connection.is_open:
                 raise PeerError(connection.reason or "closed at once")

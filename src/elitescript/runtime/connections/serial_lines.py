@@ -15,6 +15,7 @@ from collections.abc import Callable
 from typing import Final
 
 from elitescript.errors import ScriptPermissionError
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.line import PORT_NAMES, LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW, NOT_CONNECTED
 from elitescript.messages.timing import TICKS_PER_S, seconds, ticks_for
@@ -111,11 +112,11 @@ class SerialLines:
             until = self._scheduler.now + OPEN_TICKS
             while wire.is_opening:
                 if not wire.wait(f"{_called(device)} to open", until):
-                    wire.close(f"no answer within {seconds(OPEN_TICKS):g} s: it does not open")
+                    wire.close(f"no answer within {seconds(OPEN_TICKS):g} s: it does not open", is_late=True)
         finally:
             if line.wire is wire and not wire.is_open:
                 line.close(self._connections)
-        if wire.is_closed and line.wire is None and wire.reason == NOT_CONNECTED:
+        if wire.is_closed and line.wire is None and wire.error is ChannelError.NOTHING_BOUND:
             return self._open_silent(line, device)
         if not wire.is_open:
             reason = wire.reason or "it was configured by another thread meanwhile"

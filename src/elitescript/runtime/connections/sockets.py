@@ -85,7 +85,7 @@ class Sockets:
             until = self._scheduler.now + CONNECT_TICKS
             while connection is not None and connection.is_opening:
                 if not connection.wait(f"{address}:{port} to accept a connection", until) and is_own:
-                    connection.close(f"no answer within {seconds(CONNECT_TICKS):g} s")
+                    connection.close(f"no answer within {seconds(CONNECT_TICKS):g} s", is_late=True)
         finally:
             if connection is not None and connection.is_opening and is_own:
                 connection.close("its thread was stopped")

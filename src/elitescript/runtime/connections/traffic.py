@@ -11,7 +11,6 @@ from typing import Final
 
 from elitescript.commands.definition.context import Machine
 from elitescript.messages.events import ChannelActivity
-from elitescript.messages.outputs import TIME_OUT_REASONS
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
@@ -40,11 +39,6 @@ def shown(data: bytes) -> str:
 def cut(text: str) -> str:
     """A text of `DATA_MAX` characters at most, and what says that it was longer."""
     return text if len(text) <= DATA_MAX else f"{text[:DATA_MAX]}… ({len(text)} characters)"
-
-
-def is_late(reason: str) -> bool:
-    """Whether the reason why a connection does not stand is that it took too long."""
-    return reason.lower().startswith(TIME_OUT_REASONS)
 
 
 class Traffic:
@@ -119,9 +113,9 @@ class ChannelLog:
         """It is open: caused by the statement that has asked for it, though that one has waited since."""
         self._traffic.note(self._kind, self._channel, "open", self._where, line=self._line, thread=self._thread)
 
-    def failed(self, reason: str) -> None:
-        """It could not be opened."""
-        what = "timeout" if is_late(reason) else "refused"
+    def failed(self, reason: str, *, is_late: bool = False) -> None:
+        """It could not be opened; `is_late` if that took too long."""
+        what = "timeout" if is_late else "refused"
         text = ": ".join(filter(None, (self._where, reason)))
         self._traffic.note(self._kind, self._channel, what, text, line=self._line, thread=self._thread)
 
@@ -149,6 +143,6 @@ class ChannelLog:
         """The other side has closed, or the connection broke."""
         self._traffic.note(self._kind, self._channel, "closed", reason or "by the other side")
 
-    def closed(self, reason: str) -> None:
-        """This side has closed, or has given up to open it."""
-        self.note("timeout" if is_late(reason) else "closed", reason)
+    def closed(self, reason: str, *, is_late: bool = False) -> None:
+        """This side has closed, or has given up to open it if `is_late`."""
+        self.note("timeout" if is_late else "closed", reason)

@@ -21,6 +21,8 @@ from re import search
 from typing import Any, Final
 
 from elitescript.environment.line_bindings import bridge_address
+from elitescript.environment.tcp_channel import channel_error
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import AddLog, ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input
 from elitescript.messages.outputs import (
     CHANNEL_WINDOW,
@@ -135,7 +137,7 @@ class Broker:
         """Open what is bound to a serial port. Another channel of the same port is closed already, by the robot."""
         number, target = request.channel, self._lines.get(request.device)
         if target is None:
-            self._post([ChannelOpened(number, False, NOT_CONNECTED)])
+            self._post([ChannelOpened(number, False, NOT_CONNECTED, ChannelError.NOTHING_BOUND)])
             return
         if number in self._channels or number in self._attempts or number in self._ports:
             self._post([ChannelOpened(number, False, f"channel {number} is in use")])
@@ -155,9 +157,9 @@ class Broker:
                 found = await self._found(request.address, request.port)
                 channel = await self._first_of(_allowed(found, request, policy), number)
         except TimeoutError:
-            self._give_up(number, f"no answer within {request.timeout_s:g} s")
+            self._give_up(number, f"no answer within {request.timeout_s:g} s", ChannelError.TIMED_OUT)
         except (OSError, ValueError, OverflowError) as error:
-            self._give_up(number, reason_of(error))
+            self._give_up(number, *reason_of(error))
         else:
             del self._attempts[number]
             self._channels[number] = channel
@@ -199,18 +201,20 @@ class Broker:
                 return channel
             except OSError as error:
                 failure = failure or error
-        raise failure or OSError("the address is not known")
+        raise failure or socket.gaierror(socket.EAI_NONAME, "the address is not known")
 
-    def _give_up(self, number: int, why: str) -> None:
+    def _give_up(self, number: int, why: str, error: ChannelError) -> None:
         if self._attempts.pop(number, None) is not None:
-            self._post([ChannelOpened(number, False, why)])
+            self._post([ChannelOpened(number, False, why, error)])
 
     def _send(self, number: int, data: bytes) -> None:
         channel = self._channels.get(number)
         if channel is not None and not channel.send(data):
             del self._channels[number]
             channel.drop()
-            self._post([ChannelClosed(number, f"{UNSENT_MAX} bytes wait for a peer that does not read")])
+            self._post(
+                [ChannelClosed(number, f"{UNSENT_MAX} bytes wait for a peer that does not read", ChannelError.OTHER)]
+            )
 
     def _close(self, number: int) -> None:
         self._ports.close(number)
@@ -336,7 +340,7 @@ class _BrokerChannel(asyncio.BufferedProtocol):
         self._unsent = 0
 
     def eof_received(self) -> bool:
-        self._end("")
+        self._end()
         return True
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -345,13 +349,13 @@ class _BrokerChannel(asyncio.BufferedProtocol):
         if self._linger is not None:
             self._linger.cancel()
             self._linger = None
-        self._end(reason_of(exc) if exc else "")
+        self._end(*(reason_of(exc) if exc else ()))
 
-    def _end(self, reason: str) -> None:
+    def _end(self, reason: str = "", error: ChannelError = ChannelError.RESET) -> None:
         if not self._is_closed:
             self._is_closed = True
             self._part(self._number)
-            self._post([ChannelClosed(self._number, reason)])
+            self._post([ChannelClosed(self._number, reason, error)])
 
     def _read_or_not(self) -> None:
         transport = self._transport
@@ -386,12 +390,14 @@ def _allowed(found: list[Any], request: OpenChannel, policy: ConnectPolicy | Non
     return allowed
 
 
-def reason_of(error: BaseException) -> str:
-    """Why a connection failed, in a few words: those of the operating system, where it has any."""
+def reason_of(error: BaseException) -> tuple[str, ChannelError]:
+    """Return why a connection failed: in the words of the operating system if it has any, and as a number."""
     number = getattr(error, "errno", None)
     if number is None and (found := search(r"\[Errno (\d+)\]", str(error))):
         # Of several addresses each has failed; programs hear of the first.
         number = int(found[1])
     if number is not None and number > 0:
-        return strerror(number).lower()
-    return str(getattr(error, "strerror", None) or str(error) or type(error).__name__)
+        return strerror(number).lower(), channel_error(number)
+    is_unknown = isinstance(error, socket.gaierror) and number == socket.EAI_NONAME
+    text = str(getattr(error, "strerror", None) or str(error) or type(error).__name__)
+    return text, ChannelError.HOST_UNREACHABLE if is_unknown else ChannelError.OTHER

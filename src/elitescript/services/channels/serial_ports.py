@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import AddLog, ChannelClosed, Input
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW
@@ -55,7 +56,9 @@ class SerialPorts:
         channel = self._open[number]
         if channel.unsent + len(data) > UNSENT_MAX:
             self._open.pop(number).drop()
-            self._post([ChannelClosed(number, f"{UNSENT_MAX} bytes wait for a port that takes none")])
+            self._post(
+                [ChannelClosed(number, f"{UNSENT_MAX} bytes wait for a port that takes none", ChannelError.OTHER)]
+            )
         else:
             channel.send(data)
 

@@ -1,14 +1,14 @@
 """Outputs on their way from a child to its parent: the first one whole, of later ones what is new.
 
 Most of a snapshot is the same as a tick before, and writing and reading all of it again would take longer than the tick
-itself. So both ends keep the last snapshot, and a field travels only when it has changed. What changes in every tick of
-an arm that moves is numbers: those travel as they are, all else as JSON. The message `frames.OUTPUT_CHANGES` is
+itself. So both ends keep the values of the last snapshot, and a field travels only when it has changed. What changes in
+every tick of an arm that moves is numbers: those travel as they are, all else as JSON. The message
+`frames.OUTPUT_CHANGES` is
 
 - the tick of the output, the tick of the robot's state (i64 each), and a word of bits (u64), one for each number or
-  vector of `_Columns` that has changed,
-- the numbers of those that have, one behind the other (f64),
-- if there is more: JSON `[events, requests, replies, changes of the snapshot, changes of its robot]`, where changes are
-  indices of fields with their values.
+  vector of numbers that has changed,
+- those numbers, one behind the other (f64),
+- if there is more: JSON `[events, requests, replies, changes]`, where changes are places of fields with their values.
 
 Little-endian. What arrives is checked like any other message, field by field, and before it is read, whether it has so
 many values that reading them would take the time of others.
@@ -18,13 +18,12 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Callable
 from operator import attrgetter
-from typing import Any, Final, get_args, get_origin, get_type_hints
+from typing import Any, Final, NamedTuple, get_args, get_origin, get_type_hints
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import Codec
-from elitescript.codec.values import CodecError, Decode, Encode, check_list
+from elitescript.codec.values import CodecError, Shape, check_list
 from elitescript.errors import UsageError
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
@@ -33,44 +32,40 @@ from elitescript.services.child import frames
 from elitescript.services.config_codec import output_text, without_points
 
 _HEAD: Final = struct.Struct("<qqQ")
-_ROBOT: Final = "robot"
-_TICK: Final = "tick"
 SAID_MAX: Final = 10_000
 """Events, requests and replies of one output, of each: a program says less, by its work in a tick."""
 VALUES_MAX: Final = 100_000
 """Values of one output, about; as many take 50 ms to be read."""
 _TEXT: Final = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"', re.DOTALL)
 _SAID: Final = ("events", "requests", "replies")
+_OF_ROBOT: Final = len(RobotState.__dataclass_fields__) - 1
+"""Fields of a robot's state that come first in the order of `_fields`; all but its tick."""
 
 
-class _Column:
-    """A field of a snapshot, or of its robot, that holds a float or a fixed number of them."""
+class _Field(NamedTuple):
+    """A field of a snapshot or of its robot."""
 
-    __slots__ = ("index", "is_of_robot", "layout", "name", "pack", "read", "size")
-
-    def __init__(self, name: str, index: int, length: int, *, is_of_robot: bool) -> None:
-        self.name = f"{_ROBOT}.{name}" if is_of_robot else name
-        self.index = index
-        """Of the field in its class."""
-        self.is_of_robot = is_of_robot
-        self.layout = struct.Struct(f"<{length or 1}d")
-        self.size = self.layout.size
-        self.pack: Callable[[Any], bytes] = self.layout.pack if not length else lambda values: self.layout.pack(*values)
-        self.read: Callable[[bytes, int], Any] = self.layout.unpack_from
-        if not length:
-            self.read = lambda data, at: self.layout.unpack_from(data, at)[0]
+    name: str
+    """From the snapshot on."""
+    shape: Shape[Any]
+    numbers: struct.Struct | None
+    """Its layout, if it holds a float or a fixed number of them."""
+    is_vector: bool
 
 
-def _columns() -> tuple[_Column, ...]:
-    """In the order of the bits."""
+def _fields(codec: Codec) -> list[_Field]:
+    """Return the fields of the robot's state but its first one, the tick, then those of the snapshot but the robot."""
     found = []
-    for kind in (Snapshot, RobotState):
-        for index, (name, hint) in enumerate(get_type_hints(kind).items()):
-            parts = get_args(hint) if get_origin(hint) is tuple else ()
-            if hint is float or (parts and set(parts) == {float}):
-                found.append(_Column(name, index, len(parts), is_of_robot=kind is RobotState))
-    assert len(found) <= 64, "the word of bits is too short"
-    return tuple(found)
+    for kind, start in ((RobotState, "robot."), (Snapshot, "")):
+        hints = get_type_hints(kind)
+        for name, shape in list(codec.field_shapes(kind).items())[1:]:
+            parts = get_args(hints[name]) if get_origin(hints[name]) is tuple else ()
+            is_vector = bool(parts) and set(parts) == {float}
+            has_numbers = is_vector or hints[name] is float
+            layout = struct.Struct(f"<{len(parts) or 1}d") if has_numbers else None
+            found.append(_Field(start + name, shape, layout, is_vector))
+    assert sum(field.numbers is not None for field in found) <= 64, "the word of bits is too short"
+    return found
 
 
 class OutputWriter:
@@ -80,52 +75,63 @@ class OutputWriter:
         codec: of everything that an output holds.
     """
 
-    __slots__ = ("_columns", "_last", "_numbers", "_numbers_of", "_packed", "_robot", "_said", "_shape", "_snapshot")
+    __slots__ = ("_fields", "_packed", "_said", "_shape", "_values", "_values_of")
 
     def __init__(self, codec: Codec) -> None:
         self._shape = codec.shape(Output)
         said = codec.field_shapes(Output)
         self._said = [said[name].encode for name in _SAID]
-        columns = _columns()
-        self._columns = [(1 << bit, column.pack) for bit, column in enumerate(columns)]
-        self._numbers_of = attrgetter(*(column.name for column in columns))
-        self._numbers: tuple[Any, ...] = ()
-        self._packed: list[bytes] = []
-        taken = {(column.is_of_robot, column.index) for column in columns}
-        self._snapshot = _encoders(codec, Snapshot, {index for of_robot, index in taken if not of_robot})
-        self._robot = _encoders(codec, RobotState, {index for of_robot, index in taken if of_robot})
-        self._last: Snapshot | None = None
+        fields = _fields(codec)
+        self._values_of = attrgetter(*(field.name for field in fields))
+        self._fields: list[tuple[int, Any]] = []
+        """For each field its bit and what packs it, or 0 and what encodes it."""
+        bit = 1
+        for field in fields:
+            if field.numbers is None:
+                self._fields.append((0, field.shape.encode))
+                continue
+            self._fields.append((bit, _packer(field.numbers) if field.is_vector else field.numbers.pack))
+            bit <<= 1
+        self._values: tuple[Any, ...] = ()
+        self._packed: dict[int, bytes] = {}
+        """The numbers of the last snapshot by the bit of their field."""
 
     def message(self, output: Output) -> tuple[str, bytes]:
-        """Letter and content of the message for an output."""
-        snapshot = output.snapshot
-        last, self._last = self._last, snapshot
-        numbers, before = self._numbers_of(snapshot), self._numbers
-        self._numbers = numbers
-        if last is None:
-            self._packed = [pack(value) for (_, pack), value in zip(self._columns, numbers, strict=True)]
+        """Return letter and content of the message for an output."""
+        last, self._values = self._values, self._values_of(output.snapshot)
+        packed = self._packed
+        if not last:
+            for value, (bit, pack) in zip(self._values, self._fields, strict=True):
+                if bit:
+                    packed[bit] = pack(value)
             return frames.OUTPUT, output_text(self._shape, output).encode()
         bits = 0
-        packed = self._packed
         parts = [b""]
-        for place, value in enumerate(numbers):
-            if value is not before[place]:
-                bit, pack = self._columns[place]
-                data = pack(value)
-                # Equal is not the same: 0.0 and -0.0.
-                if data != packed[place]:
-                    packed[place] = data
+        changes: list[Any] = []
+        for place, value in enumerate(self._values):
+            old = last[place]
+            if value is old:
+                continue
+            bit, write = self._fields[place]
+            # Equal is not the same: 0.0 and -0.0, 1 and True.
+            if bit:
+                data = write(value)
+                if data != packed[bit]:
+                    packed[bit] = data
                     parts.append(data)
                     bits |= bit
-        robot = snapshot.robot
-        parts[0] = _HEAD.pack(output.tick, robot.tick, bits)
-        changes = _changes(self._snapshot, last, snapshot)
-        robot_changes = _changes(self._robot, last.robot, robot)
-        if changes or robot_changes or output.events or output.requests or output.replies:
+            elif value != old or repr(value) != repr(old):
+                changes += (place, write(value))
+        parts[0] = _HEAD.pack(output.tick, output.snapshot.robot.tick, bits)
+        if changes or output.events or output.requests or output.replies:
             said = without_points(output)
             written = [encode(getattr(said, name)) for name, encode in zip(_SAID, self._said, strict=True)]
-            parts.append(to_text([*written, changes, robot_changes]).encode())
+            parts.append(to_text([*written, changes]).encode())
         return frames.OUTPUT_CHANGES, b"".join(parts)
+
+
+def _packer(layout: struct.Struct) -> Any:
+    return lambda values: layout.pack(*values)
 
 
 class OutputReader:
@@ -135,107 +141,102 @@ class OutputReader:
         codec: of everything that an output holds.
     """
 
-    __slots__ = (
-        "_columns",
-        "_data",
-        "_robot",
-        "_robot_index",
-        "_robot_values",
-        "_said",
-        "_shape",
-        "_snapshot",
-        "_tick",
-        "_values",
-    )
+    __slots__ = ("_data", "_decoders", "_numbers", "_robot_tick", "_said", "_shape", "_tick", "_values", "_values_of")
 
     def __init__(self, codec: Codec) -> None:
         self._shape = codec.shape(Output)
         said = codec.field_shapes(Output)
         self._said = [said[name].decode for name in _SAID]
-        self._columns = _columns()
-        self._tick = codec.field_shapes(RobotState)[_TICK].decode
-        self._robot_index = list(codec.field_shapes(Snapshot)).index(_ROBOT)
-        self._snapshot: list[Decode | None] = [shape.decode for shape in codec.field_shapes(Snapshot).values()]
-        self._robot: list[Decode | None] = [shape.decode for shape in codec.field_shapes(RobotState).values()]
-        for column in self._columns:
-            (self._robot if column.is_of_robot else self._snapshot)[column.index] = None
-        self._snapshot[self._robot_index] = self._robot[0] = None
+        self._tick = codec.field_shapes(RobotState)["tick"].decode
+        fields = _fields(codec)
+        self._values_of = attrgetter(*(field.name for field in fields))
+        self._decoders = [field.shape.decode if field.numbers is None else None for field in fields]
+        self._numbers = [
+            (place, field.numbers, field.is_vector) for place, field in enumerate(fields) if field.numbers is not None
+        ]
         self._data: list[Any] = []
+        """The last output as it arrived: tick, events, requests, replies, then the fields."""
         self._values: list[Any] = []
-        self._robot_values: list[Any] = []
+        """The fields as they are."""
+        self._robot_tick = 0
 
     def read(self, letter: str, content: bytes) -> Output:
-        """The output of a message.
+        """Return the output of a message.
 
         Raises:
             CodecError: it is none, or changes come before there is anything to change.
         """
         check_values(content)
         if letter == frames.OUTPUT:
-            data = from_text(content)
-            if type(data) is list and len(data) == len(Output.__dataclass_fields__):
-                _check_said(data[1:4])
-            output = self._shape.decode(data)
-            snapshot = output.snapshot
-            self._data = data
-            self._values = [getattr(snapshot, name) for name in Snapshot.__dataclass_fields__]
-            self._robot_values = [getattr(snapshot.robot, name) for name in RobotState.__dataclass_fields__]
-            return output
-        whole = self._data
-        if not whole:
+            return self._read_whole(from_text(content))
+        if not self._data:
             raise CodecError("changes of a snapshot that was not sent")
-        values, robot_values = self._values, self._robot_values
-        events: Any = ()
-        requests: Any = ()
-        replies: Any = ()
-        whole[1:4] = [], [], []
+        values = self._values
+        said: list[Any] = [(), (), ()]
+        written: list[Any] = [[], [], []]
         try:
             tick, robot_tick, bits = _HEAD.unpack_from(content)
-            robot_values[0] = self._tick(robot_tick)
+            self._robot_tick = self._tick(robot_tick)
             at = self._take_numbers(bits, content)
             if at < len(content):
                 more = from_text(content[at:])
-                check_list(more, 5)
-                _check_said(more[:3])
-                events, requests, replies = [read(item) for read, item in zip(self._said, more, strict=False)]
-                _apply(more[3], self._snapshot, whole[4], values)
-                _apply(more[4], self._robot, whole[4][self._robot_index], robot_values)
-                whole[1:4] = more[:3]
-            values[self._robot_index] = RobotState(*robot_values)
-            snapshot = Snapshot(*values)
+                check_list(more, 4)
+                written = more[:3]
+                _check_said(written)
+                said = [read(item) for read, item in zip(self._said, written, strict=True)]
+                self._take_changes(more[3])
+            robot = RobotState(self._robot_tick, *values[:_OF_ROBOT])
+            snapshot = Snapshot(robot, *values[_OF_ROBOT:])
         except (ValueError, TypeError, UsageError, struct.error) as error:
             raise CodecError(f"changes of a snapshot: {error}") from None
-        whole[0] = tick
+        self._data[:4] = tick, *written
+        events, requests, replies = said
         return Output(tick, events, requests, replies, snapshot)
 
+    def _read_whole(self, data: Any) -> Output:
+        if type(data) is list:
+            _check_said(data[1:4])
+        output = self._shape.decode(data)
+        robot, *rest = data[4]
+        self._robot_tick = robot[0]
+        self._data = [*data[:4], *robot[1:], *rest]
+        self._values = list(self._values_of(output.snapshot))
+        return output
+
     def text(self) -> str:
-        """The last output whole, as `output_text` writes it."""
-        data = self._data[4]
-        robot_data = data[self._robot_index]
-        robot_data[0] = self._robot_values[0]
-        for column in self._columns:
-            value = (self._robot_values if column.is_of_robot else self._values)[column.index]
-            written = list(value) if type(value) is tuple else value
-            (robot_data if column.is_of_robot else data)[column.index] = written
-        return to_text(self._data)
+        """Return the last output whole, as `output_text` writes it."""
+        head, data = self._data[:4], self._data[4:]
+        for place, _, is_vector in self._numbers:
+            value = self._values[place]
+            data[place] = list(value) if is_vector else value
+        robot = [self._robot_tick, *data[:_OF_ROBOT]]
+        return to_text([*head, [robot, *data[_OF_ROBOT:]]])
 
     def _take_numbers(self, bits: int, content: bytes) -> int:
         """Put numbers that have changed into their places; return where they end."""
-        columns = self._columns
-        if bits >> len(columns):
+        if bits >> len(self._numbers):
             raise CodecError("a change of a number that is not there")
         at = _HEAD.size
         while bits:
             lowest = bits & -bits
             bits ^= lowest
-            column = columns[lowest.bit_length() - 1]
-            value = column.read(content, at)
-            at += column.size
-            if column.is_of_robot:
-                self._robot_values[column.index] = value
-            else:
-                self._values[column.index] = value
+            place, layout, is_vector = self._numbers[lowest.bit_length() - 1]
+            numbers = layout.unpack_from(content, at)
+            at += layout.size
+            self._values[place] = numbers if is_vector else numbers[0]
         return at
+
+    def _take_changes(self, changes: Any) -> None:
+        """Put other fields that have changed into their places, as they arrived and as they are."""
+        check_list(changes, -1)
+        if len(changes) % 2:
+            raise CodecError("a change has a place and a value")
+        for at in range(0, len(changes), 2):
+            place, item = changes[at], changes[at + 1]
+            decode = self._decoders[place] if type(place) is int and 0 <= place < len(self._decoders) else None
+            if decode is None:
+                raise CodecError("a change of a field that is not there")
+            self._values[place], self._data[4 + place] = decode(item), item
 
 
 def check_values(content: bytes) -> None:
@@ -257,36 +258,3 @@ def _check_said(said: list[Any]) -> None:
     for items in said:
         if type(items) is list and len(items) > SAID_MAX:
             raise CodecError(f"an output with {len(items)} events, requests or replies; {SAID_MAX} are read")
-
-
-def _encoders(codec: Codec, kind: type, taken: set[int]) -> list[tuple[int, str, Encode]]:
-    """Of every field that travels as JSON: index, name, encoder."""
-    return [
-        (index, name, shape.encode)
-        for index, (name, shape) in enumerate(codec.field_shapes(kind).items())
-        if index not in taken and name not in (_ROBOT, _TICK)
-    ]
-
-
-def _changes(encoders: list[tuple[int, str, Encode]], before: Any, now: Any) -> list[Any]:
-    """Index and value of every field that is written in another way than before, one behind the other."""
-    found: list[Any] = []
-    for index, name, encode in encoders:
-        value, old = getattr(now, name), getattr(before, name)
-        # Equal is not the same: 1 and True.
-        if value is not old and (value != old or repr(value) != repr(old)):
-            found += (index, encode(value))
-    return found
-
-
-def _apply(changes: Any, decoders: list[Decode | None], data: list[Any], values: list[Any]) -> None:
-    """Put changed fields into their places, as they arrived and as they are."""
-    check_list(changes, -1)
-    if len(changes) % 2:
-        raise CodecError("a change has an index and a value")
-    for at in range(0, len(changes), 2):
-        index, item = changes[at], changes[at + 1]
-        decode = decoders[index] if type(index) is int and 0 <= index < len(decoders) else None
-        if decode is None:
-            raise CodecError("a change of a field that is not there")
-        values[index], data[index] = decode(item), item

@@ -13,12 +13,13 @@ from elitescript.devices.channels.faults import fault_from
 from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.errors import UsageError
 from elitescript.kernel import KernelConfig
+from elitescript.messages.enums import ChannelError
 from elitescript.messages.events import Event
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import AddFault, EndFaults, Input, Query
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import InterpreterOutcome, Refused, RegistersRead, ShownValue
-from elitescript.messages.outputs import Output, Reply
+from elitescript.messages.outputs import NOT_CONNECTED, Output, Reply
 from elitescript.protocol import interpreter, query
 from elitescript.services.config_codec import without_points
 
@@ -53,6 +54,21 @@ _FAULTS: Final = "faults"
 _EVENTS, _REPLIES = map(list(Output.__dataclass_fields__).index, ("events", "replies"))
 _WARNED: Final = 1 + len(("tick", "text", "thread", "line", "code", "hint", "column", "severity"))
 """Items of a `Warned` with its name."""
+
+_LATE: Final = ("no answer within", "connection timed out")
+_ERRORS: Final = {
+    "": ChannelError.RESET,
+    NOT_CONNECTED: ChannelError.NOTHING_BOUND,
+    "broken pipe": ChannelError.BROKEN_PIPE,
+    "network is unreachable": ChannelError.NETWORK_UNREACHABLE,
+    "connection reset by peer": ChannelError.RESET,
+    "connection refused": ChannelError.REFUSED,
+    "host is down": ChannelError.HOST_DOWN,
+    "no route to host": ChannelError.HOST_UNREACHABLE,
+    "the address is not known": ChannelError.HOST_UNREACHABLE,
+    "name or service not known": ChannelError.HOST_UNREACHABLE,
+}
+"""What the reasons of channels, in small letters, stood for."""
 
 
 class Format2:
@@ -92,6 +108,8 @@ class Format2:
             CodecError: it is none.
         """
         match data:
+            case ["ChannelOpened", _, _, str(reason)] | ["ChannelClosed", _, str(reason)]:
+                data = [*data, int(_channel_error(reason))]
             case ["AddFault", str(origin), ""]:
                 return EndFaults(origin)
             case ["AddFault", str(origin), text]:
@@ -135,6 +153,11 @@ class Format2:
             case outcome if isinstance(outcome, InterpreterOutcome):
                 return interpreter.reply_text(outcome)
         return "done"
+
+
+def _channel_error(reason: str) -> ChannelError:
+    reason = reason.lower()
+    return ChannelError.TIMED_OUT if reason.startswith(_LATE) else _ERRORS.get(reason, ChannelError.OTHER)
 
 
 def _fault(text: Any) -> ChannelFault | DisturbInput:
