@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from elitescript.controller.refusals import refusal_text
-from elitescript.controller.signals.by_name import Signals
+from elitescript.controller.views.signals import Signals
 from elitescript.controller.views.snapshots import SnapshotBuilder
 from elitescript.controller.views.warning_limit import WarningLimit
 from elitescript.devices.channels.faults import Fault, fault_of, input_request, is_of_input

@@ -25,8 +25,7 @@ from elitescript.runtime.program import Program
 from elitescript.runtime.queries import Queries
 from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.threads.scheduler import WORK_PER_TICK, Scheduler
-from elitescript.runtime.threads.strand import STOP, Strand
-from elitescript.runtime.threads.thread_state import ThreadState, state_of
+from elitescript.runtime.threads.strand import STOP, Strand, ThreadState, state_of
 from elitescript.runtime.watchdogs import Watchdogs
 
 if TYPE_CHECKING:
@@ -263,14 +262,9 @@ class ScriptHost:
         strand = self._scheduler.current
         return ("", 0) if strand is None else (strand.name, strand.line)
 
-    @property
-    def waits_for_outside(self) -> bool:
-        """Whether a thread waits for somebody, and not for time, a move or another thread."""
-        return self.is_paused or any(strand.waits_for == POPUP for strand in self._scheduler.strands)
-
     def monitor(self) -> dict[str, Any]:
         """The variable monitor: globals of the program that runs or ran last, in the order of first assignment."""
-        return {} if self._program is None else self._program.globals.monitor()
+        return {} if self._program is None else self._program.monitor()
 
     def threads(self) -> tuple[ThreadState, ...]:
         """Every script thread, the main one first: where it is and what it waits for."""

@@ -29,9 +29,6 @@ SETTLED_RAD: Final = 1e-8
 SETTLED_RAD_PER_S: Final = 1e-6
 """So near to a target that stands, a joint has arrived: far below what an encoder tells apart."""
 
-SETTLING_LAGS: Final = 15.0
-"""Within so many times the lag after the target has come to rest, every joint has arrived."""
-
 
 class LaggingJoints:
     """Implements `controller.arm.state.Plant`.

@@ -20,8 +20,8 @@ from elitescript.commands.definition.vocabulary import newer_firmware_hint, newe
 from elitescript.errors import FirmwareError, ScriptPermissionError, ScriptStateError
 from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, STOP, TICK
 from elitescript.messages.profile import Profile, release_of
+from elitescript.runtime.files import OpenFiles
 from elitescript.runtime.names.context import Context
-from elitescript.runtime.names.files import OpenFiles
 from elitescript.runtime.names.guards import (
     Identities,
     OneArgumentType,

@@ -27,6 +27,7 @@ from elitescript.messages.profile import Profile
 from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment
+from elitescript.runtime.files import content_of
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped, Strand
 
@@ -233,8 +234,6 @@ class Context:
 
     def read_task_file(self, path: str, size_max: int) -> bytes:
         """See `commands.definition.context.Robot.read_task_file`."""
-        from elitescript.runtime.names.task_file import content_of
-
         return content_of(self._world.files, path, size_max)
 
     def timestamp_s(self) -> float:
