@@ -41,7 +41,7 @@ class TestMoves:
             end
         """)
         assert bench.log == ["went on"]
-        assert not bench.host.movers
+        assert bench.host.moves.is_empty
 
 
 class TestThreads:
