@@ -259,7 +259,7 @@ class ScriptFile(metaclass=Sealed):
         return line
 
     def __del__(self) -> None:
-        # Nobody could catch an error here; a program that wants to know closes the file itself.
+        # No code could catch an error here; a program that has to know of one closes the file itself.
         with suppress(Exception):
             _file(self).close()
 

@@ -1,4 +1,4 @@
-"""From target to actual: joints whose drives lag behind and have to overcome friction.
+"""Makes actual joints from target joints: drives that lag behind and have to overcome friction.
 
 Each joint is a critically damped second-order system that is drawn to its target r,
 

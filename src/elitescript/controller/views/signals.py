@@ -11,12 +11,12 @@ from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, sign
 
 
 class Signals(Mapping[str, Value]):
-    """The robot's signals by name: `robot.signals["standard_digital_in[3]"] = True`.
+    """Maps the names of the robot's signals to their values: `robot.signals["standard_digital_in[3]"] = True`.
 
     Setting takes effect at once, between two ticks.
 
     Args:
-        controller: whose signals they are.
+        controller: has the signals.
         by: what the changes are put down to in the record; see `events.SignalChanged.by`.
     """
 

@@ -78,7 +78,7 @@ class _FaultyChannel:
         self.credits: deque[list[int]] = deque()
         """For each message on its way to the device: bytes that it has, bytes that the robot sent."""
         self.surplus = 0
-        """Bytes that the robot gets and nobody sent."""
+        """Return bytes that the robot gets and no device has sent."""
 
 
 class FaultyChannels:
@@ -88,7 +88,7 @@ class FaultyChannels:
         inner: carry the bytes.
         faults: from the start.
         seed: of what is drawn.
-        say: told when a fault acts for the first time.
+        say: called when a fault acts for the first time.
     """
 
     __slots__ = (

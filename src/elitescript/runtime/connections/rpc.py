@@ -90,7 +90,7 @@ class RemoteProcedures:
         self._is_over = False
 
     def handle(self, url: str) -> object:
-        """An object whose methods are the procedures of a server.
+        """Return an object with the procedures of a server as its methods.
 
         Raises:
             InvalidValueError: the URL makes no sense.

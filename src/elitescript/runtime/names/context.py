@@ -96,7 +96,7 @@ class ProgramControl(Protocol):
     """RTSI inputs that the program watches."""
 
     def wait_for_confirmation(self) -> bool:
-        """Whether a blocking popup is confirmed at once; otherwise wait until somebody confirms it."""
+        """Whether a blocking popup is confirmed at once; otherwise wait for a confirmation."""
 
 
 class Context:
@@ -438,7 +438,7 @@ class Context:
     # ---------------------------------------------------------------- the task
 
     def pause(self) -> None:
-        """Pause the task until somebody resumes it."""
+        """Pause the task until it is resumed from outside."""
         if self.strand.is_dying:
             raise Stopped
         self.machine.request(PauseTask())

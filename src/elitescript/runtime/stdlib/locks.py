@@ -83,7 +83,7 @@ class _Mutex:
         """Release it.
 
         Raises:
-            RuntimeError: nobody holds it.
+            RuntimeError: no thread holds it.
         """
         strand = self.scheduler.current
         if strand is None:
