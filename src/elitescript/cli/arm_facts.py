@@ -19,7 +19,7 @@ class _Limited(NamedTuple):
 
 
 def arm_facts(robot: str | None, world: str | None) -> ArmFacts | None:
-    """The arm of that name, with the joint ranges that the safety configuration of a world file leaves.
+    """Return the arm of that name, with the joint ranges that the safety configuration of a world file leaves.
 
     Args:
         robot: name of the arm; None for any.

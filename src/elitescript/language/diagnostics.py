@@ -120,7 +120,7 @@ def render(diagnostic: Diagnostic, file: str, line: str) -> str:
 
 
 def to_json(diagnostic: Diagnostic) -> dict[str, Any]:
-    """The `problem` object that the command line prints with `--json`."""
+    """Return the `problem` object that the command line prints with `--json`."""
     return {
         "type": "problem",
         "severity": str(diagnostic.severity),

@@ -133,13 +133,13 @@ class Census:
                     push(child)
 
     def of(self, kind: type[_Node]) -> list[_Node]:
-        """All nodes of one kind, in no particular order."""
+        """Return all nodes of one kind, in no particular order."""
         return cast("list[_Node]", self.by_kind[kind])
 
 
 @cache
 def _surplus_fields() -> dict[type[ast.AST], tuple[str, ...]]:
-    """Fields that this Python has and the table has not."""
+    """Return fields that this Python has and the table has not."""
     surplus = {}
     for kind, (children, plain) in _KNOWN.items():
         fields = tuple(set(kind._fields).difference(children.split(), plain.split()))

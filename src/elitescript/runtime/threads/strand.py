@@ -61,7 +61,7 @@ class Strand:
     Attributes:
         handle: what scripts know it by: a positive number that looks like a thread id, another one for each strand.
         resume: gives it control, until it suspends itself or ends. Not inside a strand of the same scheduler.
-        suspend: gives control back to the caller of the resumption; returns when it is resumed again. Only inside the strand.
+        suspend: gives control back to the caller of `resume`; returns when it is resumed. Only inside the strand.
         state: `READY`, `WAITING` or `ENDED`.
         work: checkpoints counted in the tick `work_tick`.
         waits_for: in plain words; empty while it does not wait.
