@@ -56,6 +56,79 @@ class TestImports:
         assert set(contracts["pure"]["source_modules"]) == pure
 
 
+class TestCycles:
+    """No module and no package imports itself by way of others.
+
+    Imports under `TYPE_CHECKING` and inside functions count too: what a file has to know, it has to know then as well.
+    """
+
+    SERVICES = frozenset(
+        {"elitescript.services.robot_server", "elitescript.services.served_devices", "elitescript.services.ssh.desk"}
+    )
+    """The one that is left: a served robot, what is beside it and its SSH port."""
+
+    def test_modules_have_none(self):
+        assert [cycle for cycle in cycles(imports_of_modules()) if not cycle <= self.SERVICES] == []
+
+    def test_packages_have_none(self):
+        packages: dict[str, set[str]] = {}
+        for module, imported in imports_of_modules().items():
+            package = module.split(".")[1] if "." in module else ""
+            others = {name.split(".")[1] for name in imported if "." in name}
+            packages.setdefault(package, set()).update(others - {package})
+        assert cycles(packages) == []
+
+    def test_a_cycle_is_found(self):
+        assert cycles({"a": {"b"}, "b": {"c", "d"}, "c": {"a"}, "d": {"d", "e"}, "e": set()}) == [{"a", "b", "c"}]
+
+
+def imports_of_modules() -> dict[str, set[str]]:
+    """Return the modules of ours that each module of ours names in an import statement, wherever that stands."""
+    paths = {}
+    for path in MODULES:
+        parts = path.relative_to(SOURCE.parent).with_suffix("").parts
+        paths[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    found: dict[str, set[str]] = {}
+    for module, path in paths.items():
+        names = found[module] = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                names.update(alias.name for alias in node.names)
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                inner = [f"{node.module}.{alias.name}" for alias in node.names]
+                names.update(name if name in paths else node.module for name in inner)
+        names.intersection_update(paths)
+    return found
+
+
+def cycles(graph: dict[str, set[str]]) -> list[set[str]]:
+    """Return the sets of nodes that reach each other (Tarjan 1972), without single nodes."""
+    numbers: dict[str, int] = {}
+    lowest: dict[str, int] = {}
+    stack: list[str] = []
+    found = []
+
+    def visit(node: str) -> None:
+        numbers[node] = lowest[node] = len(numbers)
+        stack.append(node)
+        for other in sorted(graph[node]):
+            if other not in numbers:
+                visit(other)
+                lowest[node] = min(lowest[node], lowest[other])
+            elif other in stack:
+                lowest[node] = min(lowest[node], numbers[other])
+        if lowest[node] == numbers[node]:
+            component = set(stack[stack.index(node) :])
+            del stack[stack.index(node) :]
+            if len(component) > 1:
+                found.append(component)
+
+    for node in sorted(graph):
+        if node not in numbers:
+            visit(node)
+    return found
+
+
 class TestFiles:
     def test_no_module_is_a_drawer_for_everything(self):
         drawers = {"utils", "util", "common", "helpers", "manager", "base", "misc"}

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 from elitescript.controller.force.contact import ContactConfig
 from elitescript.controller.safety.limits import SafetyLimits
-from elitescript.controller.signals.by_name import Signals, signal_write
+from elitescript.controller.signals.by_name import signal_write
+from elitescript.controller.views.signals import Signals
 from elitescript.controller.views.trace import Trace
 from elitescript.controller.views.trace_signals import SignalRecord, TraceSignals
 from elitescript.controller.views.warning_limit import WarningLimit

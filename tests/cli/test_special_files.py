@@ -5,7 +5,7 @@ import os
 import pytest
 
 from elitescript.cli.main import main
-from elitescript.messages.paths import why_no_file
+from elitescript.paths import why_no_file
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
 

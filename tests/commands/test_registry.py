@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import pytest
 
 from elitescript.commands.definition.quantities import Integer, Number, Optionally, Real, Str
-from elitescript.commands.definition.registry import REQUIRED, Catalogue, Command, describe_call
+from elitescript.commands.definition.registry import REQUIRED, Catalogue, Command
 from elitescript.errors import (
     ArgumentCountError,
     ArgumentRangeError,
@@ -204,7 +204,3 @@ def test_two_commands_of_one_name_are_our_bug() -> None:
         catalogue.add(entry(shift))
     with pytest.raises(InternalError, match=r"two commands are called 'shift'"):
         catalogue.add(entry(nested, aliases=("shift",)))
-
-
-def test_a_call_as_a_message_repeats_it() -> None:
-    assert describe_call("movej", ([0, 1], 2.5), {"t": 1}) == "movej([0, 1], 2.5, t=1)"

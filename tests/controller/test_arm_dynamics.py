@@ -152,7 +152,7 @@ def test_own_and_remaining_torques_add_up_to_the_measured() -> None:
     dynamics = ArmDynamics(MODEL)
     state = TARGET, (0.3, -0.2, 0.5, 1.0, -1.0, 0.4), (2.0, 1.0, -3.0, 0.5, 4.0, -2.0)
     payload = Payload(PART.mass_kg, PART.cog, PART.inertia)
-    own = dynamics.own_torques(*state, UP)
+    own = dynamics.measured_torques(*state, UP, Payload())
     parts = zip(own, dynamics.remaining_torques(*state, UP, payload), strict=True)
     assert dynamics.measured_torques(*state, UP, payload) == pytest.approx([a + b for a, b in parts], abs=1e-12)
     assert own == joint_torques(MODEL.arm, LINKS, *state, UP)

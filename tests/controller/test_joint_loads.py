@@ -52,14 +52,14 @@ def test_the_rated_torque_takes_a_current_that_drives_have(name: str) -> None:
 
 
 def test_at_rest_currents_hold_the_weight() -> None:
-    currents = machine(None, PART).loads.currents(0)
+    currents = machine(None, PART).loads.measured(0)[1]
     torques = ArmDynamics(MODEL).measured_torques(
         MODEL.home, ZERO_SIX, ZERO_SIX, MODEL.gravity, Payload(PART.mass_kg, PART.cog)
     )
     assert [c * joint.torque_constant for c, joint in zip(currents, MODEL.joints, strict=True)] == pytest.approx(
         torques
     )
-    assert currents == machine(RUBBING, PART).loads.currents(0) == machine(None, PART).loads.target_currents(0)
+    assert currents == machine(RUBBING, PART).loads.measured(0)[1]
 
 
 @pytest.mark.parametrize("speed", [1.0, -1.0])
@@ -67,10 +67,9 @@ def test_friction_costs_current_in_the_direction_of_motion(speed: float) -> None
     ideal, rubbing = turning(None, speed), turning(RUBBING, speed)
     base, tick = MODEL.joints[0], ideal.tick
     share = 0.1 + 0.2 * abs(speed) / base.qd_max
-    extra = [a - b for a, b in zip(rubbing.loads.currents(tick), ideal.loads.currents(tick), strict=True)]
+    extra = [a - b for a, b in zip(rubbing.loads.measured(tick)[1], ideal.loads.measured(tick)[1], strict=True)]
     expected = speed * share * base.effort_max / base.torque_constant
     assert extra == pytest.approx([expected, 0.0, 0.0, 0.0, 0.0, 0.0], abs=1e-9)
-    assert rubbing.loads.target_currents(tick) == ideal.loads.target_currents(tick)
 
 
 def test_reported_torques_are_corrected_for_friction() -> None:
@@ -104,7 +103,7 @@ def test_stepping_and_leaping_warm_the_joints_alike(plant: PlantConfig | None) -
         controller.request_motion(MoveJ(MODEL.home, 0.5, 0.1), 1, "main")
         run(controller, 7000, leap=leap)
         found.append(
-            (controller.joint_temperatures, controller.controller_temperature, controller.loads.currents(10000))
+            (controller.joint_temperatures, controller.controller_temperature, controller.loads.measured(10000)[1])
         )
     assert found[0] == found[1]
     assert found[0][0][1] > MODEL.joint_temperatures[1]

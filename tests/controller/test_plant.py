@@ -7,7 +7,7 @@ from math import exp
 
 import pytest
 
-from elitescript.controller.arm.plant import SETTLING_LAGS, LaggingJoints, friction_torques
+from elitescript.controller.arm.plant import LaggingJoints, friction_torques
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.state import JointState
@@ -63,7 +63,7 @@ def test_the_way_to_a_new_speed_is_the_closed_form(lag_s: float) -> None:
 
 @pytest.mark.parametrize("lag_s", LAGS)
 def test_a_step_settles_without_overshoot_and_exactly(lag_s: float) -> None:
-    ticks = int(SETTLING_LAGS * lag_s / PERIOD_S) + 3
+    ticks = int(15.0 * lag_s / PERIOD_S) + 3
     found = follow(PlantConfig(lag_s=lag_s), lambda t: 1.0 if t else 0.0, lambda t: 0.0, ticks)
     positions = [q[0] for q, _ in found]
     assert positions == sorted(positions)

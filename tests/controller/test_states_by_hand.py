@@ -203,7 +203,8 @@ WAY_UP = """
 def test_the_steps_up_take_the_assumed_times(factor: float, steps: list[str]) -> None:
     seen: list[str] = []
     now = 0
-    times = modes.PowerTimes().scaled(factor)
+    usual = modes.PowerTimes()
+    times = modes.PowerTimes(usual.power_on_s * factor, usual.boot_s * factor, usual.release_s * factor)
     power = modes.Power(lambda mode: seen.append(f"{mode.name} {now}"), RobotMode.POWER_OFF, times)
     power.go_up(RobotMode.RUNNING, now)
     while (due := power.next_tick) is not None:

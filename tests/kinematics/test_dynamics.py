@@ -13,7 +13,7 @@ import pytest
 from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.chain import solve_linear
-from elitescript.kinematics.dynamics import RigidBody, joint_torques, mass_matrix
+from elitescript.kinematics.dynamics import RigidBody, joint_torques
 from elitescript.kinematics.limits import SixFloats
 from elitescript.kinematics.transforms import IDENTITY, Transform, apply, compose
 from elitescript.models.model import load_model, model_names
@@ -111,6 +111,11 @@ def potential_energy(arm: Arm, links: tuple[RigidBody, ...], q: tuple[float, ...
     for T, body in [*zip(places, links, strict=True), (places[-1], LOAD)]:
         energy += body.mass * sum(g * x for g, x in zip(gravity, apply(T, body.com), strict=True))
     return energy
+
+
+def mass_matrix(arm: Arm, links: tuple[RigidBody, ...], q: Any, load: RigidBody | None = None) -> list[SixFloats]:
+    """The mass matrix of the joints, by columns: torques that accelerate one joint alone, without gravity."""
+    return [joint_torques(arm, links, q, REST, unit, REST[:3], load) for unit in UNITS]
 
 
 def kinetic_energy(arm: Arm, links: tuple[RigidBody, ...], q: tuple[float, ...], qd: tuple[float, ...]) -> float:

@@ -3,8 +3,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.language.compiler import check_unit
-from elitescript.language.diagnostics import apply_fix
-from elitescript.language.text.source import SourceFile
+from elitescript.language.text.source import SourceFile, apply_fixes
 from tests.language.marked import check_marks, codes, findings
 from tests.language.stage import output
 
@@ -161,7 +160,7 @@ def test_a_missing_colon_is_put_there_by_the_fix(header):
     text = f"{before}{header}\n  f()\n{after}"
     (found,) = findings(text)
     assert (found.code, found.column) == ("E001", len(header) + 1)
-    assert findings(apply_fix(text, found.fix)) == []
+    assert findings(apply_fixes(text, [found.fix])) == []
 
 
 def test_tabs_and_blanks_mix_as_in_python():

@@ -9,13 +9,12 @@ from elitescript.language.diagnostics import (
     Edit,
     Fix,
     Severity,
-    apply_fix,
     diagnostic,
     in_order,
     render,
     to_json,
 )
-from elitescript.language.text.source import SourceFile
+from elitescript.language.text.source import SourceFile, apply_fixes
 
 
 @pytest.mark.parametrize("code", ["E104", "W210", "E301"])
@@ -94,7 +93,11 @@ def test_order_is_that_of_the_text_errors_first():
 
 def test_edits_are_applied_from_the_end_so_that_places_stay_true():
     fix = Fix("t", (Edit(1, 1, 1, 2, "long text"), Edit(1, 5, 2, 2, "!"), Edit(2, 3, 2, 3, "?")), safe=True)
-    assert apply_fix("a bcde\nfgh", fix) == "long text bc!g?h"
+    assert apply_fixes("a bcde\nfgh", [fix]) == "long text bc!g?h"
+
+
+def test_a_fix_may_reach_behind_the_last_line():
+    assert apply_fixes("a\r\nb", [Fix("drop", (Edit(2, 1, 3, 1, ""),), safe=True)]) == "a\r\n"
 
 
 def test_program_errors_read_well():

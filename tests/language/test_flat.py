@@ -3,9 +3,8 @@ from __future__ import annotations
 import pytest
 
 from elitescript.language.compiler import check_unit
-from elitescript.language.diagnostics import apply_fix
 from elitescript.language.parser import parse
-from elitescript.language.text.source import SourceFile
+from elitescript.language.text.source import SourceFile, apply_fixes
 
 FLAT = """def job():
 # wait for the part
@@ -50,7 +49,7 @@ def test_the_fix_follows_the_ends():
     (problem,) = problems(FLAT)
     assert problem.fix is not None
     assert problem.fix.safe
-    assert apply_fix(FLAT, problem.fix) == INDENTED
+    assert apply_fixes(FLAT, [problem.fix]) == INDENTED
     assert problems(INDENTED) == ()
 
 

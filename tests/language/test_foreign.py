@@ -2,14 +2,14 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.language.diagnostics import apply_fix
 from elitescript.language.parser import MAX_SYNTAX_ERRORS
+from elitescript.language.text.source import apply_fixes
 from tests.language.marked import check_marks, codes, findings, unmarked
 
 
 def check_fix(code, text, repaired):
     (found,) = check_marks(code, text)
-    assert (apply_fix(unmarked(text)[0], found.fix) if found.fix else None) == repaired
+    assert (apply_fixes(unmarked(text)[0], [found.fix]) if found.fix else None) == repaired
     assert found.hint
     if repaired:
         assert codes(repaired) == []

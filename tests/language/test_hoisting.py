@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.language.diagnostics import Severity, apply_fix
+from elitescript.language.diagnostics import Severity
+from elitescript.language.text.source import apply_fixes
 from tests.language.marked import check_marks, codes, findings, unmarked
 from tests.language.stage import Stage
 
@@ -41,7 +42,7 @@ def test_late_declarations_are_accepted_with_a_warning(text, repaired):
     assert {problem.severity for problem in found} == {Severity.WARNING}
     assert (found[0].fix is None) == (repaired is None)
     if found[0].fix:
-        assert apply_fix(unmarked(text)[0], found[0].fix) == repaired
+        assert apply_fixes(unmarked(text)[0], [found[0].fix]) == repaired
         assert codes(repaired, strict=True) == []
 
 

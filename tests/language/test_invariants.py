@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import check_unit, compile_unit
-from elitescript.language.diagnostics import apply_fix, render
+from elitescript.language.diagnostics import render
 from elitescript.language.options import KINDS, Options
 from elitescript.language.parser import parse
 from elitescript.language.symbols import Resolution, Symbols
 from elitescript.language.text.dialect import translate
-from elitescript.language.text.source import SourceFile
+from elitescript.language.text.source import SourceFile, apply_fixes
 from tests.language.random_programs import random_program
 from tests.language.stage import Stage
 
@@ -148,7 +148,7 @@ def check(text, options):
         assert problem.text
         assert render(problem, source.name, source.line(problem.line))
         if problem.fix:
-            apply_fix(source.text, problem.fix)
+            apply_fixes(source.text, [problem.fix])
     assert [(problem.line, problem.column) for problem in problems] == sorted(
         (problem.line, problem.column) for problem in problems
     )

@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.language.diagnostics import Severity, apply_fix
+from elitescript.language.diagnostics import Severity
+from elitescript.language.text.source import apply_fixes
 from tests.language.marked import check_marks, codes, unmarked
 from tests.language.stage import output
 
@@ -55,7 +56,7 @@ def test_the_print_statement_is_accepted_with_a_warning(text, repaired):
     assert {problem.severity for problem in found} == {Severity.WARNING}
     text, _ = unmarked(text)
     for problem in reversed(found):
-        text = apply_fix(text, problem.fix)
+        text = apply_fixes(text, [problem.fix])
     assert text == repaired
 
 
@@ -94,7 +95,7 @@ def test_the_long_suffix_is_accepted_with_a_warning(text):
     assert {problem.severity for problem in check_marks("E110", text, strict=True)} == {Severity.ERROR}
     text, _ = unmarked(text)
     for problem in reversed(found):
-        text = apply_fix(text, problem.fix)
+        text = apply_fixes(text, [problem.fix])
     assert codes(text, strict=True) == []
 
 
@@ -130,7 +131,7 @@ def test_escapes_of_the_manual_are_accepted_with_a_warning(text, value):
     assert output(f"textmsg({plain})") == [value]
     fixed = f"x = {plain}"
     for problem in reversed(found):
-        fixed = apply_fix(fixed, problem.fix)
+        fixed = apply_fixes(fixed, [problem.fix])
     assert codes(fixed, strict=True) == []
     assert output(f"{fixed}\ntextmsg(x)") == [value]
 
@@ -171,7 +172,7 @@ def test_known_escapes_and_raw_strings(text):
 )
 def test_operators_of_python_2(text, repaired):
     (found,) = check_marks("E111", text)
-    assert apply_fix(unmarked(text)[0], found.fix) == repaired
+    assert apply_fixes(unmarked(text)[0], [found.fix]) == repaired
     assert codes(repaired) == []
 
 
@@ -201,7 +202,7 @@ def test_statements_of_python_2(text, repaired):
     (found,) = check_marks("E112", text)
     assert (found.fix is None) == (repaired is None)
     if found.fix:
-        assert apply_fix(unmarked(text)[0], found.fix) == repaired
+        assert apply_fixes(unmarked(text)[0], [found.fix]) == repaired
         assert codes(repaired) == []
 
 
@@ -231,7 +232,7 @@ def test_statements_that_only_resemble_python_2(text):
 )
 def test_numbers_that_begin_with_zero(text, fixed):
     (found,) = check_marks("E001", text)
-    assert (apply_fix(unmarked(text)[0], found.fix) if found.fix else None) == fixed
+    assert (apply_fixes(unmarked(text)[0], [found.fix]) if found.fix else None) == fixed
 
 
 @pytest.mark.parametrize(

@@ -219,35 +219,11 @@ class TestContents:
         ]
 
 
-class TestThreads:
-    def test_starts(self):
-        symbols = symbols_of(JOB)
-        assert [(start.function, len(start.targets)) for start in symbols.thread_starts] == [
-            ("mix", 1),
-            ("bump", 1),
-            ("", 0),
-        ]
-        assert {scope.name for scope in symbols.thread_entries} == {"mix", "bump"}
-
-    def test_every_definition_of_the_name_counts(self):
-        symbols = symbols_of("if x:\n  def f(): a()\nelse:\n  def f(): b()\nstart_thread(f)")
-        assert len(symbols.thread_entries) == 2
-
-    def test_a_function_under_a_global_name(self):
-        symbols = symbols_of("def g():\n  global f\n  def f(): pass\nend\ndef h():\n  start_thread(f, ())\nend")
-        assert {scope.name for scope in symbols.thread_entries} == {"f"}
-
-    def test_a_function_of_the_program_with_that_name_starts_no_thread(self):
-        assert symbols_of("def start_thread(f): f()\ndef g(): pass\nstart_thread(g)").thread_starts == ()
-
-
 class TestRelations:
-    def test_parents_statements_and_scopes(self):
+    def test_parents_and_scopes(self):
         symbols = symbols_of("def job():\n  if f(x):\n    y = [g(z) for z in w]\n  end\nend")
         names = {node.id: node for node in ast.walk(symbols.parsed.tree) if isinstance(node, ast.Name)}
         assert isinstance(symbols.parent(names["x"]), ast.Call)
-        assert isinstance(symbols.statement_of(names["x"]), ast.If)
-        assert isinstance(symbols.statement_of(names["g"]), ast.Assign)
         assert symbols.scope_of(names["g"]).kind == "comprehension"
         assert symbols.scope_of(names["w"]).kind == "body"
         assert [type(node) for node in symbols.ancestors(names["y"])] == [ast.Assign, ast.If, ast.FunctionDef]

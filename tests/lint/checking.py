@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from textwrap import dedent
 
-from elitescript.language.diagnostics import Diagnostic, apply_fix
-from elitescript.language.text.source import SourceFile
+from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.text.source import SourceFile, apply_fixes
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import profile
 
@@ -40,7 +40,7 @@ def repaired(text: str) -> str:
     """The text with the fix of its only problem."""
     problem = only(text)
     assert problem.fix is not None
-    return apply_fix(source(text), problem.fix)
+    return apply_fixes(source(text), [problem.fix])
 
 
 def marked(text: str) -> str:

@@ -11,9 +11,7 @@ from elitescript.messages.plant import PlantConfig
 
 
 def test_the_default_is_a_perfect_arm() -> None:
-    assert PlantConfig().is_ideal
-    assert not PlantConfig(lag_s=0.01).is_ideal
-    assert not PlantConfig(noise_rad=1e-5).is_ideal
+    assert (PlantConfig().lag_s, PlantConfig().noise_rad) == (0.0, 0.0)
 
 
 def test_a_table_names_what_the_class_names() -> None:

@@ -2,7 +2,7 @@ import pytest
 
 from elitescript.language import modules
 from elitescript.runtime.names.modules import COPIED_NAMES, SHARED_NAMES, Facade
-from elitescript.runtime.stdlib.own_modules import _MAKERS
+from elitescript.runtime.names.own_modules import _MAKERS
 from tests.runtime.machine import run
 
 

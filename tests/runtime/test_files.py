@@ -5,7 +5,7 @@ import pytest
 
 from elitescript.environment.memory import MemoryEnvironment
 from elitescript.errors import ScriptError
-from elitescript.runtime.names.files import OPEN_FILES_MAX, OpenFiles, ScriptFile, ScriptStream
+from elitescript.runtime.files import OPEN_FILES_MAX, OpenFiles, ScriptFile, ScriptStream
 from tests.runtime.machine import Bench, run
 
 
@@ -211,8 +211,8 @@ class TestText:
                 made.extend([options["newline"]] if options else [])
                 init(self, buffer, *encoding, **options)
 
-        monkeypatch.setattr("elitescript.runtime.names.files.TextIOWrapper", Spy)
-        monkeypatch.setattr("elitescript.runtime.names.files._ChangedText", Spy)
+        monkeypatch.setattr("elitescript.runtime.files.TextIOWrapper", Spy)
+        monkeypatch.setattr("elitescript.runtime.files._ChangedText", Spy)
         files.open("crlf.txt" if mode == "r+" else "new.txt", mode)
         assert len(made) == 1 and made[0] in ("", "\n")
 

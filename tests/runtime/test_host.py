@@ -366,7 +366,7 @@ class TestPause:
     def test_the_command_waits_for_somebody_to_resume(self):
         bench = Bench().start("def a():\n  textmsg(1)\n  pause()\n  textmsg(2)\nend\n")
         bench.run(until=100)
-        assert (bench.log, bench.host.is_paused, bench.host.waits_for_outside) == (["1"], True, True)
+        assert (bench.log, bench.host.is_paused) == (["1"], True)
         assert bench.host.threads()[0].doing == "waiting for somebody to resume the program"
         bench.host.resume()
         bench.run()
@@ -439,7 +439,7 @@ class TestThreads:
         """)
         bench.run()
         assert bench.host.next_tick(bench.machine.tick) is None
-        assert bench.host.is_running and not bench.host.waits_for_outside
+        assert bench.host.is_running
         assert bench.host.threads()[0].waits_for == "a lock"
 
 

@@ -23,7 +23,7 @@ queries                    QUEUE_MAX             1000    calls
 queries                    VALUE_MAX             65536   characters
 interpreter                STATEMENTS_PER_TICK   50      statements
 connections.rpc            CALLS_MAX             32      calls at once
-names.files                OPEN_FILES_MAX        256     files
+files                OPEN_FILES_MAX        256     files
 threads.strand             SCRIPT_DEPTH          1000    calls
 """
 

@@ -18,8 +18,8 @@ from elitescript.language.diagnostics import diagnostic
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
-from elitescript.messages.paths import why_no_file
 from elitescript.messages.profile import Profile, profile
+from elitescript.paths import why_no_file
 
 FOUND_ERRORS: Final = 3
 """Exit code when a program has an error."""

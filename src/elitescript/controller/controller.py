@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
+from elitescript.controller.arm.cartesian_state import CartesianStateFinder
 from elitescript.controller.arm.joint_encoders import JointEncoders
 from elitescript.controller.arm.joint_loads import JointLoads
 from elitescript.controller.arm.plant import LaggingJoints
@@ -31,7 +32,6 @@ from elitescript.controller.safety.reduced_speed import ReducedSpeed
 from elitescript.controller.signals.image import SIGNAL_SETTINGS, SignalImage
 from elitescript.controller.tasks import ProgramPort, Task
 from elitescript.controller.tool_setup import SETUP_HANDLERS, Setup
-from elitescript.controller.views.robot_state import CartesianStateFinder, build_state
 from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import pose_from_transform
@@ -358,16 +358,26 @@ class Controller:
     def state_at(self, tick: int) -> RobotState:
         """Return the machine at such a tick."""
         joints = self.joints_at(tick)
-        return build_state(
+        setup = self.setup
+        places = self._places.places(joints, setup.T_flange_tcp)
+        return RobotState(
             tick=tick,
-            joints=joints,
-            places=self._places.places(joints, self.setup.T_flange_tcp),
-            tcp_offset=self.setup.tcp_offset,
+            time_s=seconds(tick),
             robot_mode=self.power.mode,
             safety_mode=self.safety.mode,
             task_state=self.task.state,
-            payload=self.setup.payload,
-            gravity=self.setup.gravity,
+            q_target=joints.q_target,
+            qd_target=joints.qd_target,
+            q_actual=joints.q_actual,
+            qd_actual=joints.qd_actual,
+            tcp_offset=setup.tcp_offset,
+            tcp_pose_target=places.pose_target,
+            tcp_pose_actual=places.pose_actual,
+            tcp_speed_target=places.speed_target,
+            tcp_speed_actual=places.speed_actual,
+            flange_pose_actual=places.flange_pose,
+            payload=setup.payload,
+            gravity=setup.gravity,
             speed_scale=self.safety.speed_scale,
             is_moving=self.arm_state.is_moving,
             line=self.task.program.line,

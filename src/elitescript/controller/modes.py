@@ -60,10 +60,6 @@ class PowerTimes:
             if not (isfinite(value) and value >= 0.0):
                 raise UsageError(f"times of powering on must be >= 0 s, got {value!r}")
 
-    def scaled(self, factor: float) -> PowerTimes:
-        """Return the same times, `factor` times as long; 0 for a robot that is ready at once."""
-        return PowerTimes(self.power_on_s * factor, self.boot_s * factor, self.release_s * factor)
-
 
 AT_ONCE: Final = PowerTimes(0.0, 0.0, 0.0)
 REALISTIC: Final = PowerTimes()

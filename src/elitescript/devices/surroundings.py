@@ -55,10 +55,10 @@ class RobotAccess(Protocol):
         """
 
     def output(self) -> Output:
-        """Return what the last tick gives to whoever is connected to a port."""
+        """Return what the last tick gives to the clients of all ports."""
 
     def post(self, inputs: Sequence[Input]) -> None:
-        """What somebody asks for who is connected to a port, in the tick that is about to run."""
+        """Hand over what a client of a port asks for, in the tick that is about to run."""
 
 
 class RobotSettings:
@@ -99,7 +99,7 @@ class Surroundings:
     settings: RobotSettings | None = None
 
     def begin(self, robot: RobotAccess) -> None:
-        """Belong to a robot from now on."""
+        """Join a robot, from now on."""
 
     def fault(self, kind: str, on: int | str, **settings: Any) -> None:
         """Let something go wrong on channels or at inputs from now on."""

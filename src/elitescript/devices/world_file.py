@@ -18,8 +18,8 @@ from elitescript.devices.surroundings import RobotSettings
 from elitescript.devices.toml_lines import Path as TomlPath
 from elitescript.devices.toml_lines import lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.messages.paths import why_no_file
 from elitescript.messages.signals import Value
+from elitescript.paths import why_no_file
 
 if TYPE_CHECKING:
     from elitescript.devices.world import World

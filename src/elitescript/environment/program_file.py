@@ -9,7 +9,7 @@ from typing import Final
 from elitescript.errors import UsageError
 from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.text.source import SourceFile
-from elitescript.messages.paths import why_no_file
+from elitescript.paths import why_no_file
 
 SUFFIX: Final = ".script"
 

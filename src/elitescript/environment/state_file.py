@@ -22,8 +22,8 @@ from typing import IO, Any, Final, Protocol
 
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.errors import UsageError
-from elitescript.messages.paths import why_no_file
 from elitescript.messages.signals import KEPT, SIGNALS, Value, parse_signal_name, signal_name
+from elitescript.paths import why_no_file
 
 FORMAT: Final = "elitescript state"
 VERSION: Final = 1

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from elitescript.controller.refusals import refusal_text
-from elitescript.controller.signals.by_name import Signals
+from elitescript.controller.views.signals import Signals
 from elitescript.controller.views.snapshots import SnapshotBuilder
 from elitescript.controller.views.warning_limit import WarningLimit
 from elitescript.devices.channels.faulty_channels import FaultyChannels

@@ -22,11 +22,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import cos, isfinite, sin
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm
-from elitescript.kinematics.jacobian import Matrix6
 from elitescript.kinematics.limits import SixFloats
 from elitescript.kinematics.rotations import Vector3
 
@@ -189,20 +188,6 @@ def joint_torques(
         )
     t6, t5, t4, t3, t2, t1 = torques
     return t1, t2, t3, t4, t5, t6
-
-
-def mass_matrix(arm: Arm, bodies: Sequence[RigidBody], q: Sequence[float], payload: RigidBody | None = None) -> Matrix6:
-    """Return the six rows of the mass matrix of the joints, kg m^2; symmetric and positive definite.
-
-    Column j is the torques at standstill without gravity that accelerate joint j alone by 1 rad/s^2.
-    """
-    m1, m2, m3, m4, m5, m6 = (joint_torques(arm, bodies, q, _ZERO, unit, _WEIGHTLESS, payload) for unit in _UNITS)
-    return m1, m2, m3, m4, m5, m6
-
-
-_ZERO: Final[SixFloats] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-_WEIGHTLESS: Final[Vector3] = (0.0, 0.0, 0.0)
-_UNITS: Final = tuple(tuple(1.0 if i == joint else 0.0 for i in range(6)) for joint in range(6))
 
 
 def _nominal_links(arm: Arm) -> tuple[tuple[float, float, float, float], ...]:

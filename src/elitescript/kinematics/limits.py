@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import ceil, floor, pi, remainder
+from math import ceil, pi, remainder
 from typing import Final, TypeAlias
 
 SixFloats: TypeAlias = tuple[float, float, float, float, float, float]
@@ -50,25 +49,4 @@ def nearest_turn(angle: float, near: float, low: float, high: float) -> float | 
         candidate = angle + TURN * turns
     if low - RANGE_TOLERANCE_RAD <= candidate <= high + RANGE_TOLERANCE_RAD:
         return min(max(candidate, low), high)
-    return None
-
-
-def turns_within(angle: float, low: float, high: float) -> tuple[float, ...]:
-    """Return every angle plus full turns that lies in [low, high], rad, in rising order.
-
-    Values beyond the range by no more than `RANGE_TOLERANCE_RAD` are put on the border.
-    """
-    first = ceil((low - RANGE_TOLERANCE_RAD - angle) / TURN)
-    last = floor((high + RANGE_TOLERANCE_RAD - angle) / TURN)
-    return tuple(min(max(angle + TURN * k, low), high) for k in range(first, last + 1))
-
-
-def joint_out_of_range(q: Sequence[float], joint_ranges: Sequence[tuple[float, float]]) -> int | None:
-    """Return the index of the first joint outside its range by more than the tolerance, or None.
-
-    A joint angle that is not a number is outside every range.
-    """
-    for index, (angle, (low, high)) in enumerate(zip(q, joint_ranges, strict=True)):
-        if not low - RANGE_TOLERANCE_RAD <= angle <= high + RANGE_TOLERANCE_RAD:
-            return index
     return None

@@ -132,23 +132,6 @@ def to_json(diagnostic: Diagnostic) -> dict[str, Any]:
     }
 
 
-def apply_fix(text: str, fix: Fix) -> str:
-    """Return `text` with the edits of `fix` made.
-
-    Args:
-        text: the text that was examined, with LF line ends.
-        fix: edits that do not overlap.
-    """
-    starts = [0]
-    for line in text.split("\n"):
-        starts.append(starts[-1] + len(line) + 1)
-    for edit in sorted(fix.edits, reverse=True):
-        start = starts[edit.line - 1] + edit.column - 1
-        end = starts[edit.end_line - 1] + edit.end_column - 1
-        text = text[:start] + edit.text + text[end:]
-    return text
-
-
 def _carets(diagnostic: Diagnostic, line: str) -> str:
     start = diagnostic.column - 1
     end = diagnostic.end_column - 1 if diagnostic.end_line == diagnostic.line else len(line)

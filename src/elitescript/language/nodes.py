@@ -7,7 +7,6 @@ never looked into and always refused.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
 from functools import cache
 from typing import Final, TypeVar, cast
 
@@ -147,13 +146,3 @@ def _surplus_fields() -> dict[type[ast.AST], tuple[str, ...]]:
         if fields:
             surplus[kind] = fields
     return surplus
-
-
-def children_of(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes directly below a node of a known kind, in the order of the table."""
-    for field in CHILDREN[type(node)]:
-        child = getattr(node, field)
-        if type(child) is list:
-            yield from (item for item in child if item is not None)
-        elif child is not None:
-            yield child

@@ -98,11 +98,6 @@ class Scope:
     def __repr__(self) -> str:
         return f"<{self.kind} {self.name}>" if self.name else f"<{self.kind}>"
 
-    @property
-    def locals(self) -> frozenset[str]:
-        """Names of its own variables, parameters included."""
-        return frozenset(self.bindings).difference(self.globals, self.nonlocals)
-
     def has_local(self, name: str) -> bool:
         return name in self.bindings and name not in self.globals and name not in self.nonlocals
 

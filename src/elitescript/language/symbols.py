@@ -1,28 +1,25 @@
-"""Scopes, names and calls of a program, for tools."""
+"""Finds scopes, names and calls of a program, for tools."""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from typing import Any, Final
 
 from elitescript.language.parser import Parsed, character_offset
 from elitescript.language.scopes import Binding, Resolution, Scope
 
-__all__ = ["Binding", "LateGlobal", "Resolution", "Scope", "Symbols", "ThreadStart"]
+__all__ = ["Binding", "LateGlobal", "Resolution", "Scope", "Symbols"]
 
-THREAD_STARTER = "start_thread"
-STARTER_KEYWORDS = ("function", "fundef")
-"""Names of its first parameter in the manuals of 2.14 and 2.10."""
+THREAD_STARTER: Final = "start_thread"
 
 _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 
 
 @dataclass(frozen=True, slots=True)
 class LateGlobal:
-    """A `global` statement behind a use of one of its names in the same function.
+    """Describes a `global` statement behind a use of one of its names in the same function.
 
     Attributes:
         name: the name.
@@ -37,25 +34,8 @@ class LateGlobal:
     used_line: int
 
 
-@dataclass(frozen=True, slots=True)
-class ThreadStart:
-    """A call of `start_thread`.
-
-    Attributes:
-        call: the call.
-        scope: where it stands.
-        function: name of the function that it starts; empty if that is computed.
-        targets: scopes of the definitions that the name may stand for.
-    """
-
-    call: ast.Call
-    scope: Scope
-    function: str
-    targets: tuple[Scope, ...]
-
-
 class Symbols:
-    """The analysis of one text.
+    """Analyses one text.
 
     Attributes:
         parsed: the text.
@@ -111,12 +91,6 @@ class Symbols:
             yield above
             above = self._parents.get(above)
 
-    def statement_of(self, node: ast.AST) -> ast.stmt | None:
-        """Return the innermost statement that is, or holds, a node."""
-        if isinstance(node, ast.stmt):
-            return node
-        return next((above for above in self.ancestors(node) if isinstance(above, ast.stmt)), None)
-
     def scope_of(self, node: ast.AST) -> Scope:
         """Return the scope in which a node is evaluated; for a definition, the scope around it."""
         return self._scope_of.get(node, self.body)
@@ -138,26 +112,6 @@ class Symbols:
         """Return the places that give the program global `name` a value, in the order of the text."""
         found = [binding for scope in self.scopes if name in scope.globals for binding in scope.bindings.get(name, ())]
         return sorted(found, key=lambda binding: (binding.line, binding.column))
-
-    @cached_property
-    def thread_starts(self) -> tuple[ThreadStart, ...]:
-        """The calls of `start_thread`, unless the program gave that name another meaning."""
-        starts = []
-        for scope in self.scopes:
-            for call in scope.calls:
-                named = isinstance(call.func, ast.Name) and call.func.id == THREAD_STARTER
-                if not named or scope.resolve(THREAD_STARTER) is not Resolution.BUILTIN:
-                    continue
-                arguments = call.args[:1] or [item.value for item in call.keywords if item.arg in STARTER_KEYWORDS]
-                function = arguments[0].id if arguments and isinstance(arguments[0], ast.Name) else ""
-                targets = self.definitions(function, scope) if function else ()
-                starts.append(ThreadStart(call, scope, function, targets))
-        return tuple(starts)
-
-    @cached_property
-    def thread_entries(self) -> frozenset[Scope]:
-        """The functions in which threads begin."""
-        return frozenset(target for start in self.thread_starts for target in start.targets)
 
     def late_globals(self) -> tuple[LateGlobal, ...]:
         """Return the `global` statements that come too late, in the order of the text."""

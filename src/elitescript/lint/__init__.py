@@ -8,10 +8,8 @@ Import the module you need; this package imports nothing by itself.
     constants    expressions whose value is certain before the run
     arguments    calls of commands, their arguments in order
     repetition   what a loop does that matters for how it ends
-    doubts       what is legal, but hardly meant, as findings
     kinds        whether six numbers are joint positions or a pose
     places       where the arm would be, for targets that are certain
-    suggestions  what a misspelt name was meant to be
     suppression  `# check: ignore`
     rules        one file for each rule
 """

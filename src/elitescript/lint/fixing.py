@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from typing import Final, NamedTuple
 
-from elitescript.language.diagnostics import Diagnostic, Edit, Fix
-from elitescript.language.text.source import BOM, SourceFile
+from elitescript.language.diagnostics import Diagnostic, Edit
+from elitescript.language.text.source import SourceFile, apply_fixes
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import Profile
 
@@ -40,7 +39,7 @@ def repaired(name: str, text: str, profile: Profile, *, strict: bool = False) ->
         chosen = _apart([problem for problem in problems if _key(problem) not in refused and _is_safe(problem)])
         if not chosen:
             break
-        new = _edited(text, [problem.fix for problem in chosen if problem.fix is not None])
+        new = apply_fixes(text, [problem.fix for problem in chosen if problem.fix is not None])
         found = check_source(SourceFile(name, new), profile, strict=strict)
         if new == text or _errors(found) > _errors(problems):
             refused.update(map(_key, chosen))
@@ -76,17 +75,3 @@ def _apart(problems: list[Diagnostic]) -> list[Diagnostic]:
 
 def _meet(one: Edit, other: Edit) -> bool:
     return one[:2] <= other[2:4] and other[:2] <= one[2:4]
-
-
-def _edited(text: str, fixes: list[Fix]) -> str:
-    """Make fixes in a text of any line ends."""
-    mark = BOM if text.startswith(BOM) else ""
-    body = text[len(mark) :]
-    starts = [0, *(found.end() for found in re.finditer(r"\r\n|\r|\n", body))]
-    first = re.search(r"\r\n|\r|\n", body)
-    line_end = first[0] if first else "\n"
-    for edit in sorted((edit for fix in fixes for edit in fix.edits), reverse=True):
-        start = starts[edit.line - 1] + edit.column - 1
-        end = starts[edit.end_line - 1] + edit.end_column - 1
-        body = body[:start] + edit.text.replace("\n", line_end) + body[end:]
-    return mark + body

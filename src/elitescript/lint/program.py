@@ -6,12 +6,13 @@ import ast
 import re
 from collections.abc import Collection, Iterator
 from functools import cached_property
-from typing import NamedTuple, TypeVar
+from typing import Final, NamedTuple, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.plausibility import JUDGES, KINDS, ArmFacts, Doubt, mistaken
 from elitescript.commands.definition.registry import Command
-from elitescript.language.advice.unknown_names import KNOWN
+from elitescript.commands.definition.vocabulary import vocabulary_of
+from elitescript.language.advice.unknown_names import KNOWN, advice
 from elitescript.language.kinds import SECONDARY
 from elitescript.language.nodes import Census
 from elitescript.language.parser import Parsed
@@ -22,6 +23,9 @@ from elitescript.lint.constants import Constants
 from elitescript.lint.kinds import Kinds
 from elitescript.lint.refusals import ArgumentRefusal, refuse
 from elitescript.messages.profile import Profile, release_of
+
+MOST_SUGGESTIONS: Final = 20
+"""Names of one program that are looked up; a text with more unknown names is no program for this robot."""
 
 _Node = TypeVar("_Node", bound=ast.AST)
 
@@ -177,6 +181,13 @@ class AnalysedProgram:
             and use.name not in self.presets
             and CATALOGUE.get(use.name) is None
         )
+
+    def meant_by(self, use: Use, *, is_searched: bool) -> tuple[str, str]:
+        """Return the name that is meant, if one can take the place of an unknown one, and the hint; both may be empty.
+
+        The words are those of the alarm at run time.
+        """
+        return advice(use.node, use.scope, self.symbols, vocabulary_of(self.profile), is_searched=is_searched)
 
     def command(self, name: str, scope: Scope) -> Command | None:
         """Return the command that `name` means in `scope`; None if the program gives it another meaning."""

@@ -50,11 +50,6 @@ class PlantConfig:
         if isinstance(self.seed, bool) or not isinstance(self.seed, int):
             raise UsageError(f"seed of the plant needs a whole number, has {self.seed!r}")
 
-    @property
-    def is_ideal(self) -> bool:
-        """Whether actual equals target."""
-        return self.lag_s == 0.0 and self.noise_rad == 0.0
-
     @classmethod
     def from_table(cls, table: Mapping[str, object]) -> PlantConfig:
         """Return the plant of a `[plant]` section, whose keys are the names above.

@@ -19,7 +19,7 @@ from typing import Any, Final, NamedTuple
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kinematics.limits import JointVector
-from elitescript.messages.paths import why_no_file
+from elitescript.paths import why_no_file
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
 """How a source knows: the maker wrote it, somebody saw it, or it was chosen here."""

@@ -11,8 +11,8 @@ from elitescript.controller.views.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, Tr
 from elitescript.controller.views.trace_signals import NO_SIGNALS, SignalLevels
 from elitescript.errors import UsageError
 from elitescript.messages.motion import Six
-from elitescript.messages.paths import why_no_file
 from elitescript.messages.signals import Value, parse_signal_name
+from elitescript.paths import why_no_file
 
 SUFFIXES: Final = (".csv", ".jsonl")
 """What the name of a trace ends in."""

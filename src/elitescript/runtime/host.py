@@ -1,4 +1,4 @@
-"""A program and its secondary programs, as the controller and `robot.py` see them.
+"""Hosts a program and its secondary programs for the controller and `robot.py`.
 
 One host runs one program at a time. Secondary programs run beside it, one after the other, with its globals;
 without a program they get an empty namespace. Everything that happens goes to the machine as an event, and the
@@ -20,13 +20,13 @@ from elitescript.runtime.alarms import abandoned, summary_of
 from elitescript.runtime.connections.background import Background
 from elitescript.runtime.environment import EmptyEnvironment, ProgramEnvironment
 from elitescript.runtime.interpreter import Interpreter
+from elitescript.runtime.move_waits import MoveWaits
 from elitescript.runtime.names.context import POPUP
 from elitescript.runtime.program import Program
 from elitescript.runtime.queries import Queries
 from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.threads.scheduler import WORK_PER_TICK, Scheduler
-from elitescript.runtime.threads.strand import STOP, Strand
-from elitescript.runtime.threads.thread_state import ThreadState, state_of
+from elitescript.runtime.threads.strand import STOP, Strand, ThreadState, state_of
 from elitescript.runtime.watchdogs import Watchdogs
 
 if TYPE_CHECKING:
@@ -49,8 +49,8 @@ class ScriptHost:
         world: everything outside; nothing by default.
         seed: of the program's random numbers; every program begins with it.
         on_end: called with `finished`, `alarm` or `stopped` when a program is over.
-        confirms_popups: whether a popup that blocks is confirmed at once, because nobody is there to press its
-            button; if not, `confirm_popup` does it.
+        confirms_popups: whether a popup that blocks is confirmed at once, for runs without a person; if not,
+            `confirm_popup` does it.
         work_per_tick: checkpoints that a thread may pass in one tick.
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         is_rtsi_input: whether clients can send an input of that name.
@@ -60,10 +60,9 @@ class ScriptHost:
         alarm: what ended it, if an alarm did.
         background: what goes on whether a program runs or not.
         interpreter: statements of interpreter mode.
-        movers: which strands wait for which move.
-        abortable: those of these moves that `abort_move` ends.
+        moves: threads that wait for moves.
         rpc_timeout_s: see above.
-        connections: who listens to each open channel.
+        connections: what receives from each open channel.
         watchdogs: RTSI inputs that the program watches.
     """
 
@@ -80,12 +79,11 @@ class ScriptHost:
         "_secondaries",
         "_seed",
         "_world",
-        "abortable",
         "alarm",
         "background",
         "connections",
         "interpreter",
-        "movers",
+        "moves",
         "result",
         "rpc_timeout_s",
         "watchdogs",
@@ -121,8 +119,7 @@ class ScriptHost:
         self.interpreter = Interpreter(self._scheduler, profile.interpreter_queue_limit)
         self.watchdogs = Watchdogs(machine, is_rtsi_input)
         self.rpc_timeout_s = rpc_timeout_s
-        self.movers: dict[int, list[Strand]] = {}
-        self.abortable: set[int] = set()
+        self.moves = MoveWaits(machine, self._scheduler)
         self.connections: dict[int, Receiver] = {}
         self.background = Background(machine, self._scheduler, self.connections)
         self.result = ""
@@ -182,8 +179,7 @@ class ScriptHost:
 
     def abort_move(self) -> None:
         """End the `movej` or `movel` that a thread waits for; other motions go on (*documented*)."""
-        for move in sorted(self.abortable):
-            self._machine.cancel_move(move)
+        self.moves.abort()
 
     def pause(self) -> None:
         """Let no thread of the program go on. Virtual time does, and their waits last longer by it."""
@@ -199,7 +195,7 @@ class ScriptHost:
         """End the program in the `run_tick` that runs or in the next one; secondary programs go on.
 
         Args:
-            reason: for whoever reads the call; the result is `stopped`.
+            reason: documents the call; the result is `stopped`.
         """
         self._end(STOPPED)
 
@@ -263,14 +259,9 @@ class ScriptHost:
         strand = self._scheduler.current
         return ("", 0) if strand is None else (strand.name, strand.line)
 
-    @property
-    def waits_for_outside(self) -> bool:
-        """Whether a thread waits for somebody, and not for time, a move or another thread."""
-        return self.is_paused or any(strand.waits_for == POPUP for strand in self._scheduler.strands)
-
     def monitor(self) -> dict[str, Any]:
         """The variable monitor: globals of the program that runs or ran last, in the order of first assignment."""
-        return {} if self._program is None else self._program.globals.monitor()
+        return {} if self._program is None else self._program.monitor()
 
     def threads(self) -> tuple[ThreadState, ...]:
         """Every script thread, the main one first: where it is and what it waits for."""
@@ -307,17 +298,16 @@ class ScriptHost:
         return min((at for at in dues if at is not None), default=None)
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
-        """A move is over; the threads that wait for it go on at the next `run_tick`."""
-        for strand in self.movers.get(move, ()):
-            self._scheduler.wake(strand)
+        """Let the threads that wait for a move go on at the next `run_tick`: it is over."""
+        self.moves.ended(move)
 
     def channel_event(self, event: ChannelEvent) -> None:
-        """Something has happened on a channel; the threads that wait for it go on at the next `run_tick`."""
+        """Hand an event of a channel to its receiver; threads that wait for it go on at the next `run_tick`."""
         if (connection := self.connections.get(event.channel)) is not None:
             connection.take(event)
 
     def set_lag(self, ticks: int) -> None:
-        """Robot time is that many ticks behind the wall clock from now on."""
+        """Set how many ticks robot time is behind the wall clock from now on."""
         self._scheduler.lag_ticks = ticks
 
     def _settle(self) -> bool:

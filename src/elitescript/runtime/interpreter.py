@@ -25,7 +25,7 @@ from elitescript.language.compiler import Statement, compile_statement
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.enums import DiscardReason
 from elitescript.runtime.alarms import summary_of
-from elitescript.runtime.names.program_globals import ProgramGlobals
+from elitescript.runtime.program_globals import ProgramGlobals
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand, is_stop
 

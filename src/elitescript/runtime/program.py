@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from types import CodeType
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
@@ -24,12 +24,12 @@ from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile
 from elitescript.runtime.alarms import alarm_of
 from elitescript.runtime.environment import ProgramEnvironment
+from elitescript.runtime.files import OpenFiles
 from elitescript.runtime.names.bindings import Bindings
 from elitescript.runtime.names.context import Context, ProgramControl
-from elitescript.runtime.names.files import OpenFiles
 from elitescript.runtime.names.guards import Identities
-from elitescript.runtime.names.modules import ModuleShelf
-from elitescript.runtime.names.program_globals import ProgramGlobals
+from elitescript.runtime.names.modules import Facade, ModuleShelf
+from elitescript.runtime.program_globals import ProgramGlobals
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 
 SOURCES_MAX: Final = 256
 """Texts of `eval` and `exec` that are kept, to show their lines."""
+
+_NOT_SHOWN: Final = (FunctionType, BuiltinFunctionType, type, ModuleType, Facade)
+"""Values that the variable monitor leaves out."""
 
 
 class Program:
@@ -129,6 +132,10 @@ class Program:
             self.globals.values.pop(MAIN)()
 
         return body
+
+    def monitor(self) -> dict[str, Any]:
+        """Return the variable monitor: program globals that have a value, in the order of their first assignment."""
+        return {name: value for name, value in self.globals.own().items() if not isinstance(value, _NOT_SHOWN)}
 
     def execute(self, statement: Statement, names: Any) -> None:
         """Run a statement of interpreter mode; `names` maps its variables."""
@@ -229,7 +236,7 @@ class Program:
 
     def module_names(self, name: str) -> dict[str, Any]:
         """Names of one of our own modules."""
-        from elitescript.runtime.stdlib.own_modules import own_names
+        from elitescript.runtime.names.own_modules import own_names
 
         return own_names(name, self)
 

@@ -1,4 +1,4 @@
-"""Queries: expressions that clients ask for the value of, by the rules of secondary programs (*documented*)."""
+"""Answers queries of clients for the value of an expression, by the rules of secondary programs (*documented*)."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def palette_of(stream: object) -> Palette:
 
 
 def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -> str:
-    """A finding as people read it: severity, code, caret and hint in colours."""
+    """Return a finding as people read it: severity, code, caret and hint in colours."""
     text = str(problem) if source is None else render(problem, source.name, source.line(problem.line))
     if not palette.is_colored:
         return text

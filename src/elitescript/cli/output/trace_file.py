@@ -11,8 +11,8 @@ from typing import TextIO
 from elitescript.cli.output import jsonlines
 from elitescript.controller.views.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
 from elitescript.errors import UsageError
-from elitescript.messages.paths import why_no_file
 from elitescript.messages.signals import Value
+from elitescript.paths import why_no_file
 
 
 class TraceFile(AbstractContextManager["TraceFile"]):

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar, get_args
 
-from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, shown
+from elitescript.commands.definition.quantities import Anything, Optionally, Quantity
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
 from elitescript.messages.profile import release_of
 
@@ -530,9 +530,3 @@ def command(
 def alias(name: str, *, of: str, since: str = "", evidence: str = "") -> None:
     """Give a command another name, with the release that brought it and how we know, where they differ."""
     REGISTRY.add_alias(name, of, since, evidence)
-
-
-def describe_call(command_name: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:
-    """Return a call as a message repeats it."""
-    parts = [shown(arg) for arg in args] + [f"{name}={shown(value)}" for name, value in kwargs.items()]
-    return f"{command_name}({', '.join(parts)})"

@@ -36,10 +36,6 @@ class ArmDynamics:
         self._carried_of: Payload | None = None
         self._carried: RigidBody | None = None
 
-    def own_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float]) -> Six:
-        """Return what the arm needs to carry and to move itself, friction included."""
-        return self._with_friction(self.rigid_torques(q, qd, qdd, gravity, Payload()), qd)
-
     def measured_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload) -> Six:
         """Return what the joints apply altogether.
 

@@ -1,4 +1,4 @@
-"""What the joints carry at the present tick: torques, currents, temperatures."""
+"""Works out what the joints carry at the present tick: torques, currents, temperatures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from elitescript.models.model import RobotModel
 
 
 class JointLoads:
-    """Works them out when somebody asks; who does not, pays a look at the joints every ten seconds.
+    """Works them out when they are read; what is not read costs a look at the joints every ten seconds.
 
     Args:
         model: the arm.
@@ -21,16 +21,16 @@ class JointLoads:
         setup: what it carries.
     """
 
-    __slots__ = ("_arm_state", "_dynamics", "_setup", "_warmth")
+    __slots__ = ("_arm_state", "_dynamics", "_setup", "_thermal")
 
     def __init__(self, model: RobotModel, plant: PlantConfig, arm_state: ArmState, setup: Setup) -> None:
         self._arm_state = arm_state
         self._setup = setup
         self._dynamics = ArmDynamics(model, plant)
-        self._warmth = ThermalModel(model, self._dynamics)
+        self._thermal = ThermalModel(model, self._dynamics)
 
     def remaining_torques(self, tick: int) -> Six:
-        """Return torques without those that carry and move the arm itself, N m; `tick` is the present one."""
+        """Return the torques of this tick without those that the arm needs to carry and to move itself, N m."""
         joints, qdd = self._arm_state.joints(tick), self._arm_state.actual_acceleration()
         setup = self._setup
         return self._dynamics.remaining_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
@@ -42,23 +42,11 @@ class JointLoads:
         torques = self._dynamics.measured_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
         return torques, self._dynamics.currents(torques)
 
-    def currents(self, tick: int) -> Six:
-        """Return currents of the motors, A (*assumed*: torque constants, friction)."""
-        return self.measured(tick)[1]
-
-    def target_currents(self, tick: int) -> Six:
-        """Return the currents of the target, A; the controller's model of the arm has no friction (*assumed*)."""
-        joints, qdd = self._arm_state.joints(tick), self._arm_state.target_acceleration()
-        setup = self._setup
-        return self._dynamics.currents(
-            self._dynamics.rigid_torques(joints.q_target, joints.qd_target, qdd, setup.gravity, setup.payload)
-        )
-
     def temperatures(self, tick: int) -> tuple[Six, float]:
         """Return temperatures of the joints and of the control box, degC; see `controller.arm.thermal_model`."""
-        return self._warmth.temperatures(tick)
+        return self._thermal.temperatures(tick)
 
     def leap(self, tick: int) -> None:
-        """Time goes on to a tick that is not later than the next one that is due."""
-        if self._warmth.next_look < tick:
-            self._warmth.go_on(self._arm_state, self._setup, tick)
+        """Let time go on to a tick that is not later than the next one that is due."""
+        if self._thermal.next_look < tick:
+            self._thermal.go_on(self._arm_state, self._setup, tick)

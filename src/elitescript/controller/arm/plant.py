@@ -1,4 +1,4 @@
-"""From target to actual: joints whose drives lag behind and have to overcome friction.
+"""Makes actual joints from target joints: drives that lag behind and have to overcome friction.
 
 Each joint is a critically damped second-order system that is drawn to its target r,
 
@@ -28,9 +28,6 @@ from elitescript.motion.segment import Setpoint
 SETTLED_RAD: Final = 1e-8
 SETTLED_RAD_PER_S: Final = 1e-6
 """So near to a target that stands, a joint has arrived: far below what an encoder tells apart."""
-
-SETTLING_LAGS: Final = 15.0
-"""Within so many times the lag after the target has come to rest, every joint has arrived."""
 
 
 class LaggingJoints:

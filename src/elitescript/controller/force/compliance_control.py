@@ -1,4 +1,4 @@
-"""Force control, hand guiding and the force sensor of one robot, and which of them may be on at a time."""
+"""Runs force control, hand guiding and the force sensor of one robot, one of them at a time."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ DONE_CALL: Final = 0
 
 
 class ComplianceControl:
-    """Everything about forces.
+    """Answers every request about forces.
 
     Args:
         model: the arm.
@@ -86,7 +86,7 @@ class ComplianceControl:
             request: what is asked for.
             tick: the present one.
             is_moving: whether the arm moves besides.
-            caller: who asks.
+            caller: line and thread of the request.
 
         Raises:
             MotionError: two things at once; nothing has changed.

@@ -47,7 +47,7 @@ asked for where a singularity makes the joints faster while the tool brakes."""
 
 
 class ArmAccess(NamedTuple):
-    """The arm as a yielding correction needs it."""
+    """Groups what a yielding correction needs of the arm."""
 
     arm: Arm
     limits: MotionLimits
@@ -58,14 +58,14 @@ class ArmAccess(NamedTuple):
 
 
 class Caller(NamedTuple):
-    """Who asked for it, for people."""
+    """Line and thread of a request, for messages."""
 
     line: int
     thread: str
 
 
 class _Question(NamedTuple):
-    """Everything from outside that a period depends on."""
+    """Groups everything from outside that a period depends on."""
 
     nominal: Setpoint
     now: JointState
@@ -75,7 +75,7 @@ class _Question(NamedTuple):
 
 
 class _Step(NamedTuple):
-    """What one period brings."""
+    """Groups the results of one period."""
 
     yielded: Yielded
     velocity: Six

@@ -54,7 +54,7 @@ AnySource = Move | Braking | AnyDrive
 
 
 class MotionControl:
-    """The arm's position, now and for as long as nobody asks for something else.
+    """Gives the arm's nominal position, now and for as long as nothing else is requested.
 
     Args:
         arm: geometry.

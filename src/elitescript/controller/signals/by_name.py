@@ -1,47 +1,12 @@
-"""A controller's signals by name, as people set and read them."""
+"""Makes the request that sets a signal, from its name and a value."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from math import isfinite
 
-from elitescript.controller.controller import Controller
-from elitescript.errors import ScriptError, UsageError
+from elitescript.errors import UsageError
 from elitescript.messages.machine import WriteSignal
-from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
-
-
-class Signals(Mapping[str, Value]):
-    """The robot's signals by name: `robot.signals["standard_digital_in[3]"] = True`.
-
-    Setting takes effect at once, between two ticks.
-
-    Args:
-        controller: whose signals they are.
-        by: what the changes are put down to in the record; see `events.SignalChanged.by`.
-    """
-
-    __slots__ = ("_by", "_controller")
-
-    def __init__(self, controller: Controller, by: str = "client") -> None:
-        self._controller = controller
-        self._by = by
-
-    def __getitem__(self, name: str) -> Value:
-        signal, index = parse_signal_name(name)
-        return self._controller.read(signal.name, index)
-
-    def __setitem__(self, name: str, value: Value) -> None:
-        try:
-            self._controller.request_from(signal_write(name, value), self._by)
-        except ScriptError as error:
-            raise UsageError(str(error)) from error
-
-    def __iter__(self) -> Iterator[str]:
-        return (signal_name(row, index) for row in SIGNALS.values() for index in range(row.size))
-
-    def __len__(self) -> int:
-        return sum(row.size for row in SIGNALS.values())
+from elitescript.messages.signals import parse_signal_name
 
 
 def signal_write(name: str, value: object) -> WriteSignal:

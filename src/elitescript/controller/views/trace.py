@@ -89,7 +89,7 @@ class Trace:
         UsageError: another time.
     """
 
-    __slots__ = ("_next_tick", "_resting", "_signals", "_sink", "_step_ticks")
+    __slots__ = ("_next_tick", "_signals", "_sink", "_step_ticks")
 
     def __init__(
         self,
@@ -101,7 +101,6 @@ class Trace:
         self._signals = signals
         self._step_ticks = step_ticks(step_s)
         self._next_tick = 0
-        self._resting: TraceRow | None = None
 
     def record(self, controller: Controller, until_tick: int) -> None:
         """Rows of the ticks from the controller's present one up to, but not including, `until_tick`."""

@@ -9,7 +9,6 @@ from typing import Any, Final
 
 from elitescript.devices.agenda import Agenda
 from elitescript.devices.channels.faults import BOTH, LINE, TCP, TO_DEVICE, TO_ROBOT, title_of
-from elitescript.devices.channels.seeded_draws import drawn, share
 from elitescript.devices.channels.wrong_replies import wrong_reply
 from elitescript.errors import UsageError
 from elitescript.messages.enums import ChannelError
@@ -81,7 +80,7 @@ class _FaultyChannel:
         self.credits: deque[list[int]] = deque()
         """For each message on its way to the device: bytes that it has, bytes that the robot sent."""
         self.surplus = 0
-        """Bytes that the robot gets and nobody sent."""
+        """Bytes that the robot gets and no device has sent."""
 
 
 class FaultyChannels:
@@ -426,7 +425,7 @@ class FaultyChannels:
         fault = active.fault
         is_met = active.seen >= fault.nth and (fault.count is None or active.seen < fault.nth + fault.count)
         if is_met and fault.share < 1.0:
-            is_met = share(self._seed, active.number, active.seen) < fault.share
+            is_met = _share(self._seed, active.number, active.seen) < fault.share
         if direction == TO_ROBOT:
             channel.is_message[active.number] = is_met
         return is_met
@@ -466,7 +465,7 @@ def _corrupted(_fault: ChannelFault, pieces: Pieces, _request: bytes, key: _Key,
     for number, (ticks, data) in enumerate(pieces):
         spoiled = bytearray(data)
         for begin in range(0, len(spoiled), 8):
-            draw = drawn(*key, number, begin)
+            draw = _drawn(*key, number, begin)
             spoiled[begin + draw % min(8, len(spoiled) - begin)] ^= 1 << (draw >> 8) % 8
         wrong.append((ticks, bytes(spoiled)))
     return wrong
@@ -497,3 +496,25 @@ _EFFECTS: Final[dict[str, Callable[[ChannelFault, Pieces, bytes, _Key, bool], Pi
     "wrong_reply": _replaced,
 }
 """What becomes of the parts of a message that a fault meets."""
+
+
+_MASK: Final = (1 << 64) - 1
+
+
+def _drawn(*key: int) -> int:
+    """Return a whole number in [0, 2**64) for a key, whatever else is drawn and in which order.
+
+    This is the finalizer of SplitMix64 (Steele, Lea, Flood 2014).
+    """
+    value = 0
+    for part in key:
+        value = (value + part + 0x9E3779B97F4A7C15) & _MASK
+        value = ((value ^ value >> 30) * 0xBF58476D1CE4E5B9) & _MASK
+        value = ((value ^ value >> 27) * 0x94D049BB133111EB) & _MASK
+        value ^= value >> 31
+    return value
+
+
+def _share(*key: int) -> float:
+    """Return a number in [0, 1) for a key."""
+    return (_drawn(*key) >> 11) / (1 << 53)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from elitescript.messages.outputs import Output
 
 STREAMS: Final = frozenset({"primary", "secondary", "realtime", "readonly", "rtsi"})
-"""Ports that send by themselves: while somebody is connected, every tick is due."""
+"""Ports that send by themselves: while a client is connected, every tick is due."""
 
 Then = Callable[[Sequence[int]], Any]
 

@@ -108,7 +108,7 @@ class ModbusDevice(Device):
         requests: how many it has answered.
 
     Example:
-        A gripper at unit 9 of the tool's RS-485: whoever writes 1 to register 0 closes it, which takes 0.4 s.
+        A gripper at unit 9 of the tool's RS-485: a 1 in register 0 closes it, which takes 0.4 s.
 
         >>> from elitescript.testing.world import ModbusDevice, World
         >>> class Gripper(ModbusDevice):
@@ -148,7 +148,7 @@ class ModbusDevice(Device):
         """A coil has been written, perhaps to the level that it had."""
 
     def reading(self, table: str, address: int, count: int) -> None:
-        """Somebody is about to read `coils`, `discrete_inputs`, `holding_registers` or `input_registers`."""
+        """Prepare for a request that reads `coils`, `discrete_inputs`, `holding_registers` or `input_registers`."""
 
     def refuse(self, code: int) -> None:
         """Called in one of the methods above: answer the request with an exception code, such as 6 for a busy device.
@@ -261,7 +261,7 @@ class _Bus:
     protocol = MODBUS
     slaves: dict[int, Slave]
     asked: Device | None = None
-    """The device that was asked last, whose code may have failed."""
+    """The device that the last request was for; its code may have failed."""
 
 
 class _TcpBus(_Bus, TcpServer):

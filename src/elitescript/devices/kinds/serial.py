@@ -63,7 +63,7 @@ class LineDevice(Device):
         return None if self._link is None else self._link.settings
 
     def send_bytes(self, data: bytes) -> None:
-        """Send over the line; lost while nobody has it open."""
+        """Send over the line; lost while no program has it open."""
         if data and self._link is not None:
             self._link.send(self.understood(data))
 
@@ -88,7 +88,7 @@ class LineDevice(Device):
         self._link = link
 
     def let_go(self, link: DeviceLink) -> None:
-        """The line is closed, unless somebody else has opened it by now."""
+        """Note that the line is closed, unless another program has opened it by now."""
         if self._link is link:
             self._link = None
 
@@ -162,7 +162,7 @@ class SerialDevice(LineDevice):
         """The program has closed the line, or has ended."""
 
     def send(self, answer: Answer) -> None:
-        """Send a text as a line, or bytes as they are; lost while nobody has the line open."""
+        """Send a text as a line, or bytes as they are; lost while no program has the line open."""
         if answer is not None:
             self.send_bytes(encoded(answer, self.line_end, self.encoding))
 

@@ -1,18 +1,20 @@
-"""The text of a program and its lines."""
+"""Holds the text of a program and its lines, and makes repairs in it."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from elitescript.errors import ProgramError
-from elitescript.language.diagnostics import Diagnostic, diagnostic
+from elitescript.language.diagnostics import Diagnostic, Fix, diagnostic
 
 BOM = "\ufeff"
 
 
 @dataclass(frozen=True, slots=True)
 class SourceFile:
-    """A text under a name.
+    """Holds a text under a name.
 
     Line ends become LF and a leading byte order mark is dropped, so that a line is what an
     editor shows as one and columns count the characters that the author sees.
@@ -42,8 +44,27 @@ class SourceFile:
             raise ProgramError((_bad_byte(data, error.start),)) from None
 
     def line(self, n: int) -> str:
-        """Return the line `n`, counted from 1, without its line end; empty outside the text."""
+        """Return line `n`, counted from 1, without its line end; empty outside the text."""
         return self.lines[n - 1] if 1 <= n <= len(self.lines) else ""
+
+
+def apply_fixes(text: str, fixes: Iterable[Fix]) -> str:
+    """Return `text` with the edits of `fixes` made.
+
+    Args:
+        text: the text that was examined, with its own line ends and perhaps a byte order mark.
+        fixes: repairs whose edits do not overlap.
+    """
+    mark = BOM if text.startswith(BOM) else ""
+    body = text[len(mark) :]
+    starts = [0, *(found.end() for found in re.finditer(r"\r\n|\r|\n", body)), len(body)]
+    first = re.search(r"\r\n|\r|\n", body)
+    line_end = first[0] if first else "\n"
+    for edit in sorted((edit for fix in fixes for edit in fix.edits), reverse=True):
+        start = starts[edit.line - 1] + edit.column - 1
+        end = starts[edit.end_line - 1] + edit.end_column - 1
+        body = body[:start] + edit.text.replace("\n", line_end) + body[end:]
+    return mark + body
 
 
 def _bad_byte(data: bytes, position: int) -> Diagnostic:

@@ -16,10 +16,10 @@ import ast
 import re
 from collections.abc import Iterator
 
+from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.kinds import SCRIPT
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
-from elitescript.lint.suggestions import nearest
 
 
 @rule(code="W206", since="0.1")

@@ -13,10 +13,10 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
+from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.modules import AVAILABLE, NETWORK
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
-from elitescript.lint.suggestions import nearest
 
 
 @rule(code="W213", since="0.1")

@@ -16,9 +16,8 @@ from collections.abc import Iterator
 from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.kinds import SCRIPT
-from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.program import MOST_SUGGESTIONS, AnalysedProgram
 from elitescript.lint.registry import Finding, rule
-from elitescript.lint.suggestions import MOST_SUGGESTIONS, meant_by
 
 
 @rule(code="E301", since="0.1")
@@ -33,7 +32,7 @@ def unknown_command(program: AnalysedProgram) -> Iterator[Finding]:
             continue
         key = (name, id(use.scope))
         if key not in hints:
-            hints[key] = meant_by(use, program, is_searched=len(hints) < MOST_SUGGESTIONS)
+            hints[key] = program.meant_by(use, is_searched=len(hints) < MOST_SUGGESTIONS)
         meant, hint = hints[key]
         if program.shares_globals and not hint:
             continue

@@ -17,9 +17,8 @@ from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.language.advice.unknown_names import WORDS
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.kinds import SCRIPT
-from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.program import MOST_SUGGESTIONS, AnalysedProgram
 from elitescript.lint.registry import Finding, rule
-from elitescript.lint.suggestions import MOST_SUGGESTIONS, meant_by
 
 
 @rule(code="W201", since="0.1")
@@ -34,7 +33,7 @@ def unknown_name(program: AnalysedProgram) -> Iterator[Finding]:
             continue
         key = (name, id(use.scope))
         if key not in hints:
-            hints[key] = meant_by(use, program, is_searched=len(hints) < MOST_SUGGESTIONS)
+            hints[key] = program.meant_by(use, is_searched=len(hints) < MOST_SUGGESTIONS)
         meant, hint = hints[key]
         fix = None
         if meant:

@@ -28,7 +28,7 @@ from elitescript.runtime.connections.rpc_texts import values_and_method
 from elitescript.runtime.connections.sockets import CONNECT_TICKS, NO_NETWORK
 from elitescript.runtime.connections.traffic import ChannelLog, Traffic, cut
 from elitescript.runtime.environment import Channels
-from elitescript.runtime.names.sealed import Sealed, no_copy
+from elitescript.runtime.sealed import Sealed, no_copy
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
 
@@ -90,7 +90,7 @@ class RemoteProcedures:
         self._is_over = False
 
     def handle(self, url: str) -> object:
-        """An object whose methods are the procedures of a server.
+        """Return an object with the procedures of a server as its methods.
 
         Raises:
             InvalidValueError: the URL makes no sense.

@@ -1,7 +1,7 @@
-"""The names that every script finds without importing anything: commands, built-ins and the compiler's hooks.
+"""Makes the names that every script finds without importing: commands, built-ins and the compiler's hooks.
 
 They are the built-ins of a run, one dict for each, so that a program which rebinds one (`time = 3`, a parameter
-called `list`) hides it for itself and for nobody else. Functions belong to one run too, because a script can set
+called `list`) hides it for itself alone. Functions belong to one run too, because a script can set
 attributes of them. There are hundreds, and most programs are short: each is made when code that names it is about to
 run. All code of a run comes from our compiler, so every name that it can look up is in its code objects.
 """
@@ -20,8 +20,8 @@ from elitescript.commands.definition.vocabulary import newer_firmware_hint, newe
 from elitescript.errors import FirmwareError, ScriptPermissionError, ScriptStateError
 from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, STOP, TICK
 from elitescript.messages.profile import Profile, release_of
+from elitescript.runtime.files import OpenFiles
 from elitescript.runtime.names.context import Context
-from elitescript.runtime.names.files import OpenFiles
 from elitescript.runtime.names.guards import (
     Identities,
     OneArgumentType,
@@ -237,7 +237,7 @@ def _id(identities: Identities) -> Callable[[Any], int]:
 
 
 def _input(*prompt: Any) -> NoReturn:
-    """Refuse: nobody sits at a terminal.
+    """Refuse: there is no terminal.
 
     Raises:
         ScriptStateError: always.
@@ -280,7 +280,7 @@ def _import(shelf: ModuleShelf) -> Callable[..., Any]:
 
 
 def _stand_in(name: str) -> type[BaseException]:
-    """An exception that handlers may name, but nobody raises: the real one belongs to the user."""
+    """Return an exception that handlers may name, but that is never raised: the real one belongs to the user."""
     return type(name, (BaseException,), {"__module__": "builtins"})
 
 

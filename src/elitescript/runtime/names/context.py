@@ -1,4 +1,4 @@
-"""What the body of a command may use: the machine, and the program as the calling thread sees it."""
+"""Gives the bodies of commands the machine, and the program as the calling thread sees it."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ from elitescript.messages.profile import Profile
 from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment
+from elitescript.runtime.files import content_of
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped, Strand
 
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from elitescript.runtime.connections.serial_lines import SerialLines
     from elitescript.runtime.connections.sockets import Sockets
     from elitescript.runtime.interpreter import Interpreter
+    from elitescript.runtime.move_waits import MoveWaits
     from elitescript.runtime.watchdogs import Watchdogs
 
 RESUME: Final = "somebody to resume the program"
@@ -62,14 +64,12 @@ ZEROS_MAX: Final = 3
 
 
 class ProgramControl(Protocol):
-    """What a context asks of the host: the program as a whole."""
+    """Lists what a context asks of the host: the program as a whole."""
 
-    movers: dict[int, list[Strand]]
-    """Who waits for which move: its own thread, and threads that brake it."""
-    abortable: set[int]
-    """Those of them that `abort` of interpreter mode ends."""
+    moves: MoveWaits
+    """Threads that wait for moves."""
     connections: dict[int, Receiver]
-    """Who listens to each open channel."""
+    """What receives from each open channel."""
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
         """Start a thread of the program."""
@@ -81,10 +81,10 @@ class ProgramControl(Protocol):
         """Have the program stopped as soon as the calling strand gives way."""
 
     def thread_failed(self, error: BaseException) -> None:
-        """An exception left a thread."""
+        """End the program: an exception left a thread."""
 
     background: Background
-    """What goes on whether a program runs or not."""
+    """Signals and connections that go on whether a program runs or not."""
 
     interpreter: Interpreter
     """Interpreter mode."""
@@ -96,7 +96,7 @@ class ProgramControl(Protocol):
     """RTSI inputs that the program watches."""
 
     def wait_for_confirmation(self) -> bool:
-        """Whether a blocking popup is confirmed at once; otherwise wait until somebody confirms it."""
+        """Whether a blocking popup is confirmed at once; otherwise wait for a confirmation."""
 
 
 class Context:
@@ -233,8 +233,6 @@ class Context:
 
     def read_task_file(self, path: str, size_max: int) -> bytes:
         """See `commands.definition.context.Robot.read_task_file`."""
-        from elitescript.runtime.names.task_file import content_of
-
         return content_of(self._world.files, path, size_max)
 
     def timestamp_s(self) -> float:
@@ -276,25 +274,11 @@ class Context:
         strand = self.strand
         if strand.is_dying:
             raise Stopped
-        machine = self.machine
-        move = machine.request_motion(request, strand.line, strand.name)
+        move = self.machine.request_motion(request, strand.line, strand.name)
         if self._doubts:
             # Before this thread waits: the warning belongs to the begin of the move, and other threads have their own.
             self.tell_doubts()
-        movers = self._port.movers
-        strand.cancel = lambda: machine.cancel_move(move)
-        movers.setdefault(move, []).append(strand)
-        if isinstance(request, MoveJ | MoveL):
-            self._port.abortable.add(move)
-        try:
-            while not machine.is_move_done(move):
-                self.scheduler.wait(reason)
-        finally:
-            movers[move].remove(strand)
-            if not movers[move]:
-                del movers[move]
-                self._port.abortable.discard(move)
-            strand.cancel = None
+        self._port.moves.wait(move, strand, reason, is_abortable=isinstance(request, MoveJ | MoveL))
 
     def request(self, request: MachineRequest) -> None:
         """Change the machine without moving it."""
@@ -382,7 +366,7 @@ class Context:
     def popup(self, text: str, title: str, level: str, *, is_blocking: bool) -> None:
         """Show a message window; wait for its confirmation when it blocks.
 
-        A secondary program never waits, and neither does a thread when nobody is there to press the button.
+        A secondary program never waits, and neither does a thread where popups are confirmed at once.
         """
         strand = self.strand
         is_blocking = is_blocking and not strand.is_secondary
@@ -454,7 +438,7 @@ class Context:
     # ---------------------------------------------------------------- the task
 
     def pause(self) -> None:
-        """Pause the task until somebody resumes it."""
+        """Pause the task until it is resumed from outside."""
         if self.strand.is_dying:
             raise Stopped
         self.machine.request(PauseTask())

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from elitescript.errors import ScriptPermissionError
 from elitescript.language.policy import DENIED_ATTRIBUTES, GUARDED_ATTRIBUTES, is_attribute_allowed, is_dunder
-from elitescript.runtime.names.sealed import Sealed
+from elitescript.runtime.sealed import Sealed
 
 _MISSING: Final = object()
 _SPEC_DEPTH: Final = 2

@@ -16,7 +16,7 @@ from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, NoReturn, Protocol
 
 from elitescript.language.modules import AVAILABLE, NETWORK
-from elitescript.runtime.names.sealed import Sealed, hidden_slot, no_copy
+from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
 
 SHARED_NAMES: Final[dict[str, str]] = {

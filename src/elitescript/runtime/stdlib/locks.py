@@ -13,7 +13,7 @@ from collections import deque
 from typing import Any, Final
 
 from elitescript.messages.timing import ticks_for
-from elitescript.runtime.names.sealed import Sealed, hidden_slot, no_copy
+from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
@@ -83,7 +83,7 @@ class _Mutex:
         """Release it.
 
         Raises:
-            RuntimeError: nobody holds it.
+            RuntimeError: no thread holds it.
         """
         strand = self.scheduler.current
         if strand is None:

@@ -13,8 +13,8 @@ from typing import Any, Final
 
 from elitescript.errors import ScriptPermissionError, ScriptStateError
 from elitescript.messages.timing import ticks_for
-from elitescript.runtime.names.files import ScriptFile, file_over
-from elitescript.runtime.names.sealed import Sealed, hidden_slot, no_copy
+from elitescript.runtime.files import ScriptFile, file_over
+from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.threads.scheduler import Scheduler
 
 PROCESSES_MAX: Final = 32

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from elitescript.runtime.names.files import ScriptStream
+from elitescript.runtime.files import ScriptStream
 
 
 def system_names(write: Callable[[str], None], leave: Callable[[str], None]) -> dict[str, Any]:

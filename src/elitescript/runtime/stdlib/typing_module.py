@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
-from elitescript.runtime.names.sealed import Sealed, no_copy
+from elitescript.runtime.sealed import Sealed, no_copy
 from elitescript.runtime.stdlib.typing_records import record_names
 
 _FORMS: Final = (

@@ -10,9 +10,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from types import FrameType
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from greenlet import GreenletExit, getcurrent, greenlet  # type: ignore[import-untyped]
+
+from elitescript.language.modules import COPIED
+from elitescript.messages.timing import seconds
 
 READY: Final = "ready"
 WAITING: Final = "waiting"
@@ -58,7 +61,7 @@ class Strand:
     Attributes:
         handle: what scripts know it by: a positive number that looks like a thread id, another one for each strand.
         resume: gives it control, until it suspends itself or ends. Not inside a strand of the same scheduler.
-        suspend: gives control back to whoever resumed it; returns when it is resumed again. Only inside the strand.
+        suspend: gives control back to the caller of `resume`; returns when it is resumed. Only inside the strand.
         state: `READY`, `WAITING` or `ENDED`.
         work: checkpoints counted in the tick `work_tick`.
         waits_for: in plain words; empty while it does not wait.
@@ -269,3 +272,35 @@ def is_unwinding() -> bool:
 
 _abandoned: Final[list[greenlet | None]] = []
 """Stacks that swallow every stop. To collect one would run its code again, so they are never collected."""
+
+
+class ThreadState(NamedTuple):
+    """Says where a script thread is."""
+
+    name: str
+    line: int
+    waits_for: str
+    """In plain words; empty while it runs."""
+
+    @property
+    def doing(self) -> str:
+        """What it does, as half a sentence."""
+        return f"waiting for {self.waits_for}" if self.waits_for else "running"
+
+
+def state_of(strand: Strand) -> ThreadState:
+    """Return where a strand is and what it waits for."""
+    return ThreadState(strand.name, strand.line, _wait_of(strand))
+
+
+def _wait_of(strand: Strand) -> str:
+    """Return what a strand waits for, with the call of the standard library in which it does."""
+    reason = strand.waits_for
+    if not reason:
+        return ""
+    if strand.until is not None:
+        reason = f"{reason}, until {seconds(strand.until):.3f} s"
+    frame = strand.called_from_script()
+    if frame is not None and frame.f_globals.get("__name__") in COPIED:
+        return f"{reason} in {frame.f_globals['__name__']}.{frame.f_code.co_qualname}()"
+    return reason

@@ -1,4 +1,4 @@
-"""Classes whose instances scripts hold and whose insides they cannot reach.
+"""Makes classes for objects that scripts hold without reaching what is in them.
 
 A hidden slot is storage in every instance without an attribute: its descriptor is taken out of the class, so
 no attribute name, spelled or computed, leads to it. A sealed class cannot be patched, so that one program

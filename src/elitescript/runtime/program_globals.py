@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-from types import BuiltinFunctionType, FunctionType, ModuleType
-from typing import Any, Final
-
-from elitescript.runtime.names.modules import Facade
-
-_NOT_SHOWN: Final = (FunctionType, BuiltinFunctionType, type, ModuleType, Facade)
-"""Values that the variable monitor leaves out."""
+from typing import Any
 
 
 class ProgramGlobals:
@@ -54,10 +48,10 @@ class ProgramGlobals:
             self.values.pop(name, None)
         self._defined.clear()
 
-    def monitor(self) -> dict[str, Any]:
-        """Return what the variable monitor shows: names and values in the order of their first assignment."""
+    def own(self) -> dict[str, Any]:
+        """Return the globals of the program itself, in the order of their first assignment."""
         return {
             name: value
             for name, value in self.values.items()
-            if not name.startswith(("__", "@")) and name not in self._defined and not isinstance(value, _NOT_SHOWN)
+            if not name.startswith(("__", "@")) and name not in self._defined
         }

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.lint.suggestions import nearest
+from elitescript.language.advice.unknown_names import nearest
 
 NAMES = ["movej", "movel", "set_standard_digital_out", "get_standard_digital_in", "textmsg", "sleep"]
 

@@ -1,4 +1,4 @@
-"""Builds the picture of the machine that everybody reads."""
+"""Works out poses and speeds of TCP and flange from the joints."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ from typing import NamedTuple
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, compose, pose_from_transform
-from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import Six
-from elitescript.messages.state import ZERO_SIX, JointState, Payload, RobotState
-from elitescript.messages.timing import seconds
+from elitescript.messages.state import ZERO_SIX, JointState
 
 
 class CartesianState(NamedTuple):
-    """Poses and speeds that follow from joints and TCP, base frame: m, rad, m/s, rad/s."""
+    """Holds poses and speeds that follow from joints and TCP, base frame: m, rad, m/s, rad/s."""
 
     pose_target: Six
     pose_actual: Six
@@ -24,7 +22,7 @@ class CartesianState(NamedTuple):
 
 
 class CartesianStateFinder:
-    """Works places out, anew only for other joints or another TCP: an arm that rests asks for the same in every tick.
+    """Works them out, anew only for other joints or another TCP: for an arm that rests they are the same in every tick.
 
     Args:
         arm: the kinematics.
@@ -65,46 +63,4 @@ def _are_same(joints: JointState, other: JointState | None) -> bool:
         and joints.qd_target is other.qd_target
         and joints.q_actual is other.q_actual
         and joints.qd_actual is other.qd_actual
-    )
-
-
-def build_state(
-    *,
-    tick: int,
-    joints: JointState,
-    places: CartesianState,
-    tcp_offset: Six,
-    robot_mode: RobotMode,
-    safety_mode: SafetyMode,
-    task_state: TaskState,
-    payload: Payload,
-    gravity: tuple[float, float, float],
-    speed_scale: float,
-    is_moving: bool,
-    line: int,
-    node: tuple[int, str],
-) -> RobotState:
-    """Put together the state of one tick."""
-    return RobotState(
-        tick=tick,
-        time_s=seconds(tick),
-        robot_mode=robot_mode,
-        safety_mode=safety_mode,
-        task_state=task_state,
-        q_target=joints.q_target,
-        qd_target=joints.qd_target,
-        q_actual=joints.q_actual,
-        qd_actual=joints.qd_actual,
-        tcp_offset=tcp_offset,
-        tcp_pose_target=places.pose_target,
-        tcp_pose_actual=places.pose_actual,
-        tcp_speed_target=places.speed_target,
-        tcp_speed_actual=places.speed_actual,
-        flange_pose_actual=places.flange_pose,
-        payload=payload,
-        gravity=gravity,
-        speed_scale=speed_scale,
-        is_moving=is_moving,
-        line=line,
-        node=node,
     )

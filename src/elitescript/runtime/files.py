@@ -14,14 +14,17 @@ from io import BytesIO, TextIOWrapper
 from typing import IO, Any, Final, NoReturn
 from weakref import ref
 
-from elitescript.errors import ArgumentTypeError, InvalidValueError, NotSimulatedError
-from elitescript.runtime.environment import ProgramEnvironment, relative_name
-from elitescript.runtime.names.sealed import Sealed, hidden_slot, no_copy
+from elitescript.errors import ArgumentTypeError, InvalidValueError, NotSimulatedError, ScriptError
+from elitescript.runtime.environment import Files, ProgramEnvironment, relative_name
+from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 
 OPEN_FILES_MAX: Final = 256
 """Files that one program may have open at a time (*assumed*; what a Linux controller allows by default is 1024)."""
 
 _MODE_LETTERS: Final = frozenset("rwxabt+")
+
+_NAMES_SHOWN: Final = 3
+"""File names that a message offers for one that does not exist."""
 
 
 class OpenFiles:
@@ -256,7 +259,7 @@ class ScriptFile(metaclass=Sealed):
         return line
 
     def __del__(self) -> None:
-        # Nobody could catch an error here; a program that wants to know closes the file itself.
+        # No code could catch an error here; a program that has to know of one closes the file itself.
         with suppress(Exception):
             _file(self).close()
 
@@ -305,3 +308,41 @@ class ScriptStream(metaclass=Sealed):
 
 
 _write = hidden_slot(ScriptStream, "_write")
+
+
+def content_of(files: Files, path: str, size_max: int) -> bytes:
+    """Read a whole file of the task folder.
+
+    Args:
+        files: the task folder.
+        path: of the file, as scripts write it.
+        size_max: the largest size, in bytes.
+
+    Raises:
+        InvalidValueError: there is no such file, it cannot be read or has more bytes than that.
+        ScriptPermissionError: the path leads out of the task folder.
+    """
+    name = relative_name(path)
+    try:
+        kind = files.kind(name)
+        if kind != "file":
+            what = "is a folder" if kind else "does not exist"
+            near = [other for other in files.names("") if other.startswith(name.rpartition(".")[0] or name)]
+            hint = f"the task folder holds {', '.join(near[:_NAMES_SHOWN])}" if near and not kind else None
+            raise InvalidValueError(f"the file {name!r} {what}", argument="file_name", value=path, hint=hint)
+        size = files.size(name)
+        if size <= size_max:
+            with files.open(name, "rb", None, None) as file:
+                return bytes(file.read(size_max))
+    except OSError as error:
+        if isinstance(error, ScriptError):
+            raise
+        text = f"the file {name!r} cannot be read: {error.strerror or error}"
+        raise InvalidValueError(text, argument="file_name", value=path) from None
+    raise InvalidValueError(
+        f"the file {name!r} has {size} bytes; at most {size_max} are allowed",
+        argument="file_name",
+        value=size,
+        limit=f"<= {size_max}",
+        unit="bytes",
+    )
