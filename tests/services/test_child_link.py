@@ -659,7 +659,7 @@ class TestChild:
 
         world = MemoryEnvironment(dict(files))
         kernel = Kernel(KernelConfig(power_on=True), world)
-        expected = [kernel.tick(inputs.get(tick, ())) for tick in range(300)]
+        expected = [kernel.tick_and_snapshot(inputs.get(tick, ())) for tick in range(300)]
         theirs = MemoryFiles(dict(files))
 
         async def body(link):

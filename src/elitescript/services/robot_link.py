@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from elitescript.messages.inputs import Input
-from elitescript.messages.outputs import Output
-from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.outputs import Output, TickResult
+from elitescript.messages.snapshot import RobotDescription, Snapshot
 
 
 class TickedRobot(Protocol):
@@ -21,8 +21,11 @@ class TickedRobot(Protocol):
     def description(self) -> RobotDescription:
         """What never changes about it."""
 
-    def tick(self, inputs: Sequence[Input]) -> Output:
+    def tick(self, inputs: Sequence[Input]) -> TickResult:
         """Apply inputs in their order and go on by one tick."""
+
+    def snapshot(self) -> Snapshot:
+        """Return the machine as its ports show it after the last tick."""
 
 
 class RobotLink(Protocol):
@@ -73,11 +76,11 @@ class InProcessLink:
         """Nothing has to be brought up."""
 
     async def tick(self, inputs: Sequence[Input]) -> Output:
-        return self.robot.tick(inputs)
+        return self.tick_now(inputs)
 
     def tick_now(self, inputs: Sequence[Input]) -> Output:
         """As `tick`, without waiting."""
-        return self.robot.tick(inputs)
+        return self.robot.tick(inputs).with_snapshot(self.robot.snapshot())
 
     async def close(self) -> None:
         """Nothing is left behind."""

@@ -41,7 +41,7 @@ def serve(line: frames.BlockingLine) -> None:
         letter, text = line.receive()
         if letter == frames.TICK and kernel is not None:
             inputs = () if text == frames.NO_INPUTS else [inputs_shape.decode(item) for item in from_text(text)]
-            line.send(*writer.message(kernel.tick(inputs)))
+            line.send(*writer.message(kernel.tick_and_snapshot(inputs)))
             continue
         data = from_text(text)
         if letter == frames.LOCK_IN:
