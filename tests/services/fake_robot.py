@@ -59,6 +59,9 @@ class FakeRobot:
     def snapshot(self) -> Snapshot:
         return self._snapshot
 
+    def discrete_state(self) -> tuple[object, ...]:
+        return (replace(self._snapshot, robot=replace(self._snapshot.robot, tick=0, time_s=0.0)),)
+
     @staticmethod
     def _done(snapshot: Any, request: Any) -> Any:
         if isinstance(request, WriteSignal):

@@ -21,14 +21,14 @@ from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMess
 from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, LoadTask, RunUnit
 from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import SetTcp, WriteSignal
-from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output
+from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.services.child import frames
 from elitescript.services.child import link as child_link
 from elitescript.services.child import pending_inputs as held_inputs
 from elitescript.services.child.hang_watchdog import PATIENCE_TICKS
 from elitescript.services.child.jail import is_complete
-from elitescript.services.child.link import BOOTS_MAX, ChildLink
+from elitescript.services.child.link import BOOTS_MAX, REFRESH_TICKS, ChildLink
 from elitescript.services.child.process import child_environment, processor_time_s
 from elitescript.services.child.termination_events import COMPILE_HINT, HINT
 from elitescript.services.clients.input_queue import InputQueue
@@ -54,6 +54,8 @@ class FakeChild:
         self.say, self.end = on_message, on_end
         self.told: list[tuple[str, Any]] = []
         self.is_killed = self.is_asked = self.is_mute = self.is_compiling = False
+        self.has_changed = False
+        """Whether its discrete state has changed, so that it shows a snapshot that is not asked for."""
         self.pid, self.log = 4711, "last words"
         self.tick: int | None = None
         self.processor_s: float | None = None
@@ -66,14 +68,23 @@ class FakeChild:
         elif letter == frames.BEGIN:
             self.tick = CODEC.shape(KernelConfig).decode(from_text(text)).first_tick
             self.say(frames.DESCRIBED, to_text(CODEC.shape(RobotDescription).encode(description())).encode())
-        elif letter == frames.TICK and not self.is_mute:
-            self.answer()
+        elif letter in (frames.TICK, frames.TICK_UNREAD) and not self.is_mute:
+            if letter == frames.TICK or self.has_changed:
+                self.answer()
+            else:
+                self.answer_without_snapshot()
 
     def answer(self, **changes: Any) -> None:
         assert self.tick is not None
         whole = output(self.tick, task_state=TaskState.PLAYING, **changes)
         self.tick += 1
         self.say(frames.OUTPUT, to_text(CODEC.shape(Output).encode(whole)).encode())
+
+    def answer_without_snapshot(self) -> None:
+        assert self.tick is not None
+        result = TickResult(self.tick, (), (), ())
+        self.tick += 1
+        self.say(frames.RESULT, to_text([31, CODEC.shape(TickResult).encode(result)]).encode())
 
     def worked_s(self) -> float | None:
         return self.processor_s
@@ -120,6 +131,58 @@ def with_link(body: Callable[[ChildLink], Awaitable[None]], **options: Any) -> N
 
 class TestLink:
     """The rules, with a child that does what the test wants."""
+
+    def test_asks_for_a_snapshot_only_where_one_is_read_and_now_and_then(self, children):
+        async def body(link):
+            shown = []
+            for tick in range(2 * REFRESH_TICKS + 10):
+                shown.append((await link.tick((), tick in (3, 40))).snapshot.robot.tick)
+            letters = [letter for letter, _ in children[0].told if letter in (frames.TICK, frames.TICK_UNREAD)]
+            asked = [tick for tick, letter in enumerate(letters) if letter == frames.TICK]
+            assert asked == [0, 3, 3 + REFRESH_TICKS, 40, 40 + REFRESH_TICKS - 6][:4]
+            assert [tick for tick, of in enumerate(shown) if tick == of] == asked
+
+        with_link(body, grace_s=IMPATIENT_S)
+
+    def test_takes_a_snapshot_that_the_child_sends_by_itself(self, children):
+        async def body(link):
+            await link.tick((), True)
+            children[0].has_changed = True
+            assert [(await link.tick((), False)).is_fresh for _ in range(3)] == [True] * 3
+
+        with_link(body, grace_s=IMPATIENT_S)
+
+    def test_a_child_that_keeps_a_snapshot_back_is_replaced(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick(())
+            children[0].answer_without_snapshot()
+            found = await link.tick(())
+            assert "lacks the snapshot that was asked for" in found.events[0].text
+
+        with_link(body)
+
+    def test_the_alarm_has_the_line_of_a_tick_without_a_snapshot(self, children):
+        async def body(link):
+            await link.tick(())
+            await link.tick((), False)
+            children[0].end("it has ended")
+            (alarm, _) = (await link.tick((), False)).events
+            assert (alarm.code, alarm.line) == ("R132", 31)
+
+        with_link(body, grace_s=IMPATIENT_S)
+
+    def test_while_outputs_leave_late_every_tick_has_its_snapshot(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick((), False)
+            await link.tick((), False)
+            letters = [letter for letter, _ in children[0].told][-2:]
+            assert letters == [frames.TICK_UNREAD, frames.TICK]
+
+        with_link(body)
 
     def test_gives_ticks_and_takes_outputs(self, children):
         async def body(link):
@@ -681,6 +744,41 @@ class TestChild:
             assert theirs.contents["log.txt"] == b"began"
 
         served(body, files=theirs, grace_s=PATIENT_S, patience_s=PATIENT_S)
+
+    def test_a_restart_keeps_what_a_program_has_done_though_nothing_reads_it(self):
+        lines = (
+            "set_tcp([0.1, 0, 0.2, 0, 0.5, 0])",
+            "set_payload(1.5, [0, 0, 0.1])",
+            "movej([0.1, -1.4, -1.6, -1.5, 1.5, 0.2], a=6, v=3)",
+            "set_standard_digital_out(1, True)",
+            "write_output_integer_register(3, 77)",
+            'textmsg("done")',
+            "sleep(0.3)",
+            "sum(range(10**12))",
+        )
+        program = "def p():\n" + "".join(f"  {line}\n" for line in lines)
+
+        async def body(link):
+            cycle, outputs = Cycle(), [await link.tick([RunUnit("primary#1", "program", program)])]
+            alarms: list[Alarm] = []
+            while not alarms or outputs[-1].snapshot.robot.tick <= alarms[0].tick:
+                assert len(outputs) < 2500
+                await cycle.next()
+                outputs.append(await link.tick((), False))
+                alarms += [event for event in outputs[-1].events if isinstance(event, Alarm)]
+            cycle.close()
+            events = [event for one in outputs for event in one.events]
+            assert [event.text for event in events if isinstance(event, TextMessage)] == ["done"]
+            assert link.restarts == 1
+            before, after = next(one for one in outputs if one.tick == alarms[0].tick - 1), outputs[-1]
+            old, new = before.snapshot, after.snapshot
+            assert old.robot.tcp_offset == new.robot.tcp_offset == TCP
+            assert old.robot.payload.mass_kg == new.robot.payload.mass_kg == 1.5
+            assert new.signals["standard_digital_out"][1] is True
+            assert new.signals["output_int_register"][3] == 77
+            assert new.robot.q_actual == pytest.approx((0.1, -1.4, -1.6, -1.5, 1.5, 0.2), abs=0.02)
+
+        served(body, patience_s=0.5)
 
     def test_is_locked_in(self):
         async def body(link):

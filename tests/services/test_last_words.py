@@ -72,6 +72,6 @@ def test_the_alarm_says_where_and_what_to_do() -> None:
     assert isinstance(alarm, Alarm)
     assert (alarm.tick, alarm.code, alarm.line, alarm.text) == (9, "R132", 2, "the controller was restarted: it hung")
     assert alarm.details == {"program": "<primary#1>", "hint": HINT}
-    (alarm,) = last_words(9, "it is gone", picture(), ())
+    (alarm,) = last_words(9, "it is gone", picture(), (), last_line=7)
     assert isinstance(alarm, Alarm)
     assert (alarm.line, alarm.details) == (7, {})

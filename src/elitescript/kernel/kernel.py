@@ -185,6 +185,15 @@ class Kernel:
             self._tasks.picture, self._popup, is_remote=self._is_remote, overruns=self.overruns
         )
 
+    def discrete_state(self) -> tuple[object, ...]:
+        """Return all that a snapshot shows and that does not change with time alone; see `SnapshotBuilder`."""
+        return (*self._snapshots.discrete_state(), self._tasks.picture, self._popup, self._is_remote)
+
+    @property
+    def line(self) -> int:
+        """Script line of the main thread; 0 while no program runs."""
+        return self._controller.program.line
+
     def tick_and_snapshot(self, inputs: Sequence[Input] = ()) -> Output:
         """Run one tick, and return what happened in it with the machine as it is then."""
         return self.tick(inputs).with_snapshot(self.snapshot())

@@ -104,3 +104,9 @@ class Output:
     requests: tuple[ChannelRequest, ...]
     replies: tuple[Reply, ...]
     snapshot: Snapshot
+    """Of this tick, or an older one if nothing was to read more than its discrete state; see `is_fresh`."""
+
+    @property
+    def is_fresh(self) -> bool:
+        """Whether the snapshot is of this very tick."""
+        return self.snapshot.robot.tick == self.tick

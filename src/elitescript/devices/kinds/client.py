@@ -49,6 +49,10 @@ class PortLink:
         """Whether something is to come of the tick that has run."""
         return self.is_open and (self.is_stream or self._connection.is_expecting)
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """See `Connection.reads_snapshot`."""
+        return self.is_open and self._connection.reads_snapshot(tick)
+
     def send(self, data: bytes) -> None:
         """Bytes for the robot, which has them in the next tick."""
         self._agenda.put(1, lambda: self._receive(data), self._device)

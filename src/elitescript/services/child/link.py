@@ -21,8 +21,8 @@ from elitescript.kernel.restart import restored_config, restored_inputs
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Input, Interpret, LoadTask, PlayTask, Query, RunUnit
-from elitescript.messages.outputs import Output
-from elitescript.messages.shapes import CodecError
+from elitescript.messages.outputs import Output, TickResult
+from elitescript.messages.shapes import CodecError, check_list
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.environment import Files, FilesRefused
@@ -55,6 +55,9 @@ READING_MAX_S: Final = 0.25
 READING_KEPT: Final = 0.99
 """Time that the outputs of the last hundred ticks or so may take to be read: more than half of it."""
 BOOT_S: Final = 20.0
+REFRESH_TICKS: Final = TICKS_PER_S // 10
+"""A snapshot is at most so old when a fresh child goes on from it, though nothing reads one: joints, as all else that
+does not change with time alone is always new (*assumed*: as often as the primary port shows it)."""
 UNANSWERED_MAX: Final = 6000
 """Ticks that may wait for an answer; more than `COMPILE_MAX_S` has."""
 BOOTS_FROM_PICTURE: Final = 3
@@ -75,6 +78,8 @@ class _Sent:
 
     tick: int
     inputs: Sequence[Input]
+    has_snapshot: bool
+    """Whether its snapshot is asked for."""
     text: str
     """The inputs as JSON text."""
     answers: list[Any] = field(default_factory=list)
@@ -124,6 +129,7 @@ class ChildLink:
         "_is_jailed",
         "_is_locked_in",
         "_journal",
+        "_line",
         "_lost",
         "_memory_max",
         "_next",
@@ -133,6 +139,8 @@ class ChildLink:
         "_reading_s",
         "_replaced_because",
         "_restart_at",
+        "_result_shape",
+        "_snapshot_tick",
         "_unanswered",
         "layers",
         "restarts",
@@ -158,6 +166,7 @@ class ChildLink:
         self._memory_max = memory_max
         self._codec = full_codec()
         self._input_shape = self._codec.shape(Input)
+        self._result_shape = self._codec.shape(TickResult)
         self._reader = OutputReader(self._codec)
         self._desk = FileDesk(FilesRefused() if files is None else files)
         self._next = config.first_tick
@@ -177,6 +186,10 @@ class ChildLink:
         self._reading_s = 0.0
         self._replaced_because = ""
         self._lost: Sequence[Input] = ()
+        self._line = 0
+        """Of the program, at the last tick that was answered."""
+        self._snapshot_tick = 0
+        """The last whose snapshot was asked for."""
         self.layers: tuple[Layer, ...] = ()
         self.restarts = 0
 
@@ -219,8 +232,8 @@ class ChildLink:
             log = "" if self._child is None else self._child.log
             raise ElitescriptError(f"the robot's process did not come up: {reason}\n{log}".rstrip())
 
-    async def tick(self, inputs: Sequence[Input]) -> Output:
-        """Give the robot its inputs and return what it has had to say by now.
+    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+        """Give the robot its inputs and return what it has given by now; see `RobotLink.tick`.
 
         Raises:
             ElitescriptError: one child after the other has ended.
@@ -242,7 +255,7 @@ class ChildLink:
         if self._child is not None and self._is_locked_in and not self._end_reason:
             if not self._is_describing:
                 self._go_on(tick)
-            self._send_tick(tick)
+            self._send_tick(tick, reads_snapshot or self._must_have_snapshot(tick))
         grace_s = self._grace_of(tick)
         if self._unanswered and self._outputs.is_empty:
             began_s = time.monotonic()
@@ -313,7 +326,17 @@ class ChildLink:
         is_behind = oldest is not None and (tick - oldest.tick >= BEHIND_TICKS or oldest.size >= LONG_TEXT)
         return 0.0 if is_behind else self._grace_left_s
 
-    def _send_tick(self, tick: int) -> None:
+    def _must_have_snapshot(self, tick: int) -> bool:
+        """Whether a tick needs a snapshot that nothing reads in it.
+
+        The digests of a journal cover the snapshot of every tick; the first of a child has all that changes later ones
+        refer to; while outputs leave later than in their own tick, what is due then reads the one of an earlier tick.
+        """
+        if self._journal is not None or not self._answered or self._unanswered or not self._outputs.is_empty:
+            return True
+        return tick - self._snapshot_tick >= REFRESH_TICKS
+
+    def _send_tick(self, tick: int, has_snapshot: bool) -> None:
         assert self._child is not None
         inputs = self._held.portion()
         if refused := self._held.take_refused():
@@ -323,8 +346,10 @@ class ChildLink:
             self._patience.begin(self._child.worked_s())
         text = to_text([self._input_shape.encode(item) for item in inputs])
         size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
-        self._unanswered.append(_Sent(tick, inputs, text, size=size))
-        self._child.send(frames.TICK, text)
+        self._unanswered.append(_Sent(tick, inputs, has_snapshot, text, size=size))
+        if has_snapshot:
+            self._snapshot_tick = tick
+        self._child.send(frames.TICK if has_snapshot else frames.TICK_UNREAD, text)
 
     # ---------------------------------------------------------------- up
 
@@ -333,7 +358,7 @@ class ChildLink:
         if self._end_reason:
             return
         try:
-            if letter in (frames.OUTPUT, frames.OUTPUT_CHANGES):
+            if letter in (frames.OUTPUT, frames.OUTPUT_CHANGES, frames.RESULT):
                 self._take_output(letter, text)
             elif letter == frames.QUESTION:
                 self._take_question(text)
@@ -363,13 +388,17 @@ class ChildLink:
         if not self._unanswered:
             raise CodecError("an output that was not asked for")
         began_s = time.thread_time()
-        output = self._reader.read(letter, text)
+        output = self._read_result(text) if letter == frames.RESULT else self._reader.read(letter, text)
         self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
         if self._reading_s > READING_MAX_S:
             raise CodecError("it says so much that reading it takes the time of everybody else")
         sent = self._unanswered.popleft()
         if output.tick != sent.tick:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.tick}")
+        if isinstance(output, Output):
+            self._line = output.snapshot.robot.line
+        elif sent.has_snapshot:
+            raise CodecError(f"the output of tick {output.tick} lacks the snapshot that was asked for")
         self._boots = 0
         self._answered += 1
         self._crashes = 0 if self._answered >= CALM_TICKS else self._crashes
@@ -383,6 +412,19 @@ class ChildLink:
         if self._journal is not None:
             self._journal.tick(sent.tick, sent.text, sent.answers, self._reader.text().encode())
             self._outputs.add_own(*self._journal.take_warning(sent.tick))
+
+    def _read_result(self, text: bytes) -> TickResult:
+        """Read what a tick gives without its snapshot."""
+        output_changes.check_values(text)
+        data = from_text(text)
+        check_list(data, 2)
+        line, said = data
+        check_list(said, 4)
+        output_changes.check_said(said[1:])
+        if type(line) is not int:
+            raise CodecError("a line is a number")
+        self._line = line
+        return self._result_shape.decode(said)
 
     def _take_question(self, text: bytes) -> None:
         assert self._child is not None
@@ -476,7 +518,9 @@ class ChildLink:
     def _report(self, tick: int, reason: str, where: tuple[str, int] | None, pause: int, hint: str) -> None:
         if pause:
             reason += f"; after {self._crashes} times in a row it starts {seconds(pause):g} s later"
-        events = last_words(tick, reason, self._outputs.newest, self._lost, where=where, hint=hint)
+        events = last_words(
+            tick, reason, self._outputs.newest, self._lost, where=where, hint=hint, last_line=self._line
+        )
         self._outputs.add_own(*events)
         if self._journal is not None:
             self._journal.told(tick, events)

@@ -10,7 +10,7 @@ from collections import deque
 from typing import Final
 
 from elitescript.messages.events import Event
-from elitescript.messages.outputs import ChannelRequest, Output, Reply
+from elitescript.messages.outputs import ChannelRequest, Output, Reply, TickResult
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import TICKS_PER_S
 
@@ -22,13 +22,13 @@ class OutputBuffer:
     """Outputs that wait.
 
     Attributes:
-        newest: the last picture that has come in.
+        newest: the last snapshot that has come in.
     """
 
     __slots__ = ("_events", "_fewest", "_is_flushed", "_requests", "_shown", "_ticks", "_waiting", "newest")
 
     def __init__(self) -> None:
-        self._waiting: deque[Output] = deque()
+        self._waiting: deque[Output | TickResult] = deque()
         self._events: list[Event] = []
         self._requests: list[ChannelRequest] = []
         self._shown: Snapshot | None = None
@@ -39,13 +39,14 @@ class OutputBuffer:
 
     @property
     def is_empty(self) -> bool:
-        """Whether the next tick would show the last picture again."""
+        """Whether no output waits: the next tick would have none of its own."""
         return not self._waiting
 
-    def add(self, output: Output) -> None:
-        """An output has come in."""
+    def add(self, output: Output | TickResult) -> None:
+        """Take an output that has come in, with a snapshot or without."""
         self._waiting.append(output)
-        self.newest = output.snapshot
+        if isinstance(output, Output):
+            self.newest = output.snapshot
 
     def add_own(self, *events: Event, requests: tuple[ChannelRequest, ...] = ()) -> None:
         """Something that the child has not said; it leaves after what waits already, with the next tick."""
@@ -60,16 +61,16 @@ class OutputBuffer:
         """What leaves in a tick; there must have been an output."""
         count = min(len(self._waiting), 1 + self._surplus())
         taken = [self._waiting.popleft() for _ in range(count)]
-        if taken:
-            self._shown = taken[-1].snapshot
-        assert self._shown is not None, "there is no picture yet"
         events: list[Event] = []
         requests: list[ChannelRequest] = []
         replies: list[Reply] = []
         for output in taken:
+            if isinstance(output, Output):
+                self._shown = output.snapshot
             events += output.events
             requests += output.requests
             replies += output.replies
+        assert self._shown is not None, "there is no snapshot yet"
         events += self._events
         requests += self._requests
         self._events.clear()

@@ -25,6 +25,7 @@ def last_words(
     *,
     where: tuple[str, int] | None = None,
     hint: str = "",
+    last_line: int = 0,
 ) -> tuple[Event, ...]:
     """The events.
 
@@ -37,6 +38,7 @@ def last_words(
         last: its last picture; None if there is none.
         lost: inputs of the tick that it has not answered.
         where: text and line of the program that it was in; None if that is not known.
+        last_line: of the program, at the last tick that the robot has answered.
         hint: what to do about it, if it was given up because it did not answer.
     """
     state = None if last is None else last.robot
@@ -50,8 +52,8 @@ def last_words(
         events.append(TaskStateChanged(tick, TaskState.PLAYING, begun))
         running, is_running = begun, True
     line = where[1] if where else 0
-    if not line and state is not None and begun is None:
-        line = state.line
+    if not line and begun is None:
+        line = last_line
     details = {"program": where[0], "hint": hint or HINT} if where else {"hint": hint} if hint else {}
     text = f"the controller was restarted: {reason}"
     events.append(Alarm(tick, "R132", "ControllerRestarted", text, line, 0, "", "", details))

@@ -55,6 +55,10 @@ class RecordedRobot:
         """Return the machine as its ports show it after the last tick."""
         return self._snapshot
 
+    def discrete_state(self) -> tuple[object, ...]:
+        """Return all that a snapshot shows and that does not change with time alone."""
+        return self._kernel.discrete_state()
+
     def _ask(self, question: list[Any]) -> list[Any]:
         answer = self._desk.answer(question)
         self._answers.append(answer)
