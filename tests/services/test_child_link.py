@@ -23,14 +23,12 @@ from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import SetTcp, WriteSignal
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.services.child import frames
+from elitescript.services.child import buffers, frames, supervision, transport
 from elitescript.services.child import link as child_link
-from elitescript.services.child import pending_inputs as held_inputs
-from elitescript.services.child.hang_watchdog import PATIENCE_TICKS
 from elitescript.services.child.jail import is_complete
-from elitescript.services.child.link import BOOTS_MAX, REFRESH_TICKS, ChildLink
+from elitescript.services.child.link import REFRESH_TICKS, ChildLink
 from elitescript.services.child.process import child_environment, processor_time_s
-from elitescript.services.child.termination_events import COMPILE_HINT, HINT
+from elitescript.services.child.supervision import BOOTS_MAX, COMPILE_HINT, HANG_LIMIT_TICKS, HINT
 from elitescript.services.clients.input_queue import InputQueue
 from elitescript.services.config_codec import full_codec
 from elitescript.services.journal.replay import Replay
@@ -105,7 +103,7 @@ class FakeChild:
 @pytest.fixture
 def children(monkeypatch):
     FakeChild.made = []
-    monkeypatch.setattr(child_link, "ChildProcess", FakeChild)
+    monkeypatch.setattr(transport, "ChildProcess", FakeChild)
     return FakeChild.made
 
 
@@ -217,7 +215,7 @@ class TestLink:
             await link.tick([Do("poison", SetTcp(TCP))])
             await link.tick([Do("later", WriteSignal("flag", 0, True))])
             clock[0] += 0.8
-            for _ in range(PATIENCE_TICKS - 1):
+            for _ in range(HANG_LIMIT_TICKS - 1):
                 await link.tick(())
             assert children[0].is_asked
             assert not children[0].is_killed
@@ -255,7 +253,7 @@ class TestLink:
             children[0].processor_s = worked_before_s
             await link.tick(())
             children[0].is_mute = True
-            for _ in range(PATIENCE_TICKS + 1):
+            for _ in range(HANG_LIMIT_TICKS + 1):
                 await link.tick(())
             clock[0] += wall_s
             if processor_s is not None:
@@ -274,7 +272,7 @@ class TestLink:
             await link.tick(())
             children[0].is_mute = children[0].is_compiling = True
             await link.tick([RunUnit("primary#1", "program", "x" * size)] if size else ())
-            for _ in range(PATIENCE_TICKS + 1):
+            for _ in range(HANG_LIMIT_TICKS + 1):
                 await link.tick(())
             clock[0] += busy_s
             children[0].processor_s += busy_s
@@ -297,7 +295,7 @@ class TestLink:
             await link.tick([LoadTask("dashboard#1", "long.task")])
             children[0].say(frames.QUESTION, to_text(["open", "long.script", "rb"]).encode())
             children[0].say(frames.QUESTION, to_text(["read", 1, 0, 1 << 18]).encode())
-            for _ in range(PATIENCE_TICKS + 1):
+            for _ in range(HANG_LIMIT_TICKS + 1):
                 await link.tick(())
             clock[0] += 2.0
             children[0].processor_s += 2.0
@@ -312,7 +310,7 @@ class TestLink:
             children[0].processor_s = 0.0
             await link.tick(())
             children[0].is_mute = True
-            for _ in range(PATIENCE_TICKS + 1):
+            for _ in range(HANG_LIMIT_TICKS + 1):
                 await link.tick(())
             found = []
             for _ in range(round(lasts_s / 0.5)):
@@ -356,7 +354,7 @@ class TestLink:
                 found = await link.tick(())
                 assert (found.tick, found.snapshot.robot.tick) == (tick, tick)
 
-        with_link(body, grace_s=PATIENT_S / 2, patience_s=PATIENT_S)
+        with_link(body, grace_s=PATIENT_S / 2, hang_limit_s=PATIENT_S)
 
     def test_who_waits_again_and_again_runs_out_of_grace(self, children, monkeypatch):
         waited: list[float] = []
@@ -383,9 +381,9 @@ class TestLink:
             children[0].processor_s = 0.0
             await link.tick(())
             children[0].is_mute = True
-            for _ in range(2 * PATIENCE_TICKS):
+            for _ in range(2 * HANG_LIMIT_TICKS):
                 await link.tick(())
-            for _ in range(PATIENCE_TICKS):
+            for _ in range(HANG_LIMIT_TICKS):
                 await link.tick(())
                 clock[0] += 0.5
                 children[0].processor_s += 0.5
@@ -438,7 +436,7 @@ class TestLink:
                 assert not waiting.done()
                 children[0].answer()
                 await waiting
-                assert len(link._unanswered) == 4
+                assert len(link._transport.unanswered) == 4
 
         with_link(body)
 
@@ -452,7 +450,7 @@ class TestLink:
             clock[0] += 2 * child_link.LAG_S
             for _ in range(10):
                 await link.tick(())
-            assert len(link._unanswered) == 11
+            assert len(link._transport.unanswered) == 11
 
         with_link(body)
 
@@ -462,7 +460,7 @@ class TestLink:
             children[0].is_mute = True
             box = InputQueue()
             box.post([RunUnit("primary#1", "program", "def p():\n  pass\nend\n") for _ in range(3)])
-            for _ in range(2 * held_inputs.BUSY_TICKS):
+            for _ in range(2 * buffers.BUSY_TICKS):
                 await link.tick(())
             taken = []
             for _ in range(30):
@@ -551,7 +549,7 @@ class TestLink:
         with_link(body)
 
     def test_gives_up_when_no_child_answers(self, children, monkeypatch):
-        monkeypatch.setattr(child_link, "PAUSES_TICKS", (0,))
+        monkeypatch.setattr(supervision, "PAUSES_TICKS", (0,))
 
         async def body(link):
             await link.tick(())
@@ -600,8 +598,8 @@ class TestLink:
         with_link(body)
 
     def test_children_that_end_again_and_again_are_started_later_each_time(self, children, monkeypatch):
-        monkeypatch.setattr(child_link, "PAUSES_TICKS", (0, 0, 0, 6, 12, 25, 50, 100))
-        monkeypatch.setattr(child_link, "CALM_TICKS", 60)
+        monkeypatch.setattr(supervision, "PAUSES_TICKS", (0, 0, 0, 6, 12, 25, 50, 100))
+        monkeypatch.setattr(supervision, "CALM_TICKS", 60)
 
         async def body(link):
             await link.tick(())
@@ -637,16 +635,16 @@ class TestLink:
                     raise failures.pop()
                 return FakeChild(*arguments)
 
-            monkeypatch.setattr(child_link, "ChildProcess", starting)
+            monkeypatch.setattr(transport, "ChildProcess", starting)
             children[0].end("it has ended")
-            for _ in range(child_link.PAUSES_TICKS[-1] + 5):
+            for _ in range(supervision.PAUSES_TICKS[-1] + 5):
                 last = await link.tick(())
             assert last.snapshot.robot.tick == last.tick
 
         with_link(body)
 
     def test_inputs_that_find_no_room_are_told_once_with_their_number(self, children, monkeypatch):
-        monkeypatch.setattr(held_inputs, "HELD_MAX", 3)
+        monkeypatch.setattr(buffers, "WAITING_MAX", 3)
 
         async def body(link):
             await link.tick(())
@@ -743,7 +741,7 @@ class TestChild:
             assert theirs.contents == world.files.contents
             assert theirs.contents["log.txt"] == b"began"
 
-        served(body, files=theirs, grace_s=PATIENT_S, patience_s=PATIENT_S)
+        served(body, files=theirs, grace_s=PATIENT_S, hang_limit_s=PATIENT_S)
 
     def test_a_restart_keeps_what_a_program_has_done_though_nothing_reads_it(self):
         lines = (
@@ -778,7 +776,7 @@ class TestChild:
             assert new.signals["output_int_register"][3] == 77
             assert new.robot.q_actual == pytest.approx((0.1, -1.4, -1.6, -1.5, 1.5, 0.2), abs=0.02)
 
-        served(body, patience_s=0.5)
+        served(body, hang_limit_s=0.5)
 
     def test_is_locked_in(self):
         async def body(link):
@@ -807,7 +805,7 @@ class TestChild:
             assert found[-1].snapshot.robot.task_state is TaskState.PLAYING
             assert link.restarts == 0
 
-        served(body, grace_s=PATIENT_S, patience_s=PATIENT_S)
+        served(body, grace_s=PATIENT_S, hang_limit_s=PATIENT_S)
 
     def test_a_call_that_never_returns_is_killed_and_the_robot_goes_on(self, tmp_path, capsys):
         path = tmp_path / "session.journal"
@@ -857,7 +855,7 @@ class TestChild:
             assert link.restarts == 1
 
         journal = Journal(path, KernelConfig(power_on=True))
-        served(body, patience_s=IMPATIENT_S, journal=journal)
+        served(body, hang_limit_s=IMPATIENT_S, journal=journal)
         session = Replay(JournalReader(path))
         restarts = []
         played = list(session.outputs(lambda tick, reason: restarts.append(reason)))
