@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import Final, TypeVar
 
 from elitescript.devices.agenda import DeviceError
 from elitescript.devices.channels.faults import Fault
 from elitescript.devices.world import World
-from elitescript.errors import UsageError
 from elitescript.kernel.causes import WORLD
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelEvent, ChannelOpened, Do, Input
@@ -32,9 +31,7 @@ from elitescript.messages.outputs import (
 )
 from elitescript.messages.signals import Value
 from elitescript.protocol.connection import Connection
-
-if TYPE_CHECKING:
-    from elitescript.services.robot_server import RobotServer
+from elitescript.services.log import DEVICE, ServerLog
 
 CHANNELS_MAX: Final = 64
 """Channels that may lead to devices at a time."""
@@ -43,24 +40,8 @@ UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
 
 T = TypeVar("T")
 
-Say = Callable[[str, bool], None]
-"""Takes a text, and whether it is a problem."""
-
 Connect = Callable[[str, str], Connection]
 """Makes a connection from the name of a port and its origin."""
-
-
-def beside(station: RobotServer, world: World) -> ServedDevices:
-    """A world beside the robot of a station."""
-    from elitescript.services.robot_server import DEVICE
-
-    def connect(service: str, origin: str) -> Connection:
-        listener = station.listeners.get(service)
-        if listener is None:
-            raise UsageError(f"service: the robot has the ports {', '.join(station.listeners)}, not {service!r}")
-        return listener.connect(origin)
-
-    return ServedDevices(world, lambda text, is_problem: station.note(DEVICE, text, is_problem=is_problem), connect)
 
 
 class _Lead:
@@ -84,16 +65,15 @@ class ServedDevices:
 
     Args:
         world: its devices.
-        say: takes what they have to say.
-        connect: makes connections to ports of the robot.
+        log: takes what they write.
     """
 
-    __slots__ = ("_by_inner", "_connect", "_inputs", "_leads", "_output", "_refusals", "_say", "_world")
+    __slots__ = ("_by_inner", "_connect", "_inputs", "_leads", "_log", "_output", "_refusals", "_world")
 
-    def __init__(self, world: World, say: Say, connect: Connect) -> None:
+    def __init__(self, world: World, log: ServerLog) -> None:
         self._world = world
-        self._connect = connect
-        self._say = say
+        self._log = log
+        self._connect: Connect
         self._inputs: list[Input] = []
         self._output: Output | None = None
         self._leads: dict[int, _Lead] = {}
@@ -150,9 +130,15 @@ class ServedDevices:
         """See `World.check_fault`."""
         return self._world.check_fault(fault)
 
-    def begin(self, output: Output) -> None:
-        """The robot is up."""
+    def begin(self, output: Output, connect: Connect) -> None:
+        """Begin beside a robot that is up.
+
+        Args:
+            output: of its first tick.
+            connect: makes connections to its ports.
+        """
         self._output = output
+        self._connect = connect
         self._world.begin(self)
 
     def reads_snapshot(self, tick: int) -> bool:
@@ -189,6 +175,9 @@ class ServedDevices:
         """The robot has gone."""
         for lead in list(self._leads.values()):
             self._close(lead)
+
+    def _say(self, text: str, is_problem: bool) -> None:
+        self._log.note(DEVICE, text, is_problem=is_problem)
 
     def _take(self, request: ChannelRequest) -> bool:
         """Whether a request is about a device; if so it is done."""
