@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from itertools import chain
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
-from elitescript.messages.inputs import Input
+from elitescript.messages.enums import TaskState
+from elitescript.messages.inputs import Input, Lag
 from elitescript.messages.outputs import Output
+from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.connection import Connection
 from elitescript.services.channels.broker import Broker
 from elitescript.services.channels.connect_policy import ConnectPolicy
@@ -24,7 +25,6 @@ from elitescript.services.clients.binding import bind_one
 from elitescript.services.clients.input_queue import WAITING_MAX, InputQueue
 from elitescript.services.clients.listener import Listener
 from elitescript.services.clients.shares import Shares
-from elitescript.services.clients.tcp import Client
 from elitescript.services.log import ServerLog
 from elitescript.services.robot_link import InProcessLink, RobotLink
 from elitescript.services.state_keeper import StateKeeper
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from elitescript.services.ssh.desk import SshDesk
 
 RTSI: Final = "rtsi"
+PENDING_MAX: Final = 10_000
+"""Inputs that may wait while time stands still."""
 
 
 class RobotServer:
@@ -67,6 +69,7 @@ class RobotServer:
         "_is_lockstep",
         "_is_under_way",
         "_keeper",
+        "_lag_ticks",
         "_lockstep_timeout_s",
         "_log",
         "_overruns_before",
@@ -108,11 +111,13 @@ class RobotServer:
         self.broker = Broker(self.post if ssh is None else self._post_from_lines, lines, policy)
         self._is_lockstep = is_lockstep
         self._lockstep_timeout_s = lockstep_timeout_s
-        self._time: PacedTime | LockstepTime | None = None
+        self._time: PacedTime | None = None
         self._is_under_way = False
         """Whether a tick has taken its inputs and has not given its output yet."""
         self._keeper = keeper
         self._overruns_before = 0
+        self._lag_ticks = 0
+        """The last that was an input of the robot."""
         # Time that waits for clients waits for what they ask, too.
         self._inputs = InputQueue(inf) if is_lockstep else InputQueue()
         self._stepped: list[asyncio.Future[Output]] = []
@@ -247,10 +252,11 @@ class RobotServer:
             await self._ssh.open()
         self._write_events(self.output)
         if self._is_lockstep:
-            self._time = LockstepTime(self, self.listeners[RTSI].clients, self._lockstep_timeout_s)
+            clients, timeout_s = self.listeners[RTSI].clients, self._lockstep_timeout_s
+            self._time = LockstepTime(self._log, self._note_left_out, clients, self._step_now, self._relieve, timeout_s)
         else:
-            self._time = PacedTime(self)
-        self._task = asyncio.get_running_loop().create_task(self._time.run())
+            self._time = PacedTime(self._log, self._note_left_out)
+        self._task = asyncio.get_running_loop().create_task(self._run(self._time))
 
     @property
     def task(self) -> asyncio.Task[None]:
@@ -280,40 +286,57 @@ class RobotServer:
         if self._keeper is not None:
             await self._keeper.close()
 
-    # ---------------------------------------------------------------- what time calls
+    # ---------------------------------------------------------------- time
 
-    @property
-    def has_readers(self) -> bool:
-        """Whether an output leaves this process: clients, or connections of programs, are open."""
-        return self.has_peers or any(listener.clients for listener in self._by_urgency)
-
-    @property
-    def has_peers(self) -> bool:
-        """Whether connections of programs are open."""
-        return self.broker.count > 0
-
-    @property
-    def waiting_inputs(self) -> int:
-        """Inputs that wait for a tick."""
-        return len(self._inputs)
-
-    @property
-    def clients(self) -> Iterator[Client]:
-        """Clients of all ports."""
-        return chain.from_iterable(listener.clients.values() for listener in self.listeners.values())
+    async def _run(self, time: PacedTime) -> None:
+        """Let time pass; never returns."""
+        while True:
+            await time.next()
+            lag = self._lag(time.lag_ticks)
+            output = await self.link.tick([*lag, *self._begin_tick()], self._reads_snapshot())
+            if self._has_readers:
+                await time.outlet()
+            self._end_tick(time.with_overruns(output))
 
     async def step(self) -> None:
         """Run one tick, whose output leaves as soon as it is there."""
-        self.end_tick(await self.run_tick(self.begin_tick()))
+        self._end_tick(await self.link.tick(self._begin_tick(), self._reads_snapshot()))
 
-    def step_now(self) -> bool:
+    def _step_now(self) -> bool:
         """Do the same without waiting, if the robot is in this process; return whether it is."""
         if not isinstance(self.link, InProcessLink):
             return False
-        self.end_tick(self.link.tick_now(self.begin_tick(), self._reads_snapshot()))
+        self._end_tick(self.link.tick_now(self._begin_tick(), self._reads_snapshot()))
         return True
 
-    def begin_tick(self) -> list[Input]:
+    def _lag(self, ticks: int) -> tuple[Lag, ...]:
+        """Return the input for how far robot time is behind, if that is new and programs may wait for peers."""
+        if ticks == self._lag_ticks or (ticks and not self.broker.count):
+            return ()
+        self._lag_ticks = ticks
+        return (Lag(self.name, ticks),)
+
+    def _note_left_out(self, ticks: int) -> None:
+        is_playing = self.output.snapshot.robot.task_state is TaskState.PLAYING
+        text = (
+            f"the computer was away or too slow for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
+        )
+        self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
+
+    def _relieve(self, waits_for: str) -> None:
+        """While no tick comes, read clients on; if too much waits for a tick, only the one that time waits for."""
+        for listener in self.listeners.values():
+            for client in list(listener.clients.values()):
+                if len(self._inputs) < PENDING_MAX or client.origin == waits_for:
+                    client.relieve()
+        self._begin_reading()
+
+    @property
+    def _has_readers(self) -> bool:
+        """Whether an output leaves this process: clients, or connections of programs, are open."""
+        return self.broker.count > 0 or any(listener.clients for listener in self._by_urgency)
+
+    def _begin_tick(self) -> list[Input]:
         """Take what the tick that begins now is given."""
         self._is_under_way = True
         self._answered += self._stepped
@@ -328,11 +351,7 @@ class RobotServer:
         beside = self.devices.inputs(self.output.tick + 1)
         return inputs + (beside if self._ssh is None else self._ssh.taps.incoming(beside))
 
-    async def run_tick(self, inputs: Sequence[Input]) -> Output:
-        """Run the tick."""
-        return await self.link.tick(inputs, self._reads_snapshot())
-
-    def end_tick(self, output: Output) -> None:
+    def _end_tick(self, output: Output) -> None:
         """Publish the output of the tick."""
         self.output = output
         self._log.tick = output.tick
@@ -346,21 +365,19 @@ class RobotServer:
             self._keeper.take(output.snapshot.signals)
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
-        self.begin_reading()
+        self._begin_reading()
         for waiter in self._answered:
             if not waiter.done():
                 waiter.set_result(output)
         self._answered.clear()
 
-    def begin_reading(self) -> None:
+    def _begin_reading(self) -> None:
         """Let clients be read on: the output of the tick has left."""
         for listener in self.listeners.values():
             listener.begin_tick()
         overruns = self.overruns
         self.shares.begin_tick(is_late=overruns > self._overruns_before)
         self._overruns_before = overruns
-
-    # ---------------------------------------------------------------- inside
 
     def _reads_snapshot(self) -> bool:
         """Whether anything reads more of the snapshot of the tick that begins now than the discrete state.

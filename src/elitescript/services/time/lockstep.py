@@ -18,14 +18,15 @@ does time pass.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterable, Mapping
-from typing import Final, NamedTuple, Protocol
+from collections.abc import Callable, Mapping
+from typing import Final, NamedTuple
 
+from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.services.clients.tcp import Client
-from elitescript.services.time.cycle import Cycle
-from elitescript.services.time.paced import TimedRobot, note_left_out
+from elitescript.services.log import ServerLog
+from elitescript.services.time.paced import PacedTime
 
 TIMEOUT_S: Final = 0.5
 """How long time waits for a client by default (*assumed*). The vendor's C++ client gives up its connection when it has
@@ -36,8 +37,6 @@ STEP_MAX_S: Final = 5 * PERIOD_S
 """What counts of the time between two looks at the clients: while this process was stopped nobody could answer."""
 REPORT_S: Final = 10.0
 """Wall time within which the log names the same client once."""
-PENDING_MAX: Final = 10_000
-"""Inputs that may wait while time stands still."""
 BUSY_STEPS: Final = 64
 """Ticks after which the event loop serves all others."""
 
@@ -178,92 +177,98 @@ class Lockstep:
                 self._note(f"{origin} was let go {count} times more within {REPORT_S:g} s", origin)
 
 
-class SteppedRobot(TimedRobot, Protocol):
-    """A served robot, as lockstep needs it."""
-
-    @property
-    def waiting_inputs(self) -> int:
-        """Inputs that wait for a tick."""
-
-    @property
-    def clients(self) -> Iterable[Client]:
-        """Clients of all ports."""
-
-    def begin_reading(self) -> None:
-        """Let clients be read on."""
-
-    async def step(self) -> None:
-        """Run one tick, whose output leaves as soon as it is there."""
-
-    def step_now(self) -> bool:
-        """Do the same without waiting, if the robot is in this process; return whether it is."""
-
-
-class LockstepTime:
-    """One tick after the other, each when the RTSI clients that take part have answered.
+class LockstepTime(PacedTime):
+    """Says when the next tick begins: when the RTSI clients that take part have answered.
 
     Args:
-        robot: the robot.
-        clients: of its RTSI port, by origin; read at every call.
+        log: takes the names of clients that are let go.
+        on_left_out: see `PacedTime`.
+        clients: of the RTSI port, by origin; read at every call.
+        step: runs a tick at once, if the robot is in this process; returns whether it is.
+        relieve: called once in a period while time may stand still, with the origin of the client that it waits for:
+            reads clients on.
         timeout_s: see `Lockstep`.
 
     Attributes:
         is_standing: whether time waits for a client.
-        waits_for: origin of that client; empty if there is none.
     """
 
-    __slots__ = ("_cycle", "_failure", "_gate", "_news", "_relief", "_relieved_s", "_robot", "is_standing", "waits_for")
+    __slots__ = (
+        "_failure",
+        "_gate",
+        "_news",
+        "_relief",
+        "_relieve_clients",
+        "_relieved_s",
+        "_step",
+        "_steps",
+        "_waits_for",
+        "is_standing",
+    )
 
-    def __init__(self, robot: SteppedRobot, clients: Mapping[str, Client], timeout_s: float = TIMEOUT_S) -> None:
-        def let_go(text: str, origin: str) -> None:
-            robot.note("let_go", text, is_problem=True, origin=origin)
-
-        self._robot = robot
-        self._cycle = Cycle(on_left_out=lambda ticks: note_left_out(robot, ticks))
-        self._gate = Lockstep(clients, let_go, timeout_s)
+    def __init__(
+        self,
+        log: ServerLog,
+        on_left_out: Callable[[int], None],
+        clients: Mapping[str, Client],
+        step: Callable[[], bool],
+        relieve: Callable[[str], None],
+        timeout_s: float = TIMEOUT_S,
+    ) -> None:
+        super().__init__(log, on_left_out)
+        self._gate = Lockstep(
+            clients, lambda text, origin: log.note("let_go", text, is_problem=True, origin=origin), timeout_s
+        )
+        self._step = step
+        self._relieve_clients = relieve
         self._news = asyncio.Event()
         self._failure: Exception | None = None
-        self._relief: asyncio.TimerHandle | None = None
-        self._relieved_s = 0.0
+        self._steps = 0
+        self._waits_for = ""
         self.is_standing = False
-        self.waits_for = ""
+        loop = asyncio.get_running_loop()
+        self._relieved_s = loop.time()
+        self._relief = loop.call_soon(self._relieve)
 
     @property
-    def overruns(self) -> int:
-        """Ticks that began late."""
-        return self._cycle.overruns
+    def lag_ticks(self) -> int:
+        """None: clients wait as the robot does."""
+        return 0
 
     @property
-    def left_out(self) -> int:
-        """Ticks that never were because the computer was away."""
-        return self._cycle.left_out
+    def waits_for(self) -> str:
+        """See `PacedTime.waits_for`."""
+        return self._waits_for
 
-    async def run(self) -> None:
-        """Let time pass; never returns.
+    async def next(self) -> None:
+        """Return when the next tick begins.
 
         Raises:
             Exception: what has ended the robot.
         """
-        cycle, robot = self._cycle, self._robot
-        steps = 0
-        self._relieved_s = asyncio.get_running_loop().time()
-        self._relieve()
         while True:
             found = self._gate.gate()
-            self.waits_for = found.waits_for
+            self._waits_for = found.waits_for
             if not found.has_participants:
-                await cycle.next()
+                await self._cycle.next()
                 if not self._gate.gate().has_participants:
-                    await robot.step()
+                    return
                 continue
-            cycle.restart()
-            if found.is_open:
-                await robot.step()
-                steps += 1
-                if steps % BUSY_STEPS == 0:
-                    await asyncio.sleep(0)
-            else:
+            self._cycle.restart()
+            if not found.is_open:
                 await self._stand()
+                continue
+            self._steps += 1
+            if self._steps % BUSY_STEPS == 0:
+                await asyncio.sleep(0)
+            return
+
+    async def outlet(self) -> None:
+        """Return at once: an output leaves as soon as it is there."""
+
+    def with_overruns(self, output: Output) -> Output:
+        """Return the output as it is: no tick is late."""
+        return output
 
     def wake(self) -> None:
         """Look again whether time may go on: a client has sent something, has read, or goes."""
@@ -275,26 +280,24 @@ class LockstepTime:
             return
         # The shortest way from a client's answer to its next package: no turn of the event loop in between.
         try:
-            is_done = self._robot.step_now()
+            is_done = self._step()
         except Exception as error:
             # Not a failure of the client that has called: what passes time ends with it.
             self._failure = error
             is_done = False
-        if not is_done:
-            self._news.set()
-            return
-        found = self._gate.gate()
-        self.waits_for = found.waits_for
-        if found.is_open:
+        if is_done:
+            found = self._gate.gate()
+            self._waits_for = found.waits_for
+        if not is_done or found.is_open:
             self._news.set()
 
     def close(self) -> None:
-        """No tick comes after this."""
-        if self._relief is not None:
-            self._relief.cancel()
-        self._cycle.close()
+        """See `PacedTime.close`."""
+        self._relief.cancel()
+        super().close()
 
     async def _stand(self) -> None:
+        """Return when there is a reason to look at the clients again."""
         self._news.clear()
         self.is_standing = True
         try:
@@ -305,14 +308,9 @@ class LockstepTime:
             raise self._failure
 
     def _relieve(self) -> None:
-        """While no tick comes, read clients on; if too much waits for a tick, only the one that time waits for."""
-        robot = self._robot
-        for client in list(robot.clients):
-            if robot.waiting_inputs < PENDING_MAX or client.origin == self.waits_for:
-                client.relieve()
-        robot.begin_reading()
+        self._relieve_clients(self._waits_for)
         loop = asyncio.get_running_loop()
         before_s, self._relieved_s = self._relieved_s, loop.time()
-        if self._gate.watch(robot.output.tick, self._relieved_s - before_s):
+        if self._gate.watch(self._log.tick, self._relieved_s - before_s):
             self._news.set()
         self._relief = loop.call_later(PERIOD_S, self._relieve)
