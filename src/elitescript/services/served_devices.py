@@ -1,8 +1,8 @@
 """The virtual devices beside a served robot, in the robot's own time.
 
-They live in the serving process. Before each tick they are asked what happens in it, after each tick they are shown its
-signals. What programs ask of connections goes to them if they have the port or the line, else to the broker. Faults of
-channels and inputs are not here: the robot itself has them, so that a session can be replayed.
+They live in the serving process. Before each tick they give its inputs, after each tick they get its signals. What
+programs ask of connections goes to them if they have the port or the line, else to the broker. Faults of channels and
+inputs are not here: the robot itself has them, so that a session can be replayed.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from elitescript.services.log import DEVICE, ServerLog
 CHANNELS_MAX: Final = 64
 """Channels that may lead to devices at a time."""
 UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
-"""Bytes that may be on their way to a device; who keeps to the window stays below it."""
+"""Bytes that may be on their way to a device; within the window of a channel there are fewer."""
 
 T = TypeVar("T")
 
@@ -45,7 +45,7 @@ Connect = Callable[[str, str], Connection]
 
 
 class _Lead:
-    """A channel that leads to a device."""
+    """A channel between the robot and a device."""
 
     __slots__ = ("inner", "number", "unsent")
 
@@ -59,9 +59,9 @@ class _Lead:
 
 
 class ServedDevices:
-    """A world beside a served robot.
+    """Connects a served robot with virtual devices.
 
-    What the robot asks for is not trusted: it has a bounded number of channels, and of bytes on their way.
+    Requests of the robot are not trusted: it has a bounded number of channels, and of bytes on their way.
 
     Args:
         world: its devices.
@@ -83,7 +83,7 @@ class ServedDevices:
         self._refusals: list[Input] = []
         world.on_device_failure = self._failed
 
-    # ---------------------------------------------------------------- what the world asks
+    # ---------------------------------------------------------------- what the devices call
 
     @property
     def tick(self) -> int:
@@ -91,7 +91,7 @@ class ServedDevices:
         return 0 if self._output is None else self._output.tick
 
     def read(self, name: str, index: int) -> Value:
-        """A point of the last picture."""
+        """Return a point of the signal table, after the last tick."""
         assert self._output is not None
         return self._output.snapshot.signals[name][index]
 
@@ -124,7 +124,7 @@ class ServedDevices:
     def _failed(self, error: DeviceError) -> None:
         self._say(f"{error}; the device is disconnected", True)
 
-    # ---------------------------------------------------------------- what the station asks
+    # ---------------------------------------------------------------- what the server calls
 
     def check_fault(self, fault: Fault) -> Fault:
         """See `World.check_fault`."""
@@ -146,7 +146,7 @@ class ServedDevices:
         return self._world.reads_snapshot(tick)
 
     def inputs(self, tick: int) -> list[Input]:
-        """What happens in the tick that is about to run."""
+        """Return what happens in the tick that is about to run."""
         events, self._refusals = self._refusals, []
         nothing: Sequence[ChannelEvent] = ()
         for event in self._guarded(lambda: self._world.network.arrivals(tick), nothing):
@@ -162,7 +162,7 @@ class ServedDevices:
         return inputs + events
 
     def take(self, output: Output) -> list[ChannelRequest]:
-        """A tick has run: do what it asks of devices; return what it asks of others."""
+        """Carry out what a tick asks of devices; return what it asks of others."""
         others = [request for request in output.requests if not self._guarded(partial(self._take, request), True)]
         self._output = output
         for event in output.events:
@@ -172,7 +172,7 @@ class ServedDevices:
         return others
 
     def close_all(self) -> None:
-        """The robot has gone."""
+        """Close every channel: the robot has gone."""
         for lead in list(self._leads.values()):
             self._close(lead)
 
@@ -180,7 +180,7 @@ class ServedDevices:
         self._log.note(DEVICE, text, is_problem=is_problem)
 
     def _take(self, request: ChannelRequest) -> bool:
-        """Whether a request is about a device; if so it is done."""
+        """Carry a request out if it is about a device; return whether it is."""
         network = self._world.network
         match request:
             case OpenChannel(number, _, address, port):
@@ -208,7 +208,7 @@ class ServedDevices:
         return True
 
     def _has_room(self, number: int) -> bool:
-        """Whether a channel may be opened; if not, the robot hears why."""
+        """Whether a channel may be opened; if not, the robot gets the reason."""
         if number not in self._leads and len(self._leads) < CHANNELS_MAX:
             return True
         why = f"channel {number} is in use" if number in self._leads else f"{CHANNELS_MAX} connections are open"

@@ -201,7 +201,7 @@ class ChildTransport:
         output = self._read_result(text) if letter == frames.RESULT else self._reader.read(letter, text)
         self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
         if self._reading_s > READING_MAX_S:
-            raise CodecError("it says so much that reading it takes the time of everybody else")
+            raise CodecError("it says so much that reading it takes the time of other clients")
         sent = self.unanswered.popleft()
         if output.tick != sent.number:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.number}")

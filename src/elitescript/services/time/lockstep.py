@@ -34,7 +34,7 @@ got no package for 1 s."""
 UNANSWERING_S: Final = 0.02
 """The same for a client that has sent inputs before and never answered a package by one (*assumed*)."""
 STEP_MAX_S: Final = 5 * PERIOD_S
-"""What counts of the time between two looks at the clients: while this process was stopped nobody could answer."""
+"""What counts of the time between two looks at the clients: while this process was stopped no client could answer."""
 REPORT_S: Final = 10.0
 """Wall time within which the log names the same client once."""
 BUSY_STEPS: Final = 64
@@ -55,7 +55,7 @@ _OPEN = Gate(True, True, "")
 
 
 class Lockstep:
-    """Which clients of one robot's RTSI port time waits for, and how long.
+    """Knows which clients of one robot's RTSI port time waits for, and how long.
 
     Args:
         clients: of the port, by origin; read at every call.
@@ -94,7 +94,7 @@ class Lockstep:
         """How often it was let go in that time."""
 
     def gate(self) -> Gate:
-        """Ask the clients."""
+        """Return whether time may go on now."""
         has_participants = False
         behind = ""
         for client in self._clients.values():
@@ -112,7 +112,7 @@ class Lockstep:
         return Gate(False, True, behind) if behind else _OPEN
 
     def watch(self, tick: int, elapsed_s: float) -> bool:
-        """Let clients go that time has waited for too long; whether one was.
+        """Let clients go that time has waited for too long; return whether there was one.
 
         Args:
             tick: the last one; time that has gone on since the last call has waited for no client.
@@ -167,7 +167,7 @@ class Lockstep:
         self._note(text, origin)
 
     def _tell(self, elapsed_s: float) -> None:
-        """Say how often a client was let go since the log named it last."""
+        """Write how often a client was let go since the log named it last."""
         for origin in list(self._quiet_s):
             self._quiet_s[origin] -= elapsed_s
             if self._quiet_s[origin] > 0.0:
