@@ -65,6 +65,7 @@ REGISTRY: Final[tuple[type, ...]] = (
     LineSettings,
     *get_args(Outcome),
     outputs.Output,
+    outputs.TickResult,
     outputs.Reply,
     snapshot.RobotDescription,
     snapshot.Snapshot,

@@ -247,6 +247,10 @@ class Device:
         """Whether it is connected to a port of the robot that has something to send after a tick."""
         return False
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """Return whether it is connected to a port of the robot that reads the snapshot of a tick."""
+        return False
+
     def take_output(self, output: Output) -> None:
         """Take the output of a tick that has run; called if it wants that."""
 

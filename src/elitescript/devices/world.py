@@ -248,6 +248,10 @@ class World(Surroundings):
         self.signals.settle()
         self._context.publish()
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """Whether a device that is connected to a port of the robot reads the snapshot of a tick."""
+        return any(device.reads_snapshot(tick) for device in self._context.clients)
+
     def run_ended(self) -> None:
         for device in self.devices:
             device.run_ended()

@@ -1,4 +1,7 @@
-"""One robot as a function: `Kernel.tick` applies what has come in, runs one tick and returns what there is to say.
+"""One robot as a function: `Kernel.tick` applies inputs, runs one tick and returns what happened in it.
+
+The machine as ports show it is a call of its own, `Kernel.snapshot`: it takes most of the time of a tick of an arm that
+moves, and changes nothing.
 
 Nothing here knows a clock, a socket or a file of this computer. A kernel does the same whenever it is made with the
 same configuration and given the same inputs at the same ticks.
@@ -56,10 +59,10 @@ from elitescript.messages.inputs import (
 )
 from elitescript.messages.machine import AskSafety, DisturbInput, EndInputFaults, MachineRequest, PowerOff, StopTask
 from elitescript.messages.outcomes import Done, Outcome, Refused
-from elitescript.messages.outputs import Output, Reply
+from elitescript.messages.outputs import Output, Reply, TickResult
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import SIGNALS
-from elitescript.messages.snapshot import TaskPicture
+from elitescript.messages.snapshot import Snapshot
 from elitescript.runtime.connections.serial_line import close_lines
 from elitescript.runtime.environment import FilesRefused, ProgramEnvironment
 from elitescript.wiring import RobotOptions, assemble
@@ -75,7 +78,7 @@ class Kernel:
 
     Attributes:
         description: what never changes about it.
-        overruns: ticks that began late, for the snapshots; whoever keeps time counts them.
+        overruns: ticks that began late, for the snapshots; counted by what keeps time.
 
     Raises:
         UsageError: a configuration that makes no sense.
@@ -87,15 +90,16 @@ class Kernel:
         "_conversations",
         "_events",
         "_faulty",
+        "_has_run",
         "_host",
         "_is_popup_blocking",
         "_is_remote",
         "_limit",
         "_logs",
-        "_pictures",
         "_popup",
         "_programs",
         "_replies",
+        "_snapshots",
         "_tasks",
         "description",
         "overruns",
@@ -110,6 +114,8 @@ class Kernel:
         self.description = describe(config, model, firmware)
         self.overruns = 0
         self._events: list[Event] = []
+        self._has_run = False
+        """Whether the tick of the controller is over; the next call of `tick` goes on to the next one."""
         self._limit = WarningLimit()
         self._replies: list[Reply] = []
         self._popup = ""
@@ -133,7 +139,7 @@ class Kernel:
         self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=outside)
         self._logs = None if world is None else InterpreterLogs(world.files)
         self._conversations = Conversations(self._host, self._reply, self._logs)
-        self._pictures = SnapshotBuilder(self._controller)
+        self._snapshots = SnapshotBuilder(self._controller)
         self._programs = Programs(self._controller, self._host, firmware, model, is_strict=config.strict)
         self._tasks = Tasks(
             self._controller, self._host, self._programs, outside.files, outside.channels, config.configuration
@@ -150,33 +156,48 @@ class Kernel:
     @property
     def next_tick(self) -> int:
         """Number of the tick that `tick` runs next."""
-        return self._controller.tick
+        return self._controller.tick + self._has_run
 
-    def tick(self, inputs: Sequence[Input] = ()) -> Output:
+    def tick(self, inputs: Sequence[Input] = ()) -> TickResult:
         """Run one tick.
 
         Args:
             inputs: what has come in since the last one, in order.
-
-        Returns:
-            What happened in it, and the machine as it is then.
         """
         controller = self._controller
+        if self._has_run:
+            controller.leap(controller.tick + 1)
+            self._has_run = False
         tick, logs = controller.tick, self._logs
         if logs is not None:
             logs.begin_tick(tick)
         controller.run_tick(lambda: self._take(inputs))
         if logs is not None and (trouble := logs.end_tick()):
             self._emit(Warned(tick, trouble))
-        snapshot = self._pictures.picture(
-            self._task_picture(), self._popup, is_remote=self._is_remote, overruns=self.overruns
-        )
-        requests = self._channels.take()
-        output = Output(tick, tuple(self._events), requests, tuple(self._replies), snapshot)
+        result = TickResult(tick, tuple(self._events), self._channels.take(), tuple(self._replies))
         self._events.clear()
         self._replies.clear()
-        controller.leap(tick + 1)
-        return output
+        self._has_run = True
+        return result
+
+    def snapshot(self) -> Snapshot:
+        """Return the machine as its ports show it after the last tick."""
+        return self._snapshots.picture(
+            self._tasks.picture, self._popup, is_remote=self._is_remote, overruns=self.overruns
+        )
+
+    def discrete_state(self) -> tuple[object, ...]:
+        """Return all that a snapshot shows and that does not change with time alone; see `SnapshotBuilder`."""
+        return (*self._snapshots.discrete_state(), self._tasks.picture, self._popup, self._is_remote)
+
+    @property
+    def line(self) -> int:
+        """Script line of the main thread; 0 while no program runs."""
+        return self._controller.task.program.line
+
+    def tick_and_snapshot(self, inputs: Sequence[Input] = ()) -> Output:
+        """Run one tick, and return what happened in it with the machine as it is then."""
+        return self.tick(inputs).with_snapshot(self.snapshot())
 
     # ---------------------------------------------------------------- inputs
 
@@ -313,9 +334,6 @@ class Kernel:
 
     def _reply(self, origin: str, outcome: Outcome) -> None:
         self._replies.append(Reply(origin, outcome))
-
-    def _task_picture(self) -> TaskPicture:
-        return self._tasks.picture
 
 
 def _check_point(request: object) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypeVar
 
 from elitescript.codec.json_text import to_text
 from elitescript.codec.messages import Codec
@@ -13,7 +14,9 @@ from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, Saf
 from elitescript.kernel.config import KernelConfig
 from elitescript.messages.events import Event, MotionStarted
 from elitescript.messages.motion import MoveML
-from elitescript.messages.outputs import Output
+from elitescript.messages.outputs import Output, TickResult
+
+Said = TypeVar("Said", Output, TickResult)
 
 
 def full_codec() -> Codec:
@@ -26,11 +29,8 @@ def output_text(shape: Shape[Output], output: Output) -> str:
     return to_text(shape.encode(without_points(output)))
 
 
-def without_points(output: Output) -> Output:
-    """An output as it is written.
-
-    A million points of a file are not sent to whoever hears that the arm begins to follow them.
-    """
+def without_points(output: Said) -> Said:
+    """Return an output as it is written: the event that the arm begins to follow a file does not carry its points."""
     if any(_has_points(event) for event in output.events):
         return replace(output, events=tuple(map(_without_points, output.events)))
     return output

@@ -49,6 +49,10 @@ class PortLink:
         """Whether it sends something after the tick that has run."""
         return self.is_open and (self.is_stream or self._connection.is_expecting)
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """See `Connection.reads_snapshot`."""
+        return self.is_open and self._connection.reads_snapshot(tick)
+
     def send(self, data: bytes) -> None:
         """Bytes for the robot, which has them in the next tick."""
         self._agenda.put(1, lambda: self._receive(data), self._device)
@@ -203,6 +207,10 @@ class TcpClient(Device):
     def wants_output(self) -> bool:
         """See `Device.wants_output`."""
         return self._link is not None and self._link.wants_output
+
+    def reads_snapshot(self, tick: int) -> bool:
+        """See `Device.reads_snapshot`."""
+        return self._link is not None and self._link.reads_snapshot(tick)
 
     def take_output(self, output: Output) -> None:
         """See `Device.take_output`."""

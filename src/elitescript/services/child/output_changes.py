@@ -182,7 +182,7 @@ class OutputReader:
                 more = from_text(content[at:])
                 check_list(more, 4)
                 written = more[:3]
-                _check_said(written)
+                check_said(written)
                 said = [read(item) for read, item in zip(self._said, written, strict=True)]
                 self._take_changes(more[3])
             robot = RobotState(self._robot_tick, *values[:_OF_ROBOT])
@@ -195,7 +195,7 @@ class OutputReader:
 
     def _read_whole(self, data: Any) -> Output:
         if type(data) is list:
-            _check_said(data[1:4])
+            check_said(data[1:4])
         output = self._shape.decode(data)
         robot, *rest = data[4]
         self._robot_tick = robot[0]
@@ -251,10 +251,15 @@ def check_values(content: bytes) -> None:
         and content.count(b",") > VALUES_MAX
         and _TEXT.sub(b"", content).count(b",") > VALUES_MAX
     ):
-        raise CodecError(f"an output of more than {VALUES_MAX} values; reading it takes the time of everybody else")
+        raise CodecError(f"an output of more than {VALUES_MAX} values; reading it takes the time of other clients")
 
 
-def _check_said(said: list[Any]) -> None:
+def check_said(said: list[Any]) -> None:
+    """Refuse a tick with too many events, requests or replies.
+
+    Raises:
+        CodecError: it has.
+    """
     for items in said:
         if type(items) is list and len(items) > SAID_MAX:
             raise CodecError(f"an output with {len(items)} events, requests or replies; {SAID_MAX} are read")

@@ -100,7 +100,7 @@ def outcome_text(order: VerbAction, outcomes: Iterable[Outcome]) -> str:
         outcomes: of its inputs, in their order.
 
     Raises:
-        UsageError: the robot refuses one of them; the text is that of the first.
+        UsageError: the robot refuses one of them; with the first refusal.
     """
     text = order.text
     for outcome in outcomes:
@@ -330,7 +330,7 @@ _ROWS: Final = (
     Verb("speed", "0..1", "Speed slider as a fraction.", _speed),
     Verb("remote", "", "Switch to remote control.", _control("on")),
     Verb("local", "", "Switch to local control: clients may only look.", _control("off")),
-    Verb("ports", "", "Every port, and who is connected."),
+    Verb("ports", "", "Every port, and its clients."),
 )
 
 VERBS: Final[dict[str, Verb]] = {row.name: row for row in _ROWS}
