@@ -17,9 +17,9 @@ from elitescript.kernel import Kernel, KernelConfig
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input, RunUnit
 from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChannel, Output, SendChannel
 from elitescript.protocol.connection import Connection
+from elitescript.protocol.table import SERVICES
 from elitescript.services.child.output_changes import OutputReader, OutputWriter
 from elitescript.services.config_codec import full_codec
-from elitescript.services.table import SERVICES
 
 PROGRAM = """def day():
   n = 0

@@ -15,9 +15,9 @@ from elitescript.messages.inputs import AddFault, ChannelClosed, ChannelCredit, 
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, SendChannel
 from elitescript.protocol.outcomes import read_outcome
+from elitescript.protocol.table import SERVICES
 from elitescript.services.control.verbs import VERBS, VerbRequest
 from elitescript.services.served_devices import CHANNELS_MAX, UNSENT_MAX, ServedDevices
-from elitescript.services.table import SERVICES
 from elitescript.testing.world import Device, Fault, ModbusDevice, SerialDevice, TcpClient, TcpServer, Wire, World
 from tests.devices.programs import robot_in
 

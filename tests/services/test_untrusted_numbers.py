@@ -15,8 +15,8 @@ from elitescript.messages.events import Alarm, Event, Popup, TextMessage, Warned
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
 from elitescript.protocol.rtsi.variables import OUTPUTS
+from elitescript.protocol.table import SERVICES
 from elitescript.services.config_codec import full_codec, output_text
-from elitescript.services.table import SERVICES
 
 SHAPE = full_codec().shape(Output)
 KERNEL = Kernel(KernelConfig(power_on=True))

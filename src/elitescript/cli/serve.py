@@ -30,6 +30,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
+from elitescript.protocol.table import SERVICES, services_of
 from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
 from elitescript.services.child.jail import is_complete
 from elitescript.services.robot_link import RobotLink
@@ -37,7 +38,7 @@ from elitescript.services.robot_server import DEVICE, LogLine, RobotServer
 from elitescript.services.robots import numbered_path, probe_jail, robot_link
 from elitescript.services.server import ServeSession, is_loopback
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.table import NAMES, SERVICES, SSH, port_numbers, services_of, spare_numbers
+from elitescript.services.table import NAMES, SSH, port_numbers, spare_numbers
 from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 
 if TYPE_CHECKING:

@@ -21,6 +21,7 @@ from elitescript.messages.inputs import Input, Lag
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
+from elitescript.protocol.table import services_of
 from elitescript.services.channels.broker import Broker
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.clients.binding import bind_one
@@ -29,7 +30,7 @@ from elitescript.services.clients.listener import Listener
 from elitescript.services.clients.shares import Shares
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.table import SSH, services_of
+from elitescript.services.table import SSH
 from elitescript.services.time.cycle import Cycle
 from elitescript.services.time.lockstep import TIMEOUT_S, Lockstep
 
