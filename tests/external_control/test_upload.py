@@ -26,7 +26,7 @@ class Session:
         """Let time go by; what is asked for comes in its first tick."""
         pending = list(inputs)
         for _ in range(round(duration_s * 250)):
-            arrivals = self.pc.channels.arrivals(self.kernel.next_tick)
+            arrivals = self.pc.channels.arrivals(self.kernel.present_tick)
             output = self.kernel.tick([*pending, *arrivals])
             pending = []
             self.alarms += [event for event in output.events if isinstance(event, Alarm)]

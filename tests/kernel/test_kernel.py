@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 
 from elitescript.kernel import Kernel, KernelConfig
-from elitescript.kernel.kernel import HANDLERS
+from elitescript.kernel.handlers import HANDLERS
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
@@ -406,7 +406,7 @@ class TestTheController:
             (0, 0),
             (1, 1),
         ]
-        assert kernel.next_tick == 2
+        assert kernel.present_tick == 2
 
 
 class TestModbus:

@@ -82,7 +82,7 @@ class Session:
             station.post(self.asked.get(tick, []))
             await station.step()
             self.outputs.append(station.output)
-        self.left_in_kernel = dict(link.robot._kernel._host.connections)  # type: ignore[attr-defined]
+        self.left_in_kernel = dict(link.robot._kernel.host.connections)  # type: ignore[attr-defined]
         assert station._world is not None
         self.left_in_station = dict(station._world._leads)
         self.left_in_world = self.world.network.open_channels

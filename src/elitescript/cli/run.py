@@ -20,11 +20,11 @@ from elitescript.controller.views.trace import Trace, step_ticks
 from elitescript.controller.views.trace_signals import TraceSignals
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
+from elitescript.kernel.config import EPOCH_S
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import DeviceNoted
 from elitescript.robot import VirtualRobot
-from elitescript.wiring import EPOCH_S
 
 EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "stuck": 5}
 DOES_NOT_COMPILE: Final = 3

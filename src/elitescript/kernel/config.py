@@ -17,7 +17,9 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import RPC_TIMEOUT_S
 from elitescript.models.model import RobotModel, load_model, parse_model
 from elitescript.runtime.threads.scheduler import WORK_PER_TICK
-from elitescript.wiring import EPOCH_S
+
+EPOCH_S: Final = 1_704_067_200.0
+"""2024-01-01T00:00:00Z: where the clock of a free run begins, so that every run is the same."""
 
 DEFAULT_CONFIGURATION: Final = "default.configuration"
 
@@ -62,6 +64,8 @@ class KernelConfig:
     """How long a remote procedure call waits for its answer; 0 and less wait for ever."""
     strict: bool = False
     """Refuse what a Python 3 controller refuses, instead of warning."""
+    confirms_popups: bool = False
+    """Confirm popups that block at once, where there is nobody to do it."""
 
 
 def configured_model(config: KernelConfig) -> RobotModel:

@@ -144,7 +144,7 @@ class Replay:
             raise UsageError(f"{self._reader.place}: {error}") from None
 
     def _ask(self, question: list[Any]) -> list[Any]:
-        place = f"{self._reader.place}: tick {self._kernel.next_tick}"
+        place = f"{self._reader.place}: tick {self._kernel.present_tick}"
         if not self._answers:
             raise UsageError(f"{place}: the journal has no answer to {question[0]!r} about files")
         answer = self._answers.pop(0)
@@ -158,8 +158,8 @@ class Replay:
         """Run up to and including a tick; the inputs are for that one."""
         if self._until is not None:
             last = min(last, self._until)
-        while self._kernel.next_tick <= last:
-            output = self._kernel.tick(inputs if self._kernel.next_tick == last else ())
+        while self._kernel.present_tick <= last:
+            output = self._kernel.tick(inputs if self._kernel.present_tick == last else ())
             self._digest.add(output_text(self._output_shape, output).encode())
             self.last_tick, self._last = output.tick, output
             yield output
