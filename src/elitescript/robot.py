@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from elitescript.controller.force.contact import ContactConfig
+from elitescript.controller.modes import AT_ONCE
 from elitescript.controller.safety.limits import SafetyLimits
 from elitescript.controller.signals.by_name import Signals, signal_write
 from elitescript.controller.views.trace import Trace
@@ -23,6 +24,7 @@ from elitescript.environment.allowance import TASK_DIR_BYTES
 from elitescript.environment.interrupts import interrupts_passed_to
 from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
+from elitescript.kernel.options import DEFAULTS, RobotOptions
 from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
 from elitescript.language.options import SECONDARY
 from elitescript.language.text.source import SourceFile
@@ -34,12 +36,11 @@ from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
-from elitescript.messages.timing import RPC_TIMEOUT_S, seconds, ticks_for
+from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.environment import ProgramEnvironment
-from elitescript.runtime.threads.scheduler import WORK_PER_TICK
-from elitescript.wiring import EPOCH_S, RobotOptions, assemble, checked_presets
+from elitescript.wiring import assemble, checked_presets
 
 if TYPE_CHECKING:
     from elitescript.environment.state_file import StateFile
@@ -107,9 +108,9 @@ class VirtualRobot:
         world: ProgramEnvironment | Surroundings | str | Path | None = None,
         lines: Mapping[str, str] | None = None,
         strict: bool = False,
-        epoch_s: float = EPOCH_S,
-        work_per_tick: int = WORK_PER_TICK,
-        rpc_timeout_s: float = RPC_TIMEOUT_S,
+        epoch_s: float = DEFAULTS["epoch_s"],
+        work_per_tick: int = DEFAULTS["work_per_tick"],
+        rpc_timeout_s: float = DEFAULTS["rpc_timeout_s"],
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
@@ -119,11 +120,12 @@ class VirtualRobot:
     ) -> None:
         self.model = model if isinstance(model, RobotModel) else load_model(model)
         self.profile = profile(firmware)
-        self._options = Options(strict=strict)
         self._on_event = on_event
         self._outside = Outside(world, task_dir, lines, task_dir_limit)
         cell = self._outside.cell
-        fittings = RobotOptions(
+        self.options = RobotOptions(
+            model=self.model.name,
+            firmware=firmware,
             epoch_s=epoch_s,
             seed=seed,
             joints=joints,
@@ -132,10 +134,14 @@ class VirtualRobot:
             rpc_timeout_s=rpc_timeout_s,
             contact=cell.take("contact", contact),
             safety=cell.take("safety", safety),
-            plant=cell.take("plant", plant) or self.model.plant,
+            plant=cell.take("plant", plant),
+            strict=strict,
+            power_on=True,
+            power_times=AT_ONCE,
+            confirms_popups=True,
         )
         self.controller, self._host = assemble(
-            self.model, self.profile, fittings, on_event=self._event, on_end=self._program_ended
+            self.model, self.profile, self.options, on_event=self._event, on_end=self._program_ended
         )
         self.signals = Signals(self.controller)
         if not drain_s >= 0.0:
@@ -259,7 +265,7 @@ class VirtualRobot:
             UsageError: no such file.
         """
         source = program if isinstance(program, SourceFile) else source_of(program)
-        return compile_task(source, self._options)
+        return compile_task(source, Options(strict=self.options.strict))
 
     def run(
         self,
@@ -359,7 +365,7 @@ class VirtualRobot:
         Raises:
             ProgramError: the text does not compile.
         """
-        unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self._options.strict, kind="secondary"))
+        unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self.options.strict, kind="secondary"))
         self._host.start_secondary(unit)
 
     def advance(self, duration_s: float, *, pace: Pace | None = None) -> None:

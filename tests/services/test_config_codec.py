@@ -2,7 +2,7 @@ from array import array
 
 from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import MotionStarted
 from elitescript.messages.motion import MicroLine, MoveML
@@ -13,7 +13,7 @@ from tests.protocol.snapshots import output
 
 
 def test_every_part_of_a_configuration_comes_back():
-    config = KernelConfig(
+    config = RobotOptions(
         model="mine.toml",
         model_text='base = "CS66"\n[arm]\nd6 = 0.095\n',
         joints=(0.0, -1.5, 1.0, -1.0, 1.5, 0.1),
@@ -27,7 +27,7 @@ def test_every_part_of_a_configuration_comes_back():
         faults=('{"kind": "drop", "on": 5000}',),
         signals=(("flag[3]", True), ("output_float_register[1]", 0.1), ("output_int_register[1]", 7)),
     )
-    shape = full_codec().shape(KernelConfig)
+    shape = full_codec().shape(RobotOptions)
     back = shape.decode(from_text(to_text(shape.encode(config))))
     assert back == config
     assert back.contact.planes[0].direction == config.contact.planes[0].direction

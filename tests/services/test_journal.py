@@ -9,14 +9,14 @@ import pytest
 from elitescript.cli.main import main
 from elitescript.devices.memory import MemoryFiles
 from elitescript.errors import UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.inputs import Do, LoadTask, PlayTask, RunUnit
 from elitescript.messages.machine import WritePortCoils, WritePortRegisters, WriteSignal
 from elitescript.messages.plant import PlantConfig
 from elitescript.services.journal.replay import RecordedRobot, Replay
 from elitescript.services.journal.writer import DIGEST_TICKS, Journal, JournalReader
 
-CONFIG = KernelConfig(
+CONFIG = RobotOptions(
     power_on=True, plant=PlantConfig(noise_rad=1e-5), signals=(("flag[3]", True), ("general_register[9]", 9))
 )
 PROGRAM = (
@@ -192,5 +192,5 @@ def test_a_journal_that_is_there_is_not_overwritten(tmp_path):
     path = tmp_path / "session.journal"
     path.write_text("precious")
     with pytest.raises(UsageError, match="the file exists"):
-        Journal(path, KernelConfig())
+        Journal(path, RobotOptions())
     assert path.read_text() == "precious"

@@ -1,7 +1,7 @@
 """One robot as a function: `Kernel.tick` applies what has come in, runs one tick and returns what there is to say.
 
 Nothing here knows a clock, a socket or a file of this computer. A kernel does the same whenever it is made with the
-same configuration and given the same inputs at the same ticks.
+same options and given the same inputs at the same ticks.
 """
 
 from __future__ import annotations
@@ -19,9 +19,10 @@ from elitescript.environment.request_channels import FaultyEnvironment, RequestE
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.answers import shown_after
 from elitescript.kernel.causes import cause_of
-from elitescript.kernel.config import KernelConfig, configured_model, describe
 from elitescript.kernel.conversations import Conversations
+from elitescript.kernel.description import describe, model_of
 from elitescript.kernel.interpreter_logs import InterpreterLogs
+from elitescript.kernel.options import RobotOptions
 from elitescript.kernel.programs import Programs
 from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
@@ -60,14 +61,14 @@ from elitescript.messages.snapshot import TaskPicture
 from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.connections.serial_line import close_lines
 from elitescript.runtime.environment import FilesRefused, ProgramEnvironment
-from elitescript.wiring import RobotOptions, assemble
+from elitescript.wiring import assemble
 
 
 class Kernel:
     """One robot.
 
     Args:
-        config: what it is.
+        options: what it is made with.
         world: everything outside its programs, with the logs of interpreter mode in its task folder. Its network is
             not used: what programs ask of one is in the output.
 
@@ -76,7 +77,7 @@ class Kernel:
         overruns: ticks that began late, for the snapshots; whoever keeps time counts them.
 
     Raises:
-        UsageError: a configuration that makes no sense.
+        UsageError: options that make no sense.
     """
 
     __slots__ = (
@@ -99,48 +100,34 @@ class Kernel:
         "overruns",
     )
 
-    def __init__(self, config: KernelConfig, world: ProgramEnvironment | None = None) -> None:
-        model, firmware = configured_model(config), profile(config.firmware)
+    def __init__(self, options: RobotOptions, world: ProgramEnvironment | None = None) -> None:
+        model, firmware = model_of(options), profile(options.firmware)
         requests = RequestEnvironment(FilesRefused() if world is None else world.files)
-        faults = [fault_of(text) for text in config.faults]
+        faults = [fault_of(text) for text in options.faults]
         of_channels = [fault for fault in faults if not is_of_input(fault)]
-        self._faulty = FaultyChannels(requests.channels, of_channels, seed=config.seed, say=self._note_fault)
+        self._faulty = FaultyChannels(requests.channels, of_channels, seed=options.seed, say=self._note_fault)
         outside = FaultyEnvironment(requests.files, self._faulty)
-        self.description = describe(config, model, firmware)
+        self.description = describe(options, model, firmware)
         self.overruns = 0
         self._events: list[Event] = []
         self._limit = WarningLimit()
         self._replies: list[Reply] = []
         self._popup = ""
         self._is_popup_blocking = False
-        self._is_remote = config.remote
+        self._is_remote = options.remote
         self._channels = requests.channels
-        fittings = RobotOptions(
-            epoch_s=config.epoch_s,
-            seed=config.seed,
-            joints=config.joints,
-            speed=config.speed,
-            work_per_tick=config.work_per_tick,
-            rpc_timeout_s=config.rpc_timeout_s,
-            contact=config.contact,
-            safety=config.safety,
-            plant=config.plant or model.plant,
-            is_powered=config.power_on,
-            power_times=config.power_times,
-            confirms_popups=False,
-        )
-        self._controller, self._host = assemble(model, firmware, fittings, on_event=self._event, world=outside)
+        self._controller, self._host = assemble(model, firmware, options, on_event=self._event, world=outside)
         self._logs = None if world is None else InterpreterLogs(world.files)
         self._conversations = Conversations(self._host, self._reply, self._logs)
         self._pictures = SnapshotBuilder(self._controller)
-        self._programs = Programs(self._controller, self._host, firmware, model, is_strict=config.strict)
+        self._programs = Programs(self._controller, self._host, firmware, model, is_strict=options.strict)
         self._tasks = Tasks(
-            self._controller, self._host, self._programs, outside.files, outside.channels, config.configuration
+            self._controller, self._host, self._programs, outside.files, outside.channels, options.configuration
         )
-        if config.first_tick:
-            self._controller.leap(config.first_tick)
+        if options.first_tick:
+            self._controller.leap(options.first_tick)
         start = Signals(self._controller, "schedule")
-        for name, value in config.signals:
+        for name, value in options.signals:
             start[name] = value
         for fault in faults:
             if is_of_input(fault):

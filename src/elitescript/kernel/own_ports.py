@@ -15,7 +15,8 @@ from elitescript.controller.views.snapshots import SnapshotBuilder
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.answers import shown_after
 from elitescript.kernel.causes import cause_of
-from elitescript.kernel.config import DEFAULT_CONFIGURATION, KernelConfig, describe
+from elitescript.kernel.description import describe
+from elitescript.kernel.options import DEFAULTS, RobotOptions
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Do, Input, VariablesArrived
 from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
@@ -53,7 +54,7 @@ class OwnPorts:
     def __init__(self, controller: Controller, host: ScriptHost, model: RobotModel, profile: Profile) -> None:
         self._controller = controller
         self._host = host
-        self._description: RobotDescription = describe(KernelConfig(model=model.name), model, profile)
+        self._description: RobotDescription = describe(RobotOptions(model=model.name), model, profile)
         self._pictures: SnapshotBuilder | None = None
         self._shared: dict[str, object] = {}
         self._replies: list[Reply] = []
@@ -96,7 +97,7 @@ class OwnPorts:
             self._pictures = SnapshotBuilder(self._controller)
         task = self._controller.task
         name = task.name if task.is_running else ""
-        picture = TaskPicture("", name, DEFAULT_CONFIGURATION, is_saved=True, is_configuration_modified=False)
+        picture = TaskPicture("", name, DEFAULTS["configuration"], is_saved=True, is_configuration_modified=False)
         snapshot = self._pictures.picture(picture, "", is_remote=True, overruns=0)
         replies, self._replies = tuple(self._replies), []
         return Output(self._controller.tick, (), (), replies, snapshot)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.modes import PowerTimes
 from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
-from elitescript.kernel.config import KernelConfig
+from elitescript.kernel.options import RobotOptions
 from elitescript.messages.codec import Codec, to_text
 from elitescript.messages.events import Event, MotionStarted
 from elitescript.messages.motion import MoveML
@@ -17,7 +17,7 @@ from elitescript.messages.shapes import Shape
 
 def full_codec() -> Codec:
     """Messages of the waist and configurations."""
-    return Codec(KernelConfig, PowerTimes, ContactConfig, Plane, SafetyLimits, SafetyBounds, SafetyPlane, ToolDirection)
+    return Codec(RobotOptions, PowerTimes, ContactConfig, Plane, SafetyLimits, SafetyBounds, SafetyPlane, ToolDirection)
 
 
 def output_text(shape: Shape[Output], output: Output) -> str:

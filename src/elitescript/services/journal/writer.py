@@ -27,7 +27,7 @@ from zlib import crc32
 
 from elitescript import __version__
 from elitescript.errors import UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.codec import Codec, to_text
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
@@ -77,7 +77,7 @@ class Journal:
 
     __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_over", "_is_told", "_last_tick", "_output")
 
-    def __init__(self, path: Path, config: KernelConfig) -> None:
+    def __init__(self, path: Path, config: RobotOptions) -> None:
         self._codec = full_codec()
         self._inputs = self._codec.shape(Input)
         self._output = self._codec.shape(Output)
@@ -92,7 +92,7 @@ class Journal:
                 "version": __version__,
                 "python": platform.python_version(),
                 "hash_seed": os.environ.get("PYTHONHASHSEED", "random"),
-                "config": self._codec.shape(KernelConfig).encode(config),
+                "config": self._codec.shape(RobotOptions).encode(config),
             }
         )
 
@@ -201,7 +201,7 @@ class JournalReader:
                     f"{path}: line 1: a journal of format {str(found)[:20]}, written by elitescript {version}; "
                     f"{FORMAT} is known here: replay it with the version that wrote it"
                 )
-            self.config = self._codec.shape(KernelConfig).decode(self.header["config"])
+            self.config = self._codec.shape(RobotOptions).decode(self.header["config"])
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             at = getattr(error, "pos", getattr(error, "start", 0))
             raise UsageError(f"{path}: line 1, byte {at}: no journal of this program") from error
