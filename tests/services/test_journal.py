@@ -165,7 +165,14 @@ class TestJournal:
 
 
 class TestJournalReader:
-    @pytest.mark.parametrize("text", ["", "x\n", "[]\n", "{}\n", '{"journal":2}\n', '{"journal":2,"config":[1]}\n'])
+    @pytest.mark.parametrize(
+        "text",
+        [
+            *("", "x\n", "[]\n", "{}\n", '{"journal":2}\n', '{"journal":2,"config":[1]}\n', '{"journal":3}\n'),
+            *(f'{{"journal":3,"options":{options}}}\n' for options in ("[1]", '{"spee":1.0}', '{"speed":"fast"}')),
+            '{"journal":3,"options":{"speed":2.0}}\n',
+        ],
+    )
     def test_refuses_what_is_no_journal(self, tmp_path, text):
         path = tmp_path / "a.journal"
         path.write_text(text)
@@ -176,7 +183,7 @@ class TestJournalReader:
         path = tmp_path / "a.journal"
         path.write_text('{"journal":1,"version":"0.1.2","config":[]}\n')
         with pytest.raises(
-            UsageError, match=r"line 1: a journal of format 1, written by elitescript 0\.1\.2; 2 is known"
+            UsageError, match=r"line 1: a journal of format 1, written by elitescript 0\.1\.2; 2 and 3 are known"
         ):
             JournalReader(path)
 
