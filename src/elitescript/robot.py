@@ -25,8 +25,8 @@ from elitescript.environment.allowance import TASK_DIR_BYTES
 from elitescript.environment.interrupts import interrupts_passed_to
 from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
-from elitescript.kernel.config import EPOCH_S, KernelConfig
 from elitescript.kernel.kernel import Kernel
+from elitescript.kernel.options import DEFAULTS, RobotOptions
 from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
 from elitescript.language.options import SECONDARY
 from elitescript.language.text.source import SourceFile
@@ -38,11 +38,10 @@ from elitescript.messages.plant import PlantConfig
 from elitescript.messages.profile import DEFAULT_FIRMWARE
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
-from elitescript.messages.timing import RPC_TIMEOUT_S, seconds, ticks_for
+from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.environment import ProgramEnvironment
-from elitescript.runtime.threads.scheduler import WORK_PER_TICK
 
 if TYPE_CHECKING:
     from elitescript.environment.state_file import StateFile
@@ -112,9 +111,9 @@ class VirtualRobot:
         world: ProgramEnvironment | Surroundings | str | Path | None = None,
         lines: Mapping[str, str] | None = None,
         strict: bool = False,
-        epoch_s: float = EPOCH_S,
-        work_per_tick: int = WORK_PER_TICK,
-        rpc_timeout_s: float = RPC_TIMEOUT_S,
+        epoch_s: float = DEFAULTS["epoch_s"],
+        work_per_tick: int = DEFAULTS["work_per_tick"],
+        rpc_timeout_s: float = DEFAULTS["rpc_timeout_s"],
         confirms_popups: bool = True,
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
@@ -124,11 +123,10 @@ class VirtualRobot:
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = model if isinstance(model, RobotModel) else load_model(model)
-        self._options = Options(strict=strict)
         self._on_event = on_event
         self._outside = Outside(world, task_dir, lines, task_dir_limit)
         cell = self._outside.cell
-        options = KernelConfig(
+        self.options = RobotOptions(
             model=self.model.name,
             firmware=firmware,
             seed=seed,
@@ -146,7 +144,7 @@ class VirtualRobot:
             confirms_popups=confirms_popups,
         )
         self._kernel = Kernel(
-            options,
+            self.options,
             self._outside,
             model=self.model,
             has_network=True,
@@ -280,7 +278,7 @@ class VirtualRobot:
             UsageError: no such file.
         """
         source = program if isinstance(program, SourceFile) else source_of(program)
-        return compile_task(source, self._options)
+        return compile_task(source, Options(strict=self.options.strict))
 
     def run(
         self,
@@ -382,7 +380,7 @@ class VirtualRobot:
         Raises:
             ProgramError: the text does not compile.
         """
-        unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self._options.strict, kind="secondary"))
+        unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self.options.strict, kind="secondary"))
         self._host.start_secondary(unit)
 
     def advance(self, duration_s: float, *, pace: Pace | None = None) -> None:

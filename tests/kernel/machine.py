@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.events import Event, TextMessage
 from elitescript.messages.inputs import Do, Input, RunUnit
 from elitescript.messages.machine import MachineRequest
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import ticks_for
 
-READY = KernelConfig(power_on=True)
+READY = RobotOptions(power_on=True)
 FOREVER = "while True:\n    sync()\n  end"
 
 
@@ -23,8 +23,8 @@ def program(*lines: str, name: str = "job") -> RunUnit:
 class Session:
     """Runs a kernel and keeps its events, replies and last output."""
 
-    def __init__(self, config: KernelConfig | None = None, world: Any = None) -> None:
-        self.kernel = Kernel(config or KernelConfig(), world)
+    def __init__(self, config: RobotOptions | None = None, world: Any = None) -> None:
+        self.kernel = Kernel(config or RobotOptions(), world)
         self.events: list[Event] = []
         self.replies: list[str] = []
         self.first: Output | None = None

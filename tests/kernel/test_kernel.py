@@ -7,7 +7,7 @@ from typing import get_args
 
 import pytest
 
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.handlers import HANDLERS
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
@@ -401,7 +401,7 @@ class TestTheController:
         assert outputs() == outputs()
 
     def test_a_tick_is_numbered_and_its_snapshot_is_of_that_tick(self):
-        kernel = Kernel(KernelConfig())
+        kernel = Kernel(RobotOptions())
         assert [(output.tick, output.snapshot.robot.tick) for output in (kernel.tick(), kernel.tick())] == [
             (0, 0),
             (1, 1),

@@ -14,7 +14,7 @@ import pytest
 from elitescript.cli.main import main
 from elitescript.devices.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage, Warned
@@ -64,7 +64,7 @@ class FakeChild:
         if letter == frames.LOCK_IN:
             self.say(frames.LOCKED_IN, b'[["files",true,"all of it"]]')
         elif letter == frames.BEGIN:
-            self.tick = CODEC.shape(KernelConfig).decode(from_text(text)).first_tick
+            self.tick = CODEC.shape(RobotOptions).decode(from_text(text)).first_tick
             self.say(frames.DESCRIBED, to_text(CODEC.shape(RobotDescription).encode(description())).encode())
         elif letter == frames.TICK and not self.is_mute:
             self.answer()
@@ -108,7 +108,7 @@ def clock(monkeypatch):
 
 def with_link(body: Callable[[ChildLink], Awaitable[None]], **options: Any) -> None:
     async def run() -> None:
-        link = ChildLink(KernelConfig(), **{"grace_s": 0.0, **options})
+        link = ChildLink(RobotOptions(), **{"grace_s": 0.0, **options})
         await link.open()
         try:
             await body(link)
@@ -628,7 +628,7 @@ def served(body: Callable[[ChildLink], Awaitable[None]], **options: Any) -> None
     """Run with a real child."""
 
     async def run() -> None:
-        link = ChildLink(KernelConfig(power_on=True), **options)
+        link = ChildLink(RobotOptions(power_on=True), **options)
         await link.open()
         try:
             await body(link)
@@ -658,7 +658,7 @@ class TestChild:
         from elitescript.devices.memory import MemoryEnvironment
 
         world = MemoryEnvironment(dict(files))
-        kernel = Kernel(KernelConfig(power_on=True), world)
+        kernel = Kernel(RobotOptions(power_on=True), world)
         expected = [kernel.tick(inputs.get(tick, ())) for tick in range(300)]
         theirs = MemoryFiles(dict(files))
 
@@ -694,7 +694,7 @@ class TestChild:
 
     def test_says_why_it_cannot_begin(self):
         async def run() -> None:
-            link = ChildLink(KernelConfig(joints=(99.0,) * 6), is_jailed=False)
+            link = ChildLink(RobotOptions(joints=(99.0,) * 6), is_jailed=False)
             await link.open()
 
         with pytest.raises(ElitescriptError, match="joint"):
@@ -758,7 +758,7 @@ class TestChild:
             assert after.signals["output_int_register"][5] == -7
             assert link.restarts == 1
 
-        journal = Journal(path, KernelConfig(power_on=True))
+        journal = Journal(path, RobotOptions(power_on=True))
         served(body, patience_s=IMPATIENT_S, journal=journal)
         session = Replay(JournalReader(path))
         restarts = []

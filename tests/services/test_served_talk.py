@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from elitescript.devices.channels.faults import fault_text
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event
 from elitescript.messages.inputs import AddFault, Do, Input, RunUnit
@@ -73,7 +73,7 @@ class Session:
         asyncio.run(self._play(seed, journal))
 
     async def _play(self, seed: int, journal: Any) -> None:
-        config = KernelConfig(power_on=True, seed=seed, rpc_timeout_s=RPC_S, firmware="2.14")
+        config = RobotOptions(power_on=True, seed=seed, rpc_timeout_s=RPC_S, firmware="2.14")
         link = robot_link(config, task_dir=None, in_process=True, is_jailed=False, journal=journal)
         station = RobotServer("CS66", link, lambda _, what: self.said.append(what), world=self.world)
         await station.boot()

@@ -9,7 +9,7 @@ import pytest
 from elitescript.devices.channels.faults import fault_text
 from elitescript.environment.request_channels import RequestChannels
 from elitescript.errors import UsageError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.events import DeviceNoted, TextMessage
 from elitescript.messages.inputs import AddFault, ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, RunUnit
 from elitescript.messages.line import LineSettings
@@ -70,7 +70,7 @@ class Bench:
     """A kernel with a world beside it, ticked as a station does."""
 
     def __init__(self, world, **config):
-        self.kernel = Kernel(KernelConfig(power_on=True, **config))
+        self.kernel = Kernel(RobotOptions(power_on=True, **config))
         self.said = []
         self.others = []
         self.world = ServedDevices(world, lambda text, is_problem: self.said.append((text, is_problem)), self.connect)

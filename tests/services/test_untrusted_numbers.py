@@ -9,7 +9,7 @@ from typing import Any, get_args, get_type_hints
 
 import pytest
 
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import Alarm, Event, Popup, TextMessage, Warned
 from elitescript.messages.outputs import Output
@@ -19,7 +19,7 @@ from elitescript.protocol.table import SERVICES
 from elitescript.services.config_codec import full_codec, output_text
 
 SHAPE = full_codec().shape(Output)
-KERNEL = Kernel(KernelConfig(power_on=True))
+KERNEL = Kernel(RobotOptions(power_on=True))
 WHOLE = from_text(output_text(SHAPE, KERNEL.tick()))
 INTEGERS = (-(2**63), -1, 25, 256, 2**16, 2**31, 2**63 - 1)
 ORDINARY: dict[Any, Any] = {int: 1, str: "a", bool: False}

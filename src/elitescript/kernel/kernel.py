@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import isfinite
 from typing import TYPE_CHECKING
 
 from elitescript.controller.controller import Controller
 from elitescript.controller.signals.by_name import Signals
 from elitescript.controller.views.warning_limit import WarningLimit
 from elitescript.errors import UsageError
-from elitescript.kernel.config import KernelConfig, configured_model, describe
+from elitescript.kernel.description import describe, model_of
+from elitescript.kernel.options import RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import DeviceNoted, Event, Popup, TaskStateChanged, Warned
 from elitescript.messages.motion import Six
@@ -124,7 +124,7 @@ class Kernel:
 
     def __init__(
         self,
-        options: KernelConfig,
+        options: RobotOptions,
         environment: ProgramEnvironment | None = None,
         *,
         model: RobotModel | None = None,
@@ -132,12 +132,8 @@ class Kernel:
         on_event: Callable[[Event], None] | None = None,
         on_end: Callable[[str], None] | None = None,
     ) -> None:
-        if not 0.0 <= options.speed <= 1.0:
-            raise UsageError(f"speed must be in [0, 1], got {options.speed!r}")
-        if not isfinite(options.rpc_timeout_s):
-            raise UsageError(f"rpc_timeout_s must be finite, in s, got {options.rpc_timeout_s!r}; 0 waits for ever")
         self.options = options
-        self.model = configured_model(options) if model is None else model
+        self.model = model_of(options) if model is None else model
         self.profile = profile(options.firmware)
         self.popup = PopupWindow(options.confirms_popups)
         self.overruns = 0
@@ -422,10 +418,7 @@ def _is_rtsi_input(name: str) -> bool:
 
 
 def _checked_joints(model: RobotModel, joints: Six) -> Six:
-    values = tuple(float(value) for value in joints)
-    if len(values) != 6:
-        raise UsageError(f"joints must be six numbers, got {len(values)}")
-    for value, limit in zip(values, model.joints, strict=True):
+    for value, limit in zip(joints, model.joints, strict=True):
         if not limit.q_min <= value <= limit.q_max:
             raise UsageError(f"joint {limit.name} must be in [{limit.q_min:.4f}, {limit.q_max:.4f}] rad, got {value:g}")
-    return values
+    return joints

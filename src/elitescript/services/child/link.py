@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from elitescript.errors import ElitescriptError, UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.kernel.restart import restored_config, restored_inputs
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.events import Warned
@@ -140,7 +140,7 @@ class ChildLink:
 
     def __init__(
         self,
-        config: KernelConfig,
+        config: RobotOptions,
         *,
         files: Files | None = None,
         is_jailed: bool = True,
@@ -284,10 +284,10 @@ class ChildLink:
             raise UsageError(f"no process for the robot can be started: {error}; use --in-process") from error
         self._child.send(frames.LOCK_IN, to_text([self._is_jailed, self._memory_max]))
 
-    def _begin(self, config: KernelConfig) -> None:
+    def _begin(self, config: RobotOptions) -> None:
         assert self._child is not None
         self._is_describing = True
-        self._child.send(frames.BEGIN, to_text(self._codec.shape(KernelConfig).encode(config)))
+        self._child.send(frames.BEGIN, to_text(self._codec.shape(RobotOptions).encode(config)))
 
     def _go_on(self, tick: int) -> None:
         """Have a fresh child go on at this tick from the last picture; as at first, if others could not."""

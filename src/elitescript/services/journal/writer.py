@@ -2,7 +2,7 @@
 
 One JSON text a line:
 
-    {"journal": 2, "version": ..., "python": ..., "hash_seed": ..., "config": [...]}
+    {"journal": 3, "version": ..., "python": ..., "hash_seed": ..., "options": {...}}
     {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
@@ -27,19 +27,21 @@ from zlib import crc32
 
 from elitescript import __version__
 from elitescript.errors import UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.codec import Codec, to_text
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
 from elitescript.messages.snapshot import Snapshot
-from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.config_codec import full_codec, options_data, options_from_journal, output_text
 from elitescript.services.journal.file import JournalFile
 from elitescript.services.journal.records import DIGEST_TICKS, RecordError, RecordReader
 
-FORMAT: Final = 2
-"""To be raised with every change of a record, of a message that is in one, or of a configuration."""
+FORMAT: Final = 3
+"""To be raised with every change of a record or of a message that is in one; options may come and go."""
+FORMATS_READ: Final = (2, 3)
+"""Those of format 2 differ in the first line alone."""
 LINE_MAX: Final = 64 * 1024 * 1024
 _NOTHING: Final = to_text([])
 
@@ -77,7 +79,7 @@ class Journal:
 
     __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_over", "_is_told", "_last_tick", "_output")
 
-    def __init__(self, path: Path, config: KernelConfig) -> None:
+    def __init__(self, path: Path, config: RobotOptions) -> None:
         self._codec = full_codec()
         self._inputs = self._codec.shape(Input)
         self._output = self._codec.shape(Output)
@@ -92,7 +94,7 @@ class Journal:
                 "version": __version__,
                 "python": platform.python_version(),
                 "hash_seed": os.environ.get("PYTHONHASHSEED", "random"),
-                "config": self._codec.shape(KernelConfig).encode(config),
+                "options": options_data(self._codec, config),
             }
         )
 
@@ -195,13 +197,13 @@ class JournalReader:
             raise UsageError(f"{path}: {error.strerror or error}") from error
         try:
             self.header: dict[str, Any] = json.loads(first)
-            if (found := self.header["journal"]) != FORMAT:
+            if (found := self.header["journal"]) not in FORMATS_READ:
                 version = str(self.header.get("version", "unknown"))[:20]
                 raise UsageError(
                     f"{path}: line 1: a journal of format {str(found)[:20]}, written by elitescript {version}; "
-                    f"{FORMAT} is known here: replay it with the version that wrote it"
+                    f"{' and '.join(map(str, FORMATS_READ))} are known here: replay it with the version that wrote it"
                 )
-            self.config = self._codec.shape(KernelConfig).decode(self.header["config"])
+            self.config = options_from_journal(self._codec, self.header)
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             at = getattr(error, "pos", getattr(error, "start", 0))
             raise UsageError(f"{path}: line 1, byte {at}: no journal of this program") from error
