@@ -117,14 +117,14 @@ def main(hours: float) -> None:
     """Print robot hours, wall seconds and memory after each 24th."""
     kernel, peers = Kernel(RobotOptions(power_on=True)), Peers()
     writer, reader = OutputWriter(full_codec()), OutputReader(full_codec())
-    output = reader.read(*writer.message(kernel.tick()))
+    output = reader.read(*writer.message(kernel.tick_and_snapshot()))
     clients = Clients(kernel, output)
     inputs: list[Input] = [RunUnit("primary#0", "program", PROGRAM)]
     began = perf_counter()
     said: dict[str, int] = {}
     for stretch in range(1, STRETCHES + 1):
         for _ in range(round(hours * 3600 * 250 / STRETCHES)):
-            output = reader.read(*writer.message(kernel.tick(inputs)))
+            output = reader.read(*writer.message(kernel.tick_and_snapshot(inputs)))
             for event in output.events:
                 said[type(event).__name__] = said.get(type(event).__name__, 0) + 1
             inputs = peers.take(output.requests)

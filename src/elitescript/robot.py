@@ -481,7 +481,7 @@ class VirtualRobot:
                     return
             if limit is not None and controller.tick >= limit:
                 return
-            due, arrives = kernel.next_tick(), channels.next_tick(controller.tick)
+            due, arrives = kernel.due_tick(), channels.next_tick(controller.tick)
             idle_ticks = idle_ticks + 1 if arrives is None and controller.is_idle else 0
             due = _earliest(due, arrives)
             if arrives is not None and run is not None and channels.is_real:

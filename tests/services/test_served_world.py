@@ -74,7 +74,7 @@ class Bench:
         self.said = []
         self.others = []
         self.world = ServedDevices(world, lambda text, is_problem: self.said.append((text, is_problem)), self.connect)
-        self.output = self.kernel.tick()
+        self.output = self.kernel.tick_and_snapshot()
         self.world.begin(self.output)
         self.events = []
         self.replies = []
@@ -85,7 +85,7 @@ class Bench:
 
     def run(self, ticks, *inputs):
         for _ in range(ticks):
-            self.output = self.kernel.tick([*inputs, *self.world.inputs(self.output.tick + 1)])
+            self.output = self.kernel.tick_and_snapshot([*inputs, *self.world.inputs(self.output.tick + 1)])
             inputs = ()
             self.others += self.world.take(self.output)
             self.events += self.output.events

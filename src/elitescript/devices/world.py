@@ -255,6 +255,10 @@ class World(Surroundings):
         if self._links:
             self._publish(self._links)
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """Whether a device that is connected to a port of the robot reads the snapshot of a tick."""
+        return any(link.reads_snapshot(tick) for link in self._links)
+
     def run_ended(self) -> None:
         for device in self.devices:
             device.run_ended()

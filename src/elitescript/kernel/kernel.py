@@ -1,5 +1,8 @@
 """One robot: the machine, the host of its programs, and what clients ask of them.
 
+`Kernel.tick` runs one tick and returns what happened in it. The machine as ports show it is a call of its own,
+`Kernel.snapshot`: it takes most of the time of a tick of an arm that moves, and changes nothing.
+
 `VirtualRobot`, `serve` and its child hold a `Kernel`. Nothing here knows a clock, a socket or a file of this computer:
 a kernel does the same whenever it is made with the same options and given the same inputs at the same ticks.
 
@@ -35,7 +38,7 @@ if TYPE_CHECKING:
     from elitescript.kernel.handlers import InputHandlers
     from elitescript.messages.inputs import ChannelEvent, Input
     from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
-    from elitescript.messages.outputs import Output, Reply
+    from elitescript.messages.outputs import Output, Reply, TickResult
     from elitescript.messages.snapshot import RobotDescription, Snapshot
     from elitescript.protocol.connection import Connection
     from elitescript.protocol.table import Connect
@@ -234,19 +237,25 @@ class Kernel:
         """The tick that runs, or the one that runs next."""
         return self.controller.tick
 
-    def tick(self, inputs: Sequence[Input] = ()) -> Output:
-        """Run one tick, and go on to the next.
+    @property
+    def next_tick(self) -> int:
+        """Number of the tick that `tick` runs next."""
+        return self.controller.tick + self._has_run
+
+    def tick(self, inputs: Sequence[Input] = ()) -> TickResult:
+        """Run one tick, the next one if the present one has run.
 
         Args:
             inputs: what has come in since the last one, in order.
-
-        Returns:
-            What happened in it, and the machine as it is then.
         """
+        if self._has_run:
+            self.controller.leap(self.controller.tick + 1)
         self.run_tick(inputs)
-        output = self.output()
-        self.leap(output.tick + 1)
-        return output
+        return self._result()
+
+    def tick_and_snapshot(self, inputs: Sequence[Input] = ()) -> Output:
+        """Run one tick, and return what happened in it with the machine as it is then."""
+        return self.tick(inputs).with_snapshot(self.snapshot())
 
     def run_tick(self, inputs: Sequence[Input] = ()) -> None:
         """Run all phases of the present tick; `leap` goes on from it.
@@ -263,7 +272,7 @@ class Kernel:
         else:
             self.handlers.run_tick(inputs)
 
-    def next_tick(self) -> int | None:
+    def due_tick(self) -> int | None:
         """Return the next tick at which anything is due; None when nothing will ever happen by itself."""
         if self._posted or (self._handlers is not None and self._handlers.is_waiting):
             return self.controller.tick + 1
@@ -321,29 +330,49 @@ class Kernel:
         """
         if self._output is not None:
             return self._output
+        snapshot = self.snapshot()
+        if self._has_run:
+            self._output = self._result().with_snapshot(snapshot)
+            return self._output
         from elitescript.messages.outputs import Output
 
-        tick, snapshot = self.controller.tick, self.snapshot()
-        if not self._has_run:
-            before = max(tick - 1, 0)
-            robot = replace(snapshot.robot, tick=before, time_s=seconds(before))
-            return Output(before, (), (), (), replace(snapshot, robot=robot))
+        before = max(self.controller.tick - 1, 0)
+        robot = replace(snapshot.robot, tick=before, time_s=seconds(before))
+        return Output(before, (), (), (), replace(snapshot, robot=robot))
+
+    def _result(self) -> TickResult:
+        from elitescript.messages.outputs import TickResult
+
         requests = () if self._requests is None else self._requests.take()
-        self._output = Output(tick, tuple(self._events), requests, tuple(self._replies), snapshot)
+        result = TickResult(self.controller.tick, tuple(self._events), requests, tuple(self._replies))
         self._events.clear()
         self._replies.clear()
-        return self._output
+        return result
 
     def snapshot(self) -> Snapshot:
         """Return the machine at the present tick, as ports show it."""
         handlers = self.handlers
+        return self._snapshot_builder().picture(
+            handlers.tasks.picture, self.popup.text, is_remote=handlers.is_remote, overruns=self.overruns
+        )
+
+    def discrete_state(self) -> tuple[object, ...]:
+        """Return all that a snapshot shows and that does not change with time alone; see `SnapshotBuilder`."""
+        handlers = self.handlers
+        state = self._snapshot_builder().discrete_state()
+        return (*state, handlers.tasks.picture, self.popup.text, handlers.is_remote)
+
+    def _snapshot_builder(self) -> SnapshotBuilder:
         if self._snapshots is None:
             from elitescript.controller.views.snapshots import SnapshotBuilder
 
             self._snapshots = SnapshotBuilder(self.controller)
-        return self._snapshots.picture(
-            handlers.tasks.picture, self.popup.text, is_remote=handlers.is_remote, overruns=self.overruns
-        )
+        return self._snapshots
+
+    @property
+    def line(self) -> int:
+        """Script line of the main thread; 0 while no program runs."""
+        return self.controller.line
 
     def reply(self, reply: Reply) -> None:
         """Answer a client, in the output of the tick."""

@@ -56,6 +56,14 @@ class Connection(ABC):
     def publish(self, output: Output) -> None:
         """Take note of a tick: queue what this client is to hear of it."""
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """Whether it reads more of the snapshot of a tick than the discrete state: joints, poses, forces, times.
+
+        Asked before the tick runs; what `receive` and `publish` get else may be an older snapshot, of which only the
+        discrete state (levels, modes, tool, task) is that of the tick. See `messages.outputs.Output`.
+        """
+        return False
+
     @property
     def is_busy(self) -> bool:
         """Whether it has enough to work on: leave what the peer sends in the socket until this is over."""

@@ -354,7 +354,8 @@ class RobotServer:
             before = cycle.overruns
             for _ in range(REPORT_TICKS):
                 await cycle.next()
-                output = await self.link.tick([*self._lag(cycle.lag_ticks), *self._taken()])
+                inputs = [*self._lag(cycle.lag_ticks), *self._taken()]
+                output = await self.link.tick(inputs, self._reads_snapshot())
                 if cycle.overruns:
                     output = replace(output, snapshot=_counted(output.snapshot, cycle.overruns))
                 await cycle.outlet()
@@ -439,6 +440,13 @@ class RobotServer:
             return inputs
         beside = self._world.inputs(self.output.tick + 1)
         return inputs + (beside if self._ssh is None else self._ssh.taps.incoming(beside))
+
+    def _reads_snapshot(self) -> bool:
+        """Whether anything reads more of the snapshot of the tick that begins now than the discrete state."""
+        tick = self.output.tick + 1
+        if self._answered or (self._world is not None and self._world.reads_snapshot(tick)):
+            return True
+        return any(listener.reads_snapshot(tick) for listener in self._by_urgency)
 
     def _tell_refused(self) -> None:
         count, self._inbox.refused = self._inbox.refused, 0

@@ -80,11 +80,8 @@ class _RecordedLink(InProcessLink):
         super().__init__(robot)
         self._journal = journal
 
-    async def tick(self, inputs: Sequence[Input]) -> Output:
-        return self.tick_now(inputs)
-
-    def tick_now(self, inputs: Sequence[Input]) -> Output:
-        output = self.robot.tick(inputs)
+    def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+        output = super().tick_now(inputs, reads_snapshot)
         warning = self._journal.take_warning(output.tick)
         return replace(output, events=(*output.events, *warning)) if warning else output
 

@@ -159,6 +159,10 @@ class ServedDevices:
         self._output = output
         self._world.begin(self)
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """Whether a device that is connected to a port of the robot reads the snapshot of a tick."""
+        return self._world.reads_snapshot(tick)
+
     def inputs(self, tick: int) -> list[Input]:
         """What happens in the tick that is about to run."""
         events, self._refusals = self._refusals, []

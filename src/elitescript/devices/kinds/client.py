@@ -50,6 +50,10 @@ class PortLink:
         """Return the next tick after `tick` that the device must get although nothing happens in it."""
         return self._transport.next_tick(tick)
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """See `Connection.reads_snapshot`."""
+        return self.is_open and self._transport.connection.reads_snapshot(tick)
+
     def send(self, data: bytes) -> None:
         """Send bytes to the robot, which has them in the next tick."""
         self._agenda.put(1, lambda: self._receive(data), self._device)

@@ -126,6 +126,10 @@ class Listener:
         """Accept clients from now on."""
         self._task = asyncio.get_running_loop().create_task(self._accept())
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """Whether a client reads more of the snapshot of a tick than the discrete state."""
+        return any(client.connection.reads_snapshot(tick) for client in self.clients.values())
+
     def publish(self, output: Output) -> None:
         """Give every client a tick."""
         for client in list(self.clients.values()):

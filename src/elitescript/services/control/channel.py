@@ -183,6 +183,9 @@ class ControlChannel:
             return {"ok": True, "result": _clients(station)}
         if verb.order is None:
             assert verb.tell is not None
+            if verb.name == "state" and not station.output.is_fresh and not station.waits_for:
+                # Nothing has read where the arm is; the next tick shows it.
+                await station.next_output()
             result = verb.tell(request, station.output)
             if verb.name == "state":
                 result |= {"left_out": station.left_out, "waits_for": station.waits_for}

@@ -11,8 +11,8 @@ from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.restart import restored_config
 from elitescript.messages.inputs import Input
-from elitescript.messages.outputs import Output
-from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.outputs import Output, TickResult
+from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.runtime.environment import Files
 from elitescript.services.child.remote_files import FileDesk, RemoteFiles
 from elitescript.services.config_codec import full_codec, output_text
@@ -29,25 +29,35 @@ class RecordedRobot:
         journal: where to write.
     """
 
-    __slots__ = ("_answers", "_desk", "_journal", "_kernel")
+    __slots__ = ("_answers", "_desk", "_journal", "_kernel", "_snapshot")
 
     def __init__(self, config: RobotOptions, files: Files, journal: Journal) -> None:
         self._journal = journal
         self._desk = FileDesk(files)
         self._answers: list[Any] = []
         self._kernel = Kernel(config, RequestEnvironment(RemoteFiles(self._ask)))
+        self._snapshot: Snapshot
 
     @property
     def description(self) -> RobotDescription:
         """What never changes about it."""
         return self._kernel.description
 
-    def tick(self, inputs: Sequence[Input]) -> Output:
-        """Apply inputs in their order and go on by one tick."""
-        output = self._kernel.tick(inputs)
-        self._journal.tick(output.tick, inputs, self._answers, output)
+    def tick(self, inputs: Sequence[Input]) -> TickResult:
+        """Apply inputs in their order and go on by one tick; the digests of the journal cover every snapshot."""
+        result = self._kernel.tick(inputs)
+        self._snapshot = self._kernel.snapshot()
+        self._journal.tick(result.tick, inputs, self._answers, result.with_snapshot(self._snapshot))
         self._answers.clear()
-        return output
+        return result
+
+    def snapshot(self) -> Snapshot:
+        """Return the machine as its ports show it after the last tick."""
+        return self._snapshot
+
+    def discrete_state(self) -> tuple[object, ...]:
+        """Return all that a snapshot shows and that does not change with time alone."""
+        return self._kernel.discrete_state()
 
     def _ask(self, question: list[Any]) -> list[Any]:
         answer = self._desk.answer(question)
@@ -144,7 +154,7 @@ class Replay:
             raise UsageError(f"{self._reader.place}: {error}") from None
 
     def _ask(self, question: list[Any]) -> list[Any]:
-        place = f"{self._reader.place}: tick {self._kernel.present_tick}"
+        place = f"{self._reader.place}: tick {self._kernel.next_tick}"
         if not self._answers:
             raise UsageError(f"{place}: the journal has no answer to {question[0]!r} about files")
         answer = self._answers.pop(0)
@@ -158,8 +168,8 @@ class Replay:
         """Run up to and including a tick; the inputs are for that one."""
         if self._until is not None:
             last = min(last, self._until)
-        while self._kernel.present_tick <= last:
-            output = self._kernel.tick(inputs if self._kernel.present_tick == last else ())
+        while self._kernel.next_tick <= last:
+            output = self._kernel.tick_and_snapshot(inputs if self._kernel.next_tick == last else ())
             self._digest.add(output_text(self._output_shape, output).encode())
             self.last_tick, self._last = output.tick, output
             yield output
