@@ -13,13 +13,13 @@ from time import perf_counter
 
 from benchmarks.day import resident_mb
 from benchmarks.serving import OUTPUTS, message
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input, RunUnit
 from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChannel, Output, SendChannel
 from elitescript.protocol.connection import Connection
+from elitescript.protocol.table import SERVICES
 from elitescript.services.child.output_changes import OutputReader, OutputWriter
 from elitescript.services.config_codec import full_codec
-from elitescript.services.table import SERVICES
 
 PROGRAM = """def day():
   n = 0
@@ -115,7 +115,7 @@ class Clients:
 
 def main(hours: float) -> None:
     """Print robot hours, wall seconds and memory after each 24th."""
-    kernel, peers = Kernel(KernelConfig(power_on=True)), Peers()
+    kernel, peers = Kernel(RobotOptions(power_on=True)), Peers()
     writer, reader = OutputWriter(full_codec()), OutputReader(full_codec())
     output = reader.read(*writer.message(kernel.tick_and_snapshot()))
     clients = Clients(kernel, output)

@@ -56,7 +56,7 @@ def rows() -> list[Row]:
 
 
 def _parts(what: str, program: bytes) -> Row:
-    from elitescript.kernel import Kernel, KernelConfig
+    from elitescript.kernel import Kernel, RobotOptions
     from elitescript.messages.inputs import Input, RunUnit
     from elitescript.messages.outputs import Output
     from elitescript.protocol.rtsi.connection import RtsiConnection
@@ -64,7 +64,7 @@ def _parts(what: str, program: bytes) -> Row:
     from elitescript.services.child.output_changes import OutputReader, OutputWriter
     from elitescript.services.config_codec import full_codec
 
-    kernel = Kernel(KernelConfig(power_on=True))
+    kernel = Kernel(RobotOptions(power_on=True))
     begin: list[Input] = [RunUnit("primary#1", "program", program.decode())] if program else []
     writer, reader = OutputWriter(full_codec()), OutputReader(full_codec())
     port = RtsiPort()

@@ -1,4 +1,4 @@
-"""`VirtualRobot`: a controller, the programs it runs and the world around them, in one object.
+"""`VirtualRobot`: a robot in virtual time, with the programs it runs and what is around it.
 
 Nothing here reads a clock: a caller who wants real time passes a `pace`, which is called before every tick that is
 run.
@@ -7,10 +7,12 @@ run.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from elitescript.controller.force.contact import ContactConfig
+from elitescript.controller.modes import AT_ONCE
 from elitescript.controller.safety.limits import SafetyLimits
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.controller.views.signals import Signals
@@ -24,6 +26,8 @@ from elitescript.environment.allowance import TASK_DIR_BYTES
 from elitescript.environment.interrupts import interrupts_passed_to
 from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
+from elitescript.kernel.kernel import Kernel
+from elitescript.kernel.options import DEFAULTS, RobotOptions
 from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
 from elitescript.language.options import SECONDARY
 from elitescript.language.text.source import SourceFile
@@ -32,18 +36,17 @@ from elitescript.messages.events import UNDELIVERED, Alarm, Event, SignalChanged
 from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
-from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
+from elitescript.messages.profile import DEFAULT_FIRMWARE
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
-from elitescript.messages.timing import RPC_TIMEOUT_S, seconds, ticks_for
+from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel, load_model
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.environment import ProgramEnvironment
-from elitescript.runtime.threads.scheduler import WORK_PER_TICK
-from elitescript.wiring import EPOCH_S, RobotOptions, assemble, checked_presets
 
 if TYPE_CHECKING:
     from elitescript.environment.state_file import StateFile
+    from elitescript.kernel.clients import Client, Clients
 
 IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
@@ -83,6 +86,7 @@ class VirtualRobot:
         work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
             not known (*assumed*).
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
+        confirms_popups: confirm popups that block at once; if not, a client of the dashboard does.
         safety: what the safety system watches.
         plant: how the joints follow their targets; as the model says if None, which is exactly unless an own arm has
             a `[plant]`.
@@ -108,9 +112,10 @@ class VirtualRobot:
         world: ProgramEnvironment | Surroundings | str | Path | None = None,
         lines: Mapping[str, str] | None = None,
         strict: bool = False,
-        epoch_s: float = EPOCH_S,
-        work_per_tick: int = WORK_PER_TICK,
-        rpc_timeout_s: float = RPC_TIMEOUT_S,
+        epoch_s: float = DEFAULTS["epoch_s"],
+        work_per_tick: int = DEFAULTS["work_per_tick"],
+        rpc_timeout_s: float = DEFAULTS["rpc_timeout_s"],
+        confirms_popups: bool = True,
         contact: ContactConfig | None = None,
         safety: SafetyLimits | None = None,
         plant: PlantConfig | None = None,
@@ -119,29 +124,45 @@ class VirtualRobot:
         on_event: Callable[[Event], None] | None = None,
     ) -> None:
         self.model = model if isinstance(model, RobotModel) else load_model(model)
-        self.profile = profile(firmware)
-        self._options = Options(strict=strict)
         self._on_event = on_event
         self._outside = Outside(world, task_dir, lines, task_dir_limit)
         cell = self._outside.cell
-        fittings = RobotOptions(
-            epoch_s=epoch_s,
+        self.options = RobotOptions(
+            model=self.model.name,
+            firmware=firmware,
             seed=seed,
+            epoch_s=epoch_s,
             joints=joints,
             speed=speed,
-            work_per_tick=work_per_tick,
-            rpc_timeout_s=rpc_timeout_s,
+            power_on=True,
+            power_times=AT_ONCE,
             contact=cell.take("contact", contact),
             safety=cell.take("safety", safety),
-            plant=cell.take("plant", plant) or self.model.plant,
+            plant=cell.take("plant", plant),
+            work_per_tick=work_per_tick,
+            rpc_timeout_s=rpc_timeout_s,
+            strict=strict,
+            confirms_popups=confirms_popups,
         )
-        self.controller, self._host = assemble(
-            self.model, self.profile, fittings, on_event=self._event, on_end=self._program_ended
+        self._kernel = Kernel(
+            self.options,
+            self._outside,
+            model=self.model,
+            has_network=True,
+            on_event=self._event,
+            on_end=self._program_ended,
         )
+        self.profile = self._kernel.profile
+        self.controller = self._kernel.controller
+        self._host = self._kernel.host
         self.signals = Signals(self.controller)
         if not drain_s >= 0.0:
             raise UsageError(f"drain_s must be >= 0 s, got {drain_s!r}")
         self._drain_s = drain_s
+        self._clients: Clients | None = None
+        self._globals: dict[str, Any] | None = None
+        """Of a program that is over, while there are clients."""
+        self._is_advancing = False
         self._drain: Drain | None = None
         self._run: Run | None = None
         self._limit = WarningLimit()
@@ -152,9 +173,7 @@ class VirtualRobot:
         kept = {} if self._state_file is None else self._state_file.load()
         self.set_start({**kept, **cell.signals})
         if self._outside.surroundings is not None:
-            from elitescript.kernel.own_ports import OwnPorts
-
-            self._outside.surroundings.begin(OwnPorts(self.controller, self._host, self.model, self.profile))
+            self._outside.surroundings.begin(self._kernel)
             for request in self._outside.surroundings.input_faults:
                 self.controller.put(0, request, "fault")
 
@@ -260,7 +279,7 @@ class VirtualRobot:
             UsageError: no such file.
         """
         source = program if isinstance(program, SourceFile) else source_of(program)
-        return compile_task(source, self._options)
+        return compile_task(source, Options(strict=self.options.strict))
 
     def run(
         self,
@@ -334,10 +353,12 @@ class VirtualRobot:
             ScriptStateError: a program is running.
         """
         unit = program if isinstance(program, CompiledUnit) else self.compile(program)
-        values = checked_presets(presets or {})
+        values = _checked_presets(presets or {})
         world = self._outside.world_for(unit.source.name)
         self._interrupted_as = ""
         self._drain_last()
+        self._leave_published_tick()
+        self._globals = None
         run = Run(unit, self.tick)
         run.look = lambda: self._look(run)
         if self.controller.task_state is TaskState.STOPPED:
@@ -360,7 +381,7 @@ class VirtualRobot:
         Raises:
             ProgramError: the text does not compile.
         """
-        unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self._options.strict, kind="secondary"))
+        unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self.options.strict, kind="secondary"))
         self._host.start_secondary(unit)
 
     def advance(self, duration_s: float, *, pace: Pace | None = None) -> None:
@@ -370,6 +391,47 @@ class VirtualRobot:
             self._finish(self._interrupted_as)
             self._interrupted_as = ""
         self._remember()
+
+    def connect(self, port: str) -> Client:
+        """Connect a client to a port of the robot, in memory and in robot time.
+
+        What the client sends is taken in by the next tick that runs, and what the robot sends in a tick can be received
+        after it, as a client of a served robot would. Time goes by in `run` (the client acts in `watch`), in `advance`
+        and in `Client.expect`; it does not leap over a tick in which the port sends something by itself, and stops in
+        every tick in which a client acts. Programs of clients see the robot's `task_dir`, or an empty folder.
+
+        Args:
+            port: `primary`, `secondary`, `realtime`, `readonly`, `rtsi`, `dashboard`, `interpreter`, `query`, `modbus`.
+
+        Raises:
+            UsageError: the firmware has no such port.
+
+        Example:
+            >>> robot = VirtualRobot("CS66")
+            >>> client = robot.connect("dashboard")
+            >>> client.expect(b"NAME.\\r\\n")[:25]
+            b'EliRobot dashboard shell,'
+            >>> client.send(b"robotMode\\n")
+            >>> robot.advance(0.004)
+            >>> client.receive()
+            b'RobotMode: RUNNING\\r\\n'
+        """
+        if self._clients is None:
+            from elitescript.kernel.clients import Clients
+
+            self._clients = Clients(self._kernel)
+        return self._clients.connect(port, self._step)
+
+    def _step(self) -> None:
+        """Let one tick go by for a client that waits."""
+        if self._is_advancing:
+            raise UsageError("expect() lets time go by, which it does already; use receive() in `watch` and `on_event`")
+        self._advance(self.tick + 1, None, None, stays=True)
+
+    def _leave_published_tick(self) -> None:
+        """Go on from a tick that has run, if clients have it: a tick is given to them once."""
+        if self._clients is not None and self._clients.are_open and self._kernel.has_run:
+            self._kernel.leap(self.tick + 1)
 
     def _remember(self) -> None:
         if self._state_file is not None:
@@ -383,15 +445,27 @@ class VirtualRobot:
         Args:
             stays: go on up to `limit`, which is not run, though nothing happens any more.
         """
-        controller, channels = self.controller, self._outside.channels
+        self._leave_published_tick()
+        is_outermost, self._is_advancing = not self._is_advancing, True
+        try:
+            self._run_ticks(limit, pace, watch, stays=stays)
+        finally:
+            self._is_advancing = not is_outermost
+
+    def _run_ticks(self, limit: int | None, pace: Pace | None, watch: Watch | None, *, stays: bool) -> None:
+        kernel, controller, channels = self._kernel, self.controller, self._outside.channels
         surroundings = self._outside.surroundings
         idle_ticks = 0
         while not (stays and limit is not None and controller.tick >= limit):
             if pace is not None:
                 pace(controller.tick)
             for event in channels.arrivals(controller.tick):
-                self._host.channel_event(event)
-            controller.run_tick()
+                kernel.channel_event(event)
+            if self._clients is not None:
+                self._clients.take_in()
+            kernel.run_tick()
+            if self._clients is not None:
+                self._clients.publish()
             if surroundings is not None:
                 surroundings.settle()
             self._raise_listener_error()
@@ -408,14 +482,18 @@ class VirtualRobot:
                     return
             if limit is not None and controller.tick >= limit:
                 return
-            due, arrives = controller.next_tick(), channels.next_tick(controller.tick)
+            due, arrives = kernel.due_tick(), channels.next_tick(controller.tick)
             idle_ticks = idle_ticks + 1 if arrives is None and controller.is_idle else 0
-            if arrives is not None:
-                due = arrives if due is None else min(due, arrives)
-                if run is not None and channels.is_real:
-                    run.is_paced = True
+            due = _earliest(due, arrives)
+            if arrives is not None and run is not None and channels.is_real:
+                run.is_paced = True
             if self._drain is not None:
-                due = self._drain.end_tick if due is None else min(due, max(self._drain.end_tick, controller.tick + 1))
+                due = _earliest(due, max(self._drain.end_tick, controller.tick + 1))
+            if self._clients is not None and self._clients.are_open:
+                due = _earliest(due, self._clients.next_tick(controller.tick))
+                if watch is not None:
+                    # A client that acts in `watch` may end what looks stuck.
+                    idle_ticks, due = 0, controller.tick + 1 if due is None else due
             if not stays and (due is None or idle_ticks > IDLE_TICKS):
                 if due is None and any(controller.joints().qd_target):
                     # A paused motion is not due again, but still brakes.
@@ -432,7 +510,7 @@ class VirtualRobot:
             if self._trace is not None:
                 target = min(target, controller.tick + TRACE_TICKS_MAX)
                 self._trace.record(controller, target)
-            controller.leap(target)
+            kernel.leap(target)
 
     def _raise_listener_error(self) -> None:
         if self._listener_error is not None:
@@ -488,8 +566,13 @@ class VirtualRobot:
             state.q_target,
             state.tcp_pose_target,
             SignalRecord(self.controller.non_default_signals()),
-            {} if run.unit.kind == SECONDARY else self._host.monitor(),
+            self._globals_of(run),
         )
+
+    def _globals_of(self, run: Run) -> dict[str, Any]:
+        if run.unit.kind == SECONDARY:
+            return {}
+        return self._host.monitor() if self._globals is None else self._globals
 
     def _finish(self, state: EndState) -> None:
         """End a program that would go on, and the record of one that is over."""
@@ -525,8 +608,11 @@ class VirtualRobot:
     def _program_ended(self, state: str) -> None:
         """The host's program is over: `finished`, `alarm` or `stopped`."""
         run = self._run
-        if run is not None and run.state == "":
+        if run is not None and run.state == "" and run.unit.kind != SECONDARY:
             run.state = state  # type: ignore[assignment]
+            if self._clients is not None:
+                # A client may start another program before this one has come to rest.
+                self._globals = self._host.monitor()
 
     def _event(self, event: Event) -> None:
         if isinstance(event, SignalChanged) and self._outside.surroundings is not None:
@@ -537,6 +623,7 @@ class VirtualRobot:
     def _pass_on(self, event: Event) -> None:
         if self._run is not None and not self._run.is_closed:
             self._run.add(event)
+        self._kernel.publish_event(event)
         if self._on_event is None or self._listener_error is not None:
             return
         try:
@@ -545,3 +632,19 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
+
+
+def _earliest(tick: int | None, other: int | None) -> int | None:
+    return other if tick is None else tick if other is None else min(tick, other)
+
+
+def _checked_presets(presets: Mapping[str, object]) -> dict[str, object]:
+    """Return program globals that are given from outside.
+
+    Raises:
+        UsageError: a name that no program could give to a global.
+    """
+    for name in presets:
+        if not name.isidentifier() or iskeyword(name) or name.startswith("__"):
+            raise UsageError(f"{name!r} cannot be the name of a global")
+    return dict(presets)

@@ -5,7 +5,7 @@ import pytest
 
 from elitescript.cli.main import main
 from elitescript.environment.memory import MemoryFiles
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.machine import WriteSignal
 from elitescript.services.journal.replay import RecordedRobot
@@ -15,8 +15,8 @@ from elitescript.services.journal.writer import Journal
 @pytest.fixture
 def journal(tmp_path):
     path = tmp_path / "a.journal"
-    writer = Journal(path, KernelConfig(power_on=True))
-    robot = RecordedRobot(KernelConfig(power_on=True), MemoryFiles({}), writer)
+    writer = Journal(path, RobotOptions(power_on=True))
+    robot = RecordedRobot(RobotOptions(power_on=True), MemoryFiles({}), writer)
     robot.tick([RunUnit("primary#1", "program", "def p():\n  textmsg('hello')\n  sleep(0.1)\n  textmsg('again')\n")])
     for tick in range(1, 300):
         robot.tick([Do("ctl", WriteSignal("flag", 1, True))] if tick == 260 else ())

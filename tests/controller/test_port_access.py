@@ -7,7 +7,7 @@ import ast
 import pytest
 
 from elitescript.errors import ArgumentRangeError, InvalidValueError, ScriptError, ScriptStateError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.enums import AnalogDomain, RunstateChoice
 from elitescript.messages.events import TextMessage
 from elitescript.messages.inputs import RunUnit
@@ -111,7 +111,7 @@ def test_programs_and_clients_see_the_same() -> None:
         "      textmsg([read_port_register(n) for n in range(512)])\n      sync()\n    end\n  end\n"
         "  start_thread(look, ())\n  movej([0.1, -1.4, -1.6, -1.5, 1.5, 0.2])\nend\n"
     )
-    kernel = Kernel(KernelConfig(power_on=True))
+    kernel = Kernel(RobotOptions(power_on=True))
     version = kernel.description.firmware
     seen = 0
     for tick in range(60):

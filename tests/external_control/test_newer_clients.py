@@ -11,7 +11,7 @@ import pytest
 
 from elitescript.devices.channels.network import Peer, VirtualNetwork
 from elitescript.environment.memory import MemoryEnvironment
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import Do
 from elitescript.messages.machine import AskSafety
@@ -33,7 +33,7 @@ class Client:
     """A client of port 30001: sends lines, and polls the sub-messages 0 and 3."""
 
     def __init__(self, **config):
-        self.kernel = Kernel(KernelConfig(**config))
+        self.kernel = Kernel(RobotOptions(**config))
         self.output = self.kernel.tick_and_snapshot()
         self.connection = PrimaryConnection("primary#1", self.kernel.description)
         self.inputs = []
@@ -141,7 +141,7 @@ def test_a_command_that_is_refused_is_a_warning_that_says_why():
     ],
 )
 def test_remote_control_is_switched_and_asked_for_on_the_dashboard(line, reply, is_remote):
-    kernel = Kernel(KernelConfig())
+    kernel = Kernel(RobotOptions())
     output = kernel.tick_and_snapshot()
     shell = DashboardConnection("dashboard#1", kernel.description)
     shell.take()

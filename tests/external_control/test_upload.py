@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.language.text.units import UnitSplitter
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Do, RunUnit
@@ -19,7 +19,7 @@ class Session:
 
     def __init__(self, **config):
         self.pc = Pc()
-        self.kernel = Kernel(KernelConfig(**config))
+        self.kernel = Kernel(RobotOptions(**config))
         self.alarms = []
 
     def run(self, duration_s, *inputs):

@@ -17,7 +17,7 @@ from elitescript.controller.signals.input_faults import EFFECTS
 from elitescript.devices.channels.faults import ANALOG, DIGITAL, TABLE
 from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.errors import UsageError
-from elitescript.kernel.config import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.kernel.kernel import Kernel
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.events import SignalChanged
@@ -55,7 +55,7 @@ def kernel_changes(
     faults: list[Fault], applied: list[tuple[int, str, Any]], ticks: int
 ) -> list[tuple[int, object, str]]:
     """The same through the kernel that a served robot is."""
-    kernel = Kernel(KernelConfig(faults=tuple(map(machine_fault, faults))))
+    kernel = Kernel(RobotOptions(faults=tuple(map(machine_fault, faults))))
     events: list[Any] = []
     for tick in range(ticks):
         inputs = [Do("world:schedule", signal_write(name, value)) for at, name, value in applied if at == tick]
@@ -272,7 +272,7 @@ def test_a_robot_without_faults_of_inputs_has_nothing_of_them() -> None:
 
 
 def test_a_client_of_a_served_robot_lets_one_come_and_go() -> None:
-    kernel = Kernel(KernelConfig())
+    kernel = Kernel(RobotOptions())
     events: list[Any] = []
     fault = machine_fault(Fault("stuck", on=DIN, value=True))
     for tick in range(12):

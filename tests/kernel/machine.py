@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.events import Event, TextMessage
 from elitescript.messages.inputs import Do, Input, RunUnit
 from elitescript.messages.machine import MachineRequest
@@ -13,7 +13,7 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.timing import ticks_for
 from elitescript.protocol.interpreter import reply_text
 
-READY = KernelConfig(power_on=True)
+READY = RobotOptions(power_on=True)
 FOREVER = "while True:\n    sync()\n  end"
 
 
@@ -25,8 +25,8 @@ def program(*lines: str, name: str = "job") -> RunUnit:
 class Session:
     """Runs a kernel and keeps its events, replies and last output."""
 
-    def __init__(self, config: KernelConfig | None = None, world: Any = None) -> None:
-        self.kernel = Kernel(config or KernelConfig(), world)
+    def __init__(self, config: RobotOptions | None = None, world: Any = None) -> None:
+        self.kernel = Kernel(config or RobotOptions(), world)
         self.events: list[Event] = []
         self.outcomes: list[Outcome] = []
         self.first: Output | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Interpret, InterpreterWord, Query, RunUnit
@@ -20,7 +20,7 @@ HOST = ("global g", "g = 1", "x = 10", "interpreter_mode()", "textmsg('left ', g
 class Talk(Session):
     """A session with a program in interpreter mode."""
 
-    def __init__(self, *lines: str, config: KernelConfig = READY) -> None:
+    def __init__(self, *lines: str, config: RobotOptions = READY) -> None:
         super().__init__(config)
         if lines:
             self.start(*lines)
@@ -51,7 +51,7 @@ class TestSkipping:
         assert talk.texts == ["left 1 10"]
 
     def test_it_makes_room(self):
-        talk = Talk("sleep(100)", config=KernelConfig(firmware="2.10"))
+        talk = Talk("sleep(100)", config=RobotOptions(firmware="2.10"))
         talk.send(*(Interpret("interpreter#1", "0") for _ in range(2001)))
         talk.run(1.0)
         talk.word("skipbuffer")
@@ -257,7 +257,7 @@ class TestQueue:
         assert talk.replies[-1] == "ack: 3: g = 3"
 
     def test_it_is_bounded(self):
-        talk = Talk("sleep(100)", config=KernelConfig(firmware="2.10"))
+        talk = Talk("sleep(100)", config=RobotOptions(firmware="2.10"))
         talk.send(*(Interpret("interpreter#1", "0") for _ in range(2001)))
         talk.run(1.0)
         assert talk.replies[-1] == "discard: Too many interpreted messages: 0"

@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 
 from elitescript.kernel import Kernel
-from elitescript.kernel.kernel import HANDLERS
+from elitescript.kernel.handlers import HANDLERS
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.kernel.config import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.kernel.kernel import Kernel
 from elitescript.messages.inputs import ChannelOpened, RunUnit
 from elitescript.messages.outputs import CloseChannel, OpenChannel, SendChannel
@@ -25,11 +25,11 @@ def requests(kernel, text, ticks=60):
 @pytest.mark.parametrize("last", ["pass", "halt()", "1 / 0", "socket_close()"])
 def test_bytes_leave_before_the_end_of_the_connection(last):
     text = f'def a():\n  socket_open("10.0.0.5", 5000)\n  socket_send_line("done")\n  {last}\nend\n'
-    assert requests(Kernel(KernelConfig(power_on=True)), text) == [SendChannel(1, b"done\n"), CloseChannel(1)]
+    assert requests(Kernel(RobotOptions(power_on=True)), text) == [SendChannel(1, b"done\n"), CloseChannel(1)]
 
 
 @pytest.mark.parametrize("is_once", [True, False])
 def test_a_modbus_request_leaves_though_the_program_is_over(is_once):
     text = f'def a():\n  modbus_send_custom_command("10.0.0.9", 255, 6, [0, 9, 1, 2], {is_once})\nend\n'
-    first = requests(Kernel(KernelConfig(power_on=True)), text)[0]
+    first = requests(Kernel(RobotOptions(power_on=True)), text)[0]
     assert first == SendChannel(1, tcp_frame(1, 255, pdu.write_register(9, 258)))

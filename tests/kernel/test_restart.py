@@ -1,6 +1,6 @@
 """A robot goes on where another one ended."""
 
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.restart import restored_config, restored_inputs
 from elitescript.messages.enums import AnalogDomain, RobotMode, SafetyMode, TaskState
 from elitescript.messages.inputs import Do, RunUnit, SetRemote
@@ -22,7 +22,7 @@ def do(*requests):
     return [Do("test", request) for request in requests]
 
 
-def restarted(kernel: Kernel, config: KernelConfig, first_tick: int):
+def restarted(kernel: Kernel, config: RobotOptions, first_tick: int):
     """A kernel that goes on, and what it says in its first tick."""
     last = kernel.tick_and_snapshot().snapshot
     fresh = Kernel(restored_config(config, kernel.description, last, first_tick))
@@ -31,7 +31,7 @@ def restarted(kernel: Kernel, config: KernelConfig, first_tick: int):
 
 class TestRestart:
     def test_keeps_what_the_last_picture_shows(self):
-        config = KernelConfig(power_on=True)
+        config = RobotOptions(power_on=True)
         kernel = Kernel(config)
         kernel.tick_and_snapshot(
             [
@@ -69,22 +69,22 @@ class TestRestart:
         assert not now.is_remote
 
     def test_goes_on_with_its_time(self):
-        _, fresh, output = restarted(Kernel(KernelConfig()), KernelConfig(), 1000)
+        _, fresh, output = restarted(Kernel(RobotOptions()), RobotOptions(), 1000)
         assert output.tick == output.snapshot.robot.tick == 1000
         assert fresh.tick_and_snapshot().snapshot.robot.time_s == 1001 / 250
 
     def test_an_arm_without_power_stays_so(self):
-        _, _, output = restarted(Kernel(KernelConfig()), KernelConfig(power_on=True), 5)
+        _, _, output = restarted(Kernel(RobotOptions()), RobotOptions(power_on=True), 5)
         assert output.snapshot.robot.robot_mode is RobotMode.POWER_OFF
 
     def test_a_stopped_arm_stays_stopped(self):
-        kernel = Kernel(KernelConfig(power_on=True))
+        kernel = Kernel(RobotOptions(power_on=True))
         kernel.tick_and_snapshot(do(AskSafety("stop_protectively", "a test")))
-        _, _, output = restarted(kernel, KernelConfig(power_on=True), 5)
+        _, _, output = restarted(kernel, RobotOptions(power_on=True), 5)
         assert output.snapshot.robot.safety_mode is SafetyMode.PROTECTIVE_STOP
 
     def test_a_pressed_button_stays_pressed(self):
-        kernel = Kernel(KernelConfig(power_on=True))
+        kernel = Kernel(RobotOptions(power_on=True))
         kernel.tick_and_snapshot(do(WriteSignal("emergency_stop", 0, True)))
-        _, fresh, _ = restarted(kernel, KernelConfig(power_on=True), 5)
+        _, fresh, _ = restarted(kernel, RobotOptions(power_on=True), 5)
         assert fresh.tick_and_snapshot().snapshot.robot.safety_mode is SafetyMode.ROBOT_EMERGENCY_STOP

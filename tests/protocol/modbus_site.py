@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import Input
 from elitescript.protocol.modbus_port import ModbusConnection, ModbusPort
 from tests.protocol import modbus_client as client
@@ -14,7 +14,7 @@ class Site:
     """One robot and its clients."""
 
     def __init__(self, **config: Any) -> None:
-        self.kernel = Kernel(KernelConfig(**config))
+        self.kernel = Kernel(RobotOptions(**config))
         self.port = ModbusPort(self.kernel.description)
         self.output = self.kernel.tick_and_snapshot()
         self.waiting: list[Input] = []

@@ -6,7 +6,7 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.environment.memory import MemoryEnvironment
-from elitescript.kernel.config import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.kernel.kernel import Kernel
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Reboot, RunUnit
 from elitescript.messages.outputs import CloseChannel, OpenChannel, SendChannel
@@ -514,7 +514,7 @@ class Served:
     """A served controller, its channels held by the test, with a slave behind each."""
 
     def __init__(self):
-        self.kernel = Kernel(KernelConfig(power_on=True))
+        self.kernel = Kernel(RobotOptions(power_on=True))
         self.slave = Slave(MemoryTables(holding_registers=[5] * 10))
         self.connections = {}
         self.inputs = []

@@ -10,7 +10,7 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.cli.main import main
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 
 LONGER = 'base = "CS66"\nname = "CS66 long"\n[arm]\nd6 = 0.095\n'
 WHERE = "global pose\npose = get_actual_tcp_pose()\n"
@@ -67,7 +67,7 @@ def test_a_mistake_in_it_is_told_with_file_and_key(file: Path, capsys: pytest.Ca
 
 def test_a_served_robot_gets_it_as_text() -> None:
     """The process of a served robot reads no files, and a journal is played again without them."""
-    config = KernelConfig(model="my_arm.toml", model_text=LONGER)
+    config = RobotOptions(model="my_arm.toml", model_text=LONGER)
     described = Kernel(config).description
     assert described.model == "CS66 long"
     assert described.dh_d[5] == 0.095

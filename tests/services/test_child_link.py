@@ -15,7 +15,7 @@ from elitescript.cli.main import main
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage, Warned
 from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, LoadTask, RunUnit
@@ -64,7 +64,7 @@ class FakeChild:
         if letter == frames.LOCK_IN:
             self.say(frames.LOCKED_IN, b'[["files",true,"all of it"]]')
         elif letter == frames.BEGIN:
-            self.tick = CODEC.shape(KernelConfig).decode(from_text(text)).first_tick
+            self.tick = CODEC.shape(RobotOptions).decode(from_text(text)).first_tick
             self.say(frames.DESCRIBED, to_text(CODEC.shape(RobotDescription).encode(description())).encode())
         elif letter in (frames.TICK, frames.TICK_UNREAD) and not self.is_mute:
             if letter == frames.TICK or self.has_changed:
@@ -117,7 +117,7 @@ def clock(monkeypatch):
 
 def with_link(body: Callable[[ChildLink], Awaitable[None]], **options: Any) -> None:
     async def run() -> None:
-        link = ChildLink(KernelConfig(), **{"grace_s": 0.0, **options})
+        link = ChildLink(RobotOptions(), **{"grace_s": 0.0, **options})
         await link.open()
         try:
             await body(link)
@@ -689,7 +689,7 @@ def served(body: Callable[[ChildLink], Awaitable[None]], **options: Any) -> None
     """Run with a real child."""
 
     async def run() -> None:
-        link = ChildLink(KernelConfig(power_on=True), **options)
+        link = ChildLink(RobotOptions(power_on=True), **options)
         await link.open()
         try:
             await body(link)
@@ -719,7 +719,7 @@ class TestChild:
         from elitescript.environment.memory import MemoryEnvironment
 
         world = MemoryEnvironment(dict(files))
-        kernel = Kernel(KernelConfig(power_on=True), world)
+        kernel = Kernel(RobotOptions(power_on=True), world)
         expected = [kernel.tick_and_snapshot(inputs.get(tick, ())) for tick in range(300)]
         theirs = MemoryFiles(dict(files))
 
@@ -790,7 +790,7 @@ class TestChild:
 
     def test_says_why_it_cannot_begin(self):
         async def run() -> None:
-            link = ChildLink(KernelConfig(joints=(99.0,) * 6), is_jailed=False)
+            link = ChildLink(RobotOptions(joints=(99.0,) * 6), is_jailed=False)
             await link.open()
 
         with pytest.raises(ElitescriptError, match="joint"):
@@ -854,7 +854,7 @@ class TestChild:
             assert after.signals["output_int_register"][5] == -7
             assert link.restarts == 1
 
-        journal = Journal(path, KernelConfig(power_on=True))
+        journal = Journal(path, RobotOptions(power_on=True))
         served(body, hang_limit_s=IMPATIENT_S, journal=journal)
         session = Replay(JournalReader(path))
         restarts = []

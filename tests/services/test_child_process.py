@@ -14,7 +14,7 @@ import pytest
 
 from elitescript.codec.json_text import to_text
 from elitescript.errors import ElitescriptError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.events import Alarm
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
@@ -38,7 +38,7 @@ def small(monkeypatch, tmp_path):
     texts = tmp_path / "description.json", tmp_path / "output.json"
     texts[0].write_text(to_text(codec.shape(RobotDescription).encode(description())))
     texts[1].write_text(to_text(codec.shape(Output).encode(output(MARK))))
-    place = codec.shape(KernelConfig).encode(KernelConfig(first_tick=MARK)).index(MARK)
+    place = codec.shape(RobotOptions).encode(RobotOptions(first_tick=MARK)).index(MARK)
 
     def choose(how: str) -> None:
         command = (sys.executable, "-I", "-S", str(SMALL_CHILD), how, *map(str, texts), str(place))
@@ -49,7 +49,7 @@ def small(monkeypatch, tmp_path):
 
 def with_link(body: Callable[[ChildLink], Awaitable[None]]) -> None:
     async def run() -> None:
-        link = ChildLink(KernelConfig(), is_jailed=False)
+        link = ChildLink(RobotOptions(), is_jailed=False)
         await link.open()
         try:
             await body(link)
@@ -95,7 +95,7 @@ def test_a_child_that_does_not_come_up_says_why(small):
     small("boot")
 
     async def run() -> None:
-        link = ChildLink(KernelConfig(), is_jailed=False)
+        link = ChildLink(RobotOptions(), is_jailed=False)
         try:
             with pytest.raises(ElitescriptError, match="did not come up: it has ended") as caught:
                 await link.open()

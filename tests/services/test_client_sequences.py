@@ -8,7 +8,7 @@ from typing import Any
 
 from elitescript.controller.modes import AT_ONCE
 from elitescript.environment.memory import MemoryEnvironment
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Peer, Scene, run, serving
 
@@ -46,7 +46,7 @@ end
 
 
 def robot(**changes: Any) -> Any:
-    return Kernel(KernelConfig(power_times=AT_ONCE, **changes), MemoryEnvironment(FILES))
+    return Kernel(RobotOptions(power_times=AT_ONCE, **changes), MemoryEnvironment(FILES))
 
 
 async def shell(scene: Scene) -> Peer:

@@ -1,21 +1,25 @@
 from array import array
 
+import pytest
+
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.values import CodecError
 from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.events import MotionStarted
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.motion import MicroLine, MoveML
 from elitescript.messages.outputs import Output
 from elitescript.messages.plant import PlantConfig
-from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.config_codec import full_codec, options_data, options_from_data, output_text
+from elitescript.services.journal.format2 import Format2
 from tests.protocol.snapshots import output
 
 
 def test_every_part_of_a_configuration_comes_back():
-    config = KernelConfig(
+    config = RobotOptions(
         model="mine.toml",
         model_text='base = "CS66"\n[arm]\nd6 = 0.095\n',
         joints=(0.0, -1.5, 1.0, -1.0, 1.5, 0.1),
@@ -33,10 +37,59 @@ def test_every_part_of_a_configuration_comes_back():
         ),
         signals=(("flag[3]", True), ("output_float_register[1]", 0.1), ("output_int_register[1]", 7)),
     )
-    shape = full_codec().shape(KernelConfig)
+    shape = full_codec().shape(RobotOptions)
     back = shape.decode(from_text(to_text(shape.encode(config))))
     assert repr(back) == repr(config)
     assert back.contact.planes[0].direction == config.contact.planes[0].direction
+
+
+class TestOptionsOfAJournal:
+    """By hand: what stands in the first line of journals that have been written."""
+
+    FORMAT_2 = (
+        *("CS63", "", "2.10", 5, 7, 1e9, None, 0.5, True, [0.4, 0.8, 1.0], False, "name", "ES1", "my.configuration"),
+        *(None, None, None, [["flag[3]", True]], ['{"kind": "drop", "on": 5000}'], 2000, 60.0, True),
+    )
+
+    def test_those_of_format_2_have_no_names(self):
+        options = Format2(full_codec()).options(list(self.FORMAT_2))
+        assert options == RobotOptions(
+            model="CS63",
+            firmware="2.10",
+            seed=5,
+            first_tick=7,
+            epoch_s=1e9,
+            speed=0.5,
+            power_on=True,
+            remote=False,
+            robot_id="name",
+            serial_number="ES1",
+            configuration="my.configuration",
+            signals=(("flag[3]", True),),
+            faults=(ChannelFault("drop", 5000, ("tcp", "", 5000)),),
+            strict=True,
+        )
+
+    def test_an_option_that_is_not_named_has_its_default(self):
+        options = options_from_data(full_codec(), {"seed": 4, "speed": 0.5})
+        assert options == RobotOptions(seed=4, speed=0.5)
+
+    def test_every_option_is_written_by_its_name(self):
+        data = options_data(full_codec(), RobotOptions(seed=4, signals=(("flag[3]", True),)))
+        assert (data["seed"], data["signals"], data["power_times"]) == (4, [["flag[3]", True]], [0.4, 0.8, 1.0])
+        assert set(data) == set(RobotOptions.__slots__)
+
+    @pytest.mark.parametrize(
+        ("options", "words"),
+        [
+            ({"spee": 1.0}, "no option 'spee'"),
+            ({"speed": 2.0}, r"speed must be in \[0, 1\], got 2.0"),
+            ([], "by their names"),
+        ],
+    )
+    def test_a_mistake_is_named(self, options, words):
+        with pytest.raises(CodecError, match=words):
+            options_from_data(full_codec(), options)
 
 
 def test_the_points_of_a_file_stay_where_they_are():

@@ -13,7 +13,7 @@ from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.values import CodecError
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.restart import restored_config, restored_inputs
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.outputs import Output
@@ -31,7 +31,7 @@ PROGRAM = 'def f():\n  textmsg("a")\n  socket_open("127.0.0.1", 1, "s")\n  nothi
 
 def outputs() -> list[Any]:
     """Outputs of a robot that moves, speaks and fails, as they are written."""
-    kernel = Kernel(KernelConfig(power_on=True))
+    kernel = Kernel(RobotOptions(power_on=True))
     begin = RunUnit("primary#1", "program", PROGRAM)
     found = [kernel.tick_and_snapshot(inputs) for inputs in ((), [begin], (), ())]
     return [from_text(output_text(SHAPE, output)) for output in found]
@@ -75,7 +75,7 @@ def mutated(data: Any, chance: random.Random) -> Any:
 @pytest.mark.parametrize("seed", range(12))
 def test_any_structure_is_refused_or_can_be_served_and_gone_on_from(seed: int) -> None:
     chance = random.Random(seed)
-    description = Kernel(KernelConfig()).description
+    description = Kernel(RobotOptions()).description
     for _ in range(60):
         data = mutated(chance.choice(WHOLES), chance)
         try:
@@ -89,8 +89,8 @@ def test_any_structure_is_refused_or_can_be_served_and_gone_on_from(seed: int) -
 
 
 def goes_on_from(output: Output, description: Any) -> None:
-    config = restored_config(KernelConfig(), description, output.snapshot, 7)
-    config = CODEC.shape(KernelConfig).decode(from_text(to_text(CODEC.shape(KernelConfig).encode(config))))
+    config = restored_config(RobotOptions(), description, output.snapshot, 7)
+    config = CODEC.shape(RobotOptions).decode(from_text(to_text(CODEC.shape(RobotOptions).encode(config))))
     Kernel(config).tick_and_snapshot(restored_inputs(output.snapshot))
 
 
@@ -113,7 +113,7 @@ def test_a_robot_goes_on_from_a_picture_without_sense(field: str, value: Any) ->
         place = names.index(field)
         robot[place] = [value] * len(robot[place])
     output = SHAPE.decode(whole)
-    goes_on_from(output, Kernel(KernelConfig()).description)
+    goes_on_from(output, Kernel(RobotOptions()).description)
 
 
 class TestDesk:
@@ -203,7 +203,7 @@ class TestLink:
                 for _ in range(2000):
                     await link.tick(())
             begun = [data for child in children for letter, data in child.told if letter == frames.BEGIN]
-            joints = list(CODEC.field_shapes(KernelConfig)).index("joints")
+            joints = list(CODEC.field_shapes(RobotOptions)).index("joints")
             assert [data[joints] is None for data in begun] == [True, False, False, True, True, True]
 
         with_link(body)

@@ -9,14 +9,14 @@ import pytest
 from elitescript.cli.main import main
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.inputs import Do, LoadTask, PlayTask, RunUnit
 from elitescript.messages.machine import WritePortCoils, WritePortRegisters, WriteSignal
 from elitescript.messages.plant import PlantConfig
 from elitescript.services.journal.replay import RecordedRobot, Replay
 from elitescript.services.journal.writer import DIGEST_TICKS, Journal, JournalReader
 
-CONFIG = KernelConfig(
+CONFIG = RobotOptions(
     power_on=True, plant=PlantConfig(noise_rad=1e-5), signals=(("flag[3]", True), ("general_register[9]", 9))
 )
 PROGRAM = (
@@ -165,7 +165,14 @@ class TestJournal:
 
 
 class TestJournalReader:
-    @pytest.mark.parametrize("text", ["", "x\n", "[]\n", "{}\n", '{"journal":2}\n', '{"journal":2,"config":[1]}\n'])
+    @pytest.mark.parametrize(
+        "text",
+        [
+            *("", "x\n", "[]\n", "{}\n", '{"journal":2}\n', '{"journal":2,"config":[1]}\n', '{"journal":3}\n'),
+            *(f'{{"journal":3,"options":{options}}}\n' for options in ("[1]", '{"spee":1.0}', '{"speed":"fast"}')),
+            '{"journal":3,"options":{"speed":2.0}}\n',
+        ],
+    )
     def test_refuses_what_is_no_journal(self, tmp_path, text):
         path = tmp_path / "a.journal"
         path.write_text(text)
@@ -192,5 +199,5 @@ def test_a_journal_that_is_there_is_not_overwritten(tmp_path):
     path = tmp_path / "session.journal"
     path.write_text("precious")
     with pytest.raises(UsageError, match="the file exists"):
-        Journal(path, KernelConfig())
+        Journal(path, RobotOptions())
     assert path.read_text() == "precious"

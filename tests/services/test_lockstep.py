@@ -7,7 +7,7 @@ from typing import cast
 
 import pytest
 
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.protocol.rtsi.recipes import RtsiPort
@@ -256,7 +256,7 @@ end
 
 def test_what_the_client_gets_is_the_same_to_the_byte_in_every_run() -> None:
     async def session() -> list[bytes]:
-        async with serving(Kernel(KernelConfig(power_on=True, remote=True)), is_lockstep=True) as scene:
+        async with serving(Kernel(RobotOptions(power_on=True, remote=True)), is_lockstep=True) as scene:
             primary = await scene.connect("primary")
             primary.send(PROGRAM)
             names = ("runtime_state", "target_joint_positions", "actual_joint_positions", "actual_joint_current")

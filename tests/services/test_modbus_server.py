@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.services.clients import binding
 from elitescript.services.clients.binding import bind
 from elitescript.services.table import NAMES, PORT_MAX, port_numbers, spare_numbers
@@ -17,7 +17,7 @@ from tests.services.served import Scene, run, serving
 
 
 def site() -> Any:
-    return serving(Kernel(KernelConfig()))  # type: ignore[arg-type]
+    return serving(Kernel(RobotOptions()))  # type: ignore[arg-type]
 
 
 async def answer(peer: Any) -> bytes:

@@ -9,7 +9,7 @@ import pytest
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.values import CodecError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.enums import RobotMode
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.outputs import Output
@@ -30,7 +30,7 @@ def sent(writer, reader, whole):
 
 
 def test_what_arrives_is_what_was_sent():
-    kernel, writer, reader = Kernel(KernelConfig(power_on=True)), OutputWriter(CODEC), OutputReader(CODEC)
+    kernel, writer, reader = Kernel(RobotOptions(power_on=True)), OutputWriter(CODEC), OutputReader(CODEC)
     letters = []
     for tick in range(400):
         whole = kernel.tick_and_snapshot([RunUnit("primary#1", "program", PROGRAM)] if tick == 10 else ())
@@ -42,7 +42,7 @@ def test_what_arrives_is_what_was_sent():
 
 
 def test_a_robot_at_rest_says_little():
-    kernel, writer = Kernel(KernelConfig(power_on=True)), OutputWriter(CODEC)
+    kernel, writer = Kernel(RobotOptions(power_on=True)), OutputWriter(CODEC)
     sizes = [len(writer.message(kernel.tick_and_snapshot())[1]) for _ in range(100)]
     assert max(sizes[1:]) < sizes[0] / 8
 

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.events import Alarm, TextMessage
 from elitescript.services.child.link import ChildLink
 from elitescript.services.robots import served_robot
@@ -49,7 +49,7 @@ def play(program, is_over, after=lambda scene, streams: None):
 
     async def run():
         scene = Scene()
-        link = ChildLink(KernelConfig(power_on=True))
+        link = ChildLink(RobotOptions(power_on=True))
         scene.station = served_robot("CS66", link, lambda _, what: scene.said.append(what))
         await scene.station.boot()
         scene.station.bind("127.0.0.1", dict.fromkeys(NAMES, 0))

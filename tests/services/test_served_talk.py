@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from elitescript.devices.channels.machine_faults import machine_fault
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event
 from elitescript.messages.inputs import AddFault, Do, EndFaults, Input, RunUnit
@@ -72,7 +72,7 @@ class Session:
         asyncio.run(self._play(seed, journal))
 
     async def _play(self, seed: int, journal: Any) -> None:
-        config = KernelConfig(power_on=True, seed=seed, rpc_timeout_s=RPC_S, firmware="2.14")
+        config = RobotOptions(power_on=True, seed=seed, rpc_timeout_s=RPC_S, firmware="2.14")
         link = robot_link(config, task_dir=None, in_process=True, is_jailed=False, journal=journal)
         station = served_robot("CS66", link, lambda _, what: self.said.append(what), world=self.world)
         await station.boot()
@@ -81,7 +81,7 @@ class Session:
             station.post(self.asked.get(tick, []))
             await station.step()
             self.outputs.append(station.output)
-        self.left_in_kernel = dict(link.robot._kernel._host.connections)  # type: ignore[attr-defined]
+        self.left_in_kernel = dict(link.robot._kernel.host.connections)  # type: ignore[attr-defined]
         assert station.devices is not None
         self.left_in_station = dict(station.devices._leads)
         self.left_in_world = self.world.network.open_channels

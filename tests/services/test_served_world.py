@@ -9,7 +9,7 @@ import pytest
 from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.environment.request_channels import RequestChannels
 from elitescript.errors import UsageError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.enums import ChannelError
 from elitescript.messages.events import DeviceNoted, TextMessage
 from elitescript.messages.inputs import (
@@ -25,10 +25,10 @@ from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import Done, Refused
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Reply, SendChannel
+from elitescript.protocol.table import SERVICES
 from elitescript.services.control.verbs import VERBS, VerbRequest
 from elitescript.services.log import ServerLog
 from elitescript.services.served_devices import CHANNELS_MAX, UNSENT_MAX, ServedDevices
-from elitescript.services.table import SERVICES
 from elitescript.testing.world import Device, Fault, ModbusDevice, SerialDevice, TcpClient, TcpServer, Wire, World
 from tests.devices.programs import robot_in
 
@@ -81,7 +81,7 @@ class Bench:
     """A kernel with a world beside it, ticked as a station does."""
 
     def __init__(self, world, **config):
-        self.kernel = Kernel(KernelConfig(power_on=True, **config))
+        self.kernel = Kernel(RobotOptions(power_on=True, **config))
         self.said = []
         self.others = []
         log = ServerLog("CS66", lambda _, line: self.said.append((line.text, line.is_problem)))

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import Do, RunUnit, SetRemote
 from elitescript.messages.machine import SetSpeedScale, WriteSignal
 from elitescript.messages.snapshot import Snapshot
@@ -30,7 +30,7 @@ class CountingKernel(Kernel):
     """Notes the ticks of which a snapshot is made."""
 
     def __init__(self) -> None:
-        super().__init__(KernelConfig(power_on=True))
+        super().__init__(RobotOptions(power_on=True))
         self.shown: list[int] = []
 
     def snapshot(self) -> Snapshot:

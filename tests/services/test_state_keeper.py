@@ -10,7 +10,7 @@ import pytest
 
 from elitescript.environment.state_file import StateFile
 from elitescript.errors import UsageError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.services import state_keeper
 from elitescript.services.state_keeper import StateKeeper
 from tests.protocol import modbus_client
@@ -143,7 +143,7 @@ def test_what_a_client_writes_is_there_for_the_next_robot(tmp_path: Path) -> Non
         for count in range(3):
             file = StateFile(path)
             keeping = StateKeeper(file)
-            config = KernelConfig(signals=tuple(keeping.load().items()))
+            config = RobotOptions(signals=tuple(keeping.load().items()))
             async with serving(Kernel(config), keeper=keeping) as scene:  # type: ignore[arg-type]
                 peer = await scene.connect("modbus")
                 peer.send(modbus_client.frame(1, modbus_client.read(3, 256, 1)))

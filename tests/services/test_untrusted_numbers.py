@@ -11,15 +11,15 @@ import pytest
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.values import CodecError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.events import Alarm, Event, Popup, TextMessage, Warned
 from elitescript.messages.outputs import Output
 from elitescript.protocol.rtsi.variables import OUTPUTS
+from elitescript.protocol.table import SERVICES
 from elitescript.services.config_codec import full_codec, output_text
-from elitescript.services.table import SERVICES
 
 SHAPE = full_codec().shape(Output)
-KERNEL = Kernel(KernelConfig(power_on=True))
+KERNEL = Kernel(RobotOptions(power_on=True))
 WHOLE = from_text(output_text(SHAPE, KERNEL.tick_and_snapshot()))
 INTEGERS = (-(2**63), -1, 25, 256, 2**16, 2**31, 2**63 - 1)
 ORDINARY: dict[Any, Any] = {int: 1, str: "a", bool: False}

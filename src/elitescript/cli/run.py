@@ -20,11 +20,11 @@ from elitescript.controller.views.trace import Trace, step_ticks
 from elitescript.controller.views.trace_signals import TraceSignals
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
+from elitescript.kernel.options import DEFAULTS
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import DeviceNoted
 from elitescript.robot import VirtualRobot
-from elitescript.wiring import EPOCH_S
 
 EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "stuck": 5}
 DOES_NOT_COMPILE: Final = 3
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
         task_dir=options.task_dir or path.resolve().parent,
         task_dir_limit=parse_size(options.task_dir_limit, "--task-dir-limit"),
         strict=options.strict,
-        epoch_s=EPOCH_S if options.epoch is None else parse_epoch(options.epoch),
+        epoch_s=DEFAULTS["epoch_s"] if options.epoch is None else parse_epoch(options.epoch),
         rpc_timeout_s=options.rpc_timeout,
         world=options.world,
         lines=_lines(options.serial),

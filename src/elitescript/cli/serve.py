@@ -25,11 +25,12 @@ from elitescript.cli.ssh_login import Login, ssh_login
 from elitescript.environment.line_bindings import parse_bindings
 from elitescript.environment.state_file import StateFile
 from elitescript.errors import UsageError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
+from elitescript.protocol.table import SERVICES, services_of
 from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
 from elitescript.services.child.jail import is_complete
 from elitescript.services.log import DEVICE, LogLine
@@ -38,7 +39,7 @@ from elitescript.services.robot_server import RobotServer
 from elitescript.services.robots import numbered_path, probe_jail, robot_link, served_robot
 from elitescript.services.server import ServeSession, is_loopback
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.table import NAMES, SERVICES, SSH, port_numbers, services_of, spare_numbers
+from elitescript.services.table import NAMES, SSH, port_numbers, spare_numbers
 from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def serve(options: argparse.Namespace) -> int:
 
 def _run(
     options: argparse.Namespace,
-    configs: list[KernelConfig],
+    configs: list[RobotOptions],
     worlds: list[World | None],
     numbers: list[dict[str, int]],
     spares: list[dict[str, int]],
@@ -97,7 +98,7 @@ def _run(
 
 async def _serve(
     options: argparse.Namespace,
-    configs: list[KernelConfig],
+    configs: list[RobotOptions],
     worlds: list[World | None],
     keepers: list[StateKeeper | None],
     numbers: list[dict[str, int]],
@@ -135,7 +136,7 @@ async def _serve(
     log.end()
 
 
-def make_link(options: argparse.Namespace, config: KernelConfig, index: int) -> RobotLink:
+def make_link(options: argparse.Namespace, config: RobotOptions, index: int) -> RobotLink:
     """Return the way to a robot."""
     return robot_link(
         config,
@@ -162,7 +163,7 @@ def _keepers(path: str | None, count: int, held: contextlib.ExitStack) -> list[S
     return keepers
 
 
-def _remembering(config: KernelConfig, keeper: StateKeeper | None) -> KernelConfig:
+def _remembering(config: RobotOptions, keeper: StateKeeper | None) -> RobotOptions:
     """Return a robot that begins with what is kept; what the command line sets counts more."""
     if keeper is None:
         return config
@@ -205,7 +206,7 @@ def _check_world_place(options: argparse.Namespace) -> None:
         )
 
 
-def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list[World | None]]:
+def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list[World | None]]:
     """Return the robots that the options ask for, and what is beside each.
 
     Raises:
@@ -228,7 +229,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list
     if options.task_dir is not None and not Path(options.task_dir).is_dir():
         raise UsageError(f"--task-dir {options.task_dir}: there is no such folder")
     _check_world_place(options)
-    configs: list[KernelConfig] = []
+    configs: list[RobotOptions] = []
     worlds: list[World | None] = []
     for index, model in enumerate(models):
         # The process of the robot cannot read files of this computer: it gets the text of the model file.
@@ -237,7 +238,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[KernelConfig], list
         cell = WorldFile() if options.world is None else load_cell(options.world, network=REAL)
         worlds.append(cell.world)
         configs.append(
-            KernelConfig(
+            RobotOptions(
                 model=Path(model).name if text else name,
                 model_text=text,
                 firmware=options.firmware,
@@ -401,7 +402,7 @@ class ServeLog:
                 self._reports[name] = TextRunReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
 
     def ready(
-        self, host: str, server: ServeSession, configs: list[KernelConfig], reach: str, login: Login | None = None
+        self, host: str, server: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None = None
     ) -> None:
         """Every port is open; say so with what programs reach, and then what has happened before."""
         self._say_ready(host, server, configs, reach, login)
@@ -410,7 +411,7 @@ class ServeLog:
             self.take(robot, what)
 
     def _say_ready(
-        self, host: str, server: ServeSession, configs: list[KernelConfig], reach: str, login: Login | None
+        self, host: str, server: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None
     ) -> None:
         if self._is_json:
             robots: list[dict[str, Any]] = [

@@ -149,7 +149,9 @@ class Codec:
             TypeError: a field has a type that no message may have.
         """
         assert is_dataclass(kind)
-        name, hints = kind.__name__, get_type_hints(kind)
+        name = kind.__name__
+        # Names that a module imports for type checkers alone are those of other registered classes.
+        hints = get_type_hints(kind, localns=self._classes)
         return {
             field.name: _IMAGES.get((name, field.name)) or self._shape(hints[field.name], _bounds_of(name, field.name))
             for field in fields(kind)

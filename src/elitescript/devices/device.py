@@ -64,7 +64,7 @@ class DeviceContext:
         self.signals = SignalHub(agenda)
 
     def connect(self, device: Device, service: str) -> Connection:
-        """Connect a device to a port of the robot; it gets the output of every tick that it wants.
+        """Connect a device to a port of the robot; it gets the outputs of the ticks that matter to it.
 
         Raises:
             UsageError: there is no robot, or it has no such port.
@@ -79,14 +79,17 @@ class DeviceContext:
         return connection
 
     def publish(self) -> None:
-        """Hand the output of the tick that has run to the devices that want it."""
-        waiting = [device for device in self.clients if device.wants_output]
-        if waiting:
-            assert self.signals.robot is not None
-            output = self.signals.robot.output()
-            for device in waiting:
-                device.take_output(output)
-            self.agenda.put(1, lambda: None)  # they look at the next tick too
+        """Hand the output of the tick that has run to the devices to which it matters."""
+        robot = self.signals.robot
+        clients = [device for device in self.clients if device.is_connected]
+        if robot is None or not clients:
+            return
+        tick, has_news = robot.present_tick, robot.has_news
+        for device in [device for device in clients if has_news or device.next_output_tick(tick - 1) == tick]:
+            device.take_output(robot.output())
+        due = [at for at in (device.next_output_tick(tick) for device in clients) if at is not None]
+        if due:
+            self.agenda.put(min(due) - tick, lambda: None)  # time does not leap over it
 
     def note(self, device: str, text: str, *, is_warning: bool = False) -> None:
         """Put a line about a device into the record of the run."""
@@ -243,16 +246,20 @@ class Device:
         """The robot's time begins; for what a kind of devices does by itself, before `started`."""
 
     @property
-    def wants_output(self) -> bool:
-        """Whether it is connected to a port of the robot that has something to send after a tick."""
+    def is_connected(self) -> bool:
+        """Whether it is connected to a port of the robot."""
         return False
+
+    def next_output_tick(self, tick: int) -> int | None:
+        """Return the next tick after `tick` whose output it must get although nothing happens in it."""
+        return None
 
     def reads_snapshot(self, tick: int) -> bool:
         """Return whether it is connected to a port of the robot that reads the snapshot of a tick."""
         return False
 
     def take_output(self, output: Output) -> None:
-        """Take the output of a tick that has run; called if it wants that."""
+        """Take the output of a tick that has run."""
 
     def run_ended(self) -> None:
         """A run is over: report what has come and is not complete."""

@@ -1,4 +1,4 @@
-"""Defines what a robot and the surroundings that live in its time ask of each other."""
+"""What a robot and the devices beside it ask of each other; `devices.world` is made of this."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class RobotAccess(Protocol):
     """Lists what surroundings ask of the robot."""
 
     @property
-    def tick(self) -> int:
-        """The present tick."""
+    def present_tick(self) -> int:
+        """The tick that runs; between two ticks the one that runs next, of a served robot the one that has run."""
 
     def read(self, name: str, index: int) -> Value:
         """Return a point of the signal image."""
@@ -54,11 +54,15 @@ class RobotAccess(Protocol):
             UsageError: there is no such port.
         """
 
+    @property
+    def has_news(self) -> bool:
+        """Whether something has happened that clients of ports have not got yet."""
+
     def output(self) -> Output:
-        """Return what the last tick gives to the clients of all ports."""
+        """Return what ports give to their clients: of the present tick once it has run, before of the one before it."""
 
     def post(self, inputs: Sequence[Input]) -> None:
-        """Hand over what a client of a port asks for, in the tick that is about to run."""
+        """Take what clients of ports ask for, in the tick that runs next."""
 
 
 class RobotSettings:

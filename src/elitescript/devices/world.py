@@ -221,7 +221,7 @@ class World(Surroundings):
         """
         if self.signals.robot is not None:
             raise UsageError("this world belongs to another robot already; make a new one for each robot")
-        self.agenda.clock = lambda: robot.tick
+        self.agenda.clock = lambda: robot.present_tick
         self.signals.robot = robot
         for device in self.devices:
             self._start(device)

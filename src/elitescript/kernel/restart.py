@@ -14,10 +14,9 @@ from dataclasses import replace
 from math import inf, isfinite
 from typing import Final
 
-from elitescript.kernel.causes import RESTART
-from elitescript.kernel.config import KernelConfig
+from elitescript.kernel.options import RobotOptions
 from elitescript.messages.enums import RobotMode, SafetyMode
-from elitescript.messages.inputs import Do, Input, LoadTask
+from elitescript.messages.inputs import RESTART, Do, Input, LoadTask
 from elitescript.messages.machine import (
     AskSafety,
     MachineRequest,
@@ -41,8 +40,8 @@ _SAFETY_ACTIONS: Final = {
 
 
 def restored_config(
-    config: KernelConfig, description: RobotDescription, last: Snapshot, first_tick: int
-) -> KernelConfig:
+    config: RobotOptions, description: RobotDescription, last: Snapshot, first_tick: int
+) -> RobotOptions:
     """The configuration with which a robot goes on.
 
     Args:

@@ -13,6 +13,12 @@ from elitescript.messages.enums import ChannelError
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.machine import DisturbInput, MachineRequest
 
+WORLD: Final = "world"
+"""Origin of what the devices beside a robot do to its signals, followed by `:` and the kind of device."""
+
+RESTART: Final = "restart"
+"""Origin of the inputs that give a fresh robot the state of the one before it."""
+
 UNIT_KINDS: Final = ("program", "secondary", "line")
 """What a unit of script text is."""
 

@@ -15,6 +15,9 @@ TICKS_PER_S: Final = 250
 RPC_TIMEOUT_S: Final = 60.0
 """How long a remote procedure call waits for its answer, unless configured (*assumed*)."""
 
+WORK_PER_TICK: Final = 2_000
+"""Checkpoints of one thread in one tick (*assumed*): so few that a served loop of mere polling keeps up with time."""
+
 TICK_MAX: Final = 2**50
 """No tick of a message lies behind it: its time in microseconds has a place in every packet."""
 

@@ -74,6 +74,13 @@ class Connection(ABC):
         """Whether an answer to what the peer has asked is still to come."""
         return False
 
+    def next_tick(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that must be published although nothing happens in it; None if none must.
+
+        A tick in which there are events or replies must be published in any case.
+        """
+        return tick + 1 if self.is_busy or self.is_expecting else None
+
     def due(self) -> list[Input]:
         """Return what time alone has made of bytes that came before; to be asked after every `publish`."""
         return []

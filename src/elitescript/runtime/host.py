@@ -15,7 +15,7 @@ from elitescript.errors import ScriptStateError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
-from elitescript.messages.timing import RPC_TIMEOUT_S
+from elitescript.messages.timing import RPC_TIMEOUT_S, WORK_PER_TICK
 from elitescript.runtime.alarms import abandoned, summary_of
 from elitescript.runtime.connections.background import Background
 from elitescript.runtime.environment import EmptyEnvironment, ProgramEnvironment
@@ -25,7 +25,7 @@ from elitescript.runtime.names.context import POPUP
 from elitescript.runtime.program import Program
 from elitescript.runtime.queries import Queries
 from elitescript.runtime.secondary import Secondaries
-from elitescript.runtime.threads.scheduler import WORK_PER_TICK, Scheduler
+from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import STOP, Strand, ThreadState, state_of
 from elitescript.runtime.watchdogs import Watchdogs
 

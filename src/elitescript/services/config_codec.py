@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from elitescript.codec.json_text import to_text
 from elitescript.codec.messages import Codec
-from elitescript.codec.values import Shape
+from elitescript.codec.values import CodecError, Shape, shown
 from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.modes import PowerTimes
 from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
-from elitescript.kernel.config import KernelConfig
+from elitescript.errors import UsageError
+from elitescript.kernel.options import RobotOptions
 from elitescript.messages.events import Event, MotionStarted
 from elitescript.messages.motion import MoveML
 from elitescript.messages.outputs import Output, TickResult
@@ -21,7 +22,30 @@ Said = TypeVar("Said", Output, TickResult)
 
 def full_codec() -> Codec:
     """Messages of the waist and configurations."""
-    return Codec(KernelConfig, PowerTimes, ContactConfig, Plane, SafetyLimits, SafetyBounds, SafetyPlane, ToolDirection)
+    return Codec(RobotOptions, PowerTimes, ContactConfig, Plane, SafetyLimits, SafetyBounds, SafetyPlane, ToolDirection)
+
+
+def options_data(codec: Codec, options: RobotOptions) -> dict[str, Any]:
+    """Return options as they stand in a journal: by their names, which stay readable when an option is added."""
+    return {name: shape.encode(getattr(options, name)) for name, shape in codec.field_shapes(RobotOptions).items()}
+
+
+def options_from_data(codec: Codec, data: Any) -> RobotOptions:
+    """Return options that stand in a journal; what it does not name has its default.
+
+    Raises:
+        CodecError: an unknown option, or a value that makes no sense.
+    """
+    if type(data) is not dict:
+        raise CodecError(f"options by their names are expected, not {shown(data)}")
+    shapes = codec.field_shapes(RobotOptions)
+    for name in data:
+        if name not in shapes:
+            raise CodecError(f"there is no option {name[:40]!r} in this version")
+    try:
+        return RobotOptions(**{name: shapes[name].decode(value) for name, value in data.items()})
+    except UsageError as error:
+        raise CodecError(f"options: {error}") from None
 
 
 def output_text(shape: Shape[Output], output: Output) -> str:

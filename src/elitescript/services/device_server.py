@@ -70,9 +70,14 @@ class DeviceServer:
     # ---------------------------------------------------------------- the robot that is not there
 
     @property
-    def tick(self) -> int:
+    def present_tick(self) -> int:
         """The time is that of the world itself."""
         return 0
+
+    @property
+    def has_news(self) -> bool:
+        """There is no robot."""
+        return False
 
     def read(self, name: str, index: int) -> Value:
         """A level that was set before."""

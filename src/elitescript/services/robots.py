@@ -12,7 +12,7 @@ from elitescript.environment.local import LocalFiles
 from elitescript.environment.memory import MemoryFiles
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.runtime.environment import Files
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def robot_link(
-    config: KernelConfig,
+    config: RobotOptions,
     *,
     task_dir: Path | None,
     task_dir_limit: int = TASK_DIR_BYTES,
@@ -107,7 +107,7 @@ def numbered_path(path: Path, index: int) -> Path:
 
 async def probe_jail() -> tuple[tuple[Layer, ...], str]:
     """The layers that a child finds here, and what went wrong with it if something did."""
-    link = ChildLink(KernelConfig())
+    link = ChildLink(RobotOptions())
     try:
         await link.open()
     except ElitescriptError as error:

@@ -15,10 +15,9 @@ from typing import Final, TypeVar
 from elitescript.devices.agenda import DeviceError
 from elitescript.devices.channels.faults import Fault
 from elitescript.devices.world import World
-from elitescript.kernel.causes import WORLD
 from elitescript.messages.enums import ChannelError
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
-from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelEvent, ChannelOpened, Do, Input
+from elitescript.messages.inputs import WORLD, ChannelClosed, ChannelCredit, ChannelEvent, ChannelOpened, Do, Input
 from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
 from elitescript.messages.outputs import (
     CHANNEL_WINDOW,
@@ -87,7 +86,7 @@ class ServedDevices:
     # ---------------------------------------------------------------- what the devices call
 
     @property
-    def tick(self) -> int:
+    def present_tick(self) -> int:
         """The last tick."""
         return 0 if self._output is None else self._output.tick
 
@@ -107,6 +106,11 @@ class ServedDevices:
     def connect(self, service: str, origin: str) -> Connection:
         """A connection to a port of the robot."""
         return self._connect(service, origin)
+
+    @property
+    def has_news(self) -> bool:
+        """Whether something has happened in the last tick."""
+        return bool(self.output().events or self.output().replies)
 
     def output(self) -> Output:
         """The last tick."""

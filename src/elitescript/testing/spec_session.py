@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.language.text.source import SourceFile
 from elitescript.language.text.units import DiscardedText, UnitSplitter
 from elitescript.lint.engine import check_source
@@ -62,7 +62,7 @@ class _Session:
     """A kernel, and what was seen of it."""
 
     def __init__(self, firmware: str) -> None:
-        self.kernel = Kernel(KernelConfig(firmware=firmware, power_on=True))
+        self.kernel = Kernel(RobotOptions(firmware=firmware, power_on=True))
         self.outcome = CaseOutcome()
         self._profile = profile(firmware)
         self._last = self._tick()

@@ -224,6 +224,18 @@ class PrimaryConnection(Connection):
         if self._burst.is_due(output.tick):
             self._due.append(self._warning(self._burst.take(self.origin)))
 
+    def next_tick(self, tick: int) -> int | None:
+        due = [self._next_state_at]
+        if self._raw or self._ready:
+            due.append(tick + 1)
+        if self._waiting:
+            due.append(self._next_note_at)
+        if self._heard_at is not None:
+            due.append(self._heard_at + SILENCE_TICKS)
+        if (report_tick := self._burst.report_tick) is not None:
+            due.append(report_tick)
+        return max(min(due), tick + 1)
+
     def due(self) -> list[Input]:
         due, self._due = self._due, []
         return due

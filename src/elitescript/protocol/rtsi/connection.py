@@ -195,6 +195,12 @@ class RtsiConnection(Connection):
             if recipe.schedule.is_due(output.tick):
                 self.send(recipe.package(self._port.packages.body(recipe, output)))
 
+    def next_tick(self, tick: int) -> int | None:
+        """See `Connection.next_tick`."""
+        if not self._is_started:
+            return None
+        return min((recipe.schedule.next_tick(tick) for recipe in self._outputs), default=None)
+
     def posted(self, tick: int) -> None:
         """See `Connection.posted`."""
         if self._first_tick:

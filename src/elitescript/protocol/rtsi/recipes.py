@@ -64,6 +64,12 @@ class RecipeSchedule:
         self._sent = count
         return True
 
+    def next_tick(self, tick: int) -> int:
+        """Return the first tick after `tick` at which a package is due."""
+        if self._start is None:
+            return tick + 1
+        return max(self._start + -(-(self._sent + 1) * self._denominator // self._numerator), tick + 1)
+
     def _count(self, tick: int) -> int:
         """Packages that are due after the first one, up to a tick."""
         assert self._start is not None

@@ -17,11 +17,9 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Final
 
+from elitescript.messages.timing import WORK_PER_TICK
 from elitescript.runtime.threads.strand import ENDED, READY, WAITING, Stopped, Strand
 from elitescript.runtime.threads.timers import Timers
-
-WORK_PER_TICK: Final = 2_000
-"""Checkpoints of one thread in one tick (*assumed*): so few that a served loop of mere polling keeps up with time."""
 
 WORK_PER_ACTIVATION: Final = 20
 """Checkpoints that it costs to be woken, so that threads which only wake each other use up the tick too."""

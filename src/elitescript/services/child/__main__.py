@@ -17,7 +17,7 @@ from typing import Any
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError, UsageError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import TickResult
 from elitescript.messages.snapshot import RobotDescription
@@ -57,7 +57,7 @@ def serve(line: frames.BlockingLine) -> None:
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
         elif letter == frames.BEGIN:
-            config = codec.shape(KernelConfig).decode(data)
+            config = codec.shape(RobotOptions).decode(data)
             kernel = Kernel(config, RequestEnvironment(RemoteFiles(ask)))
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()

@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Final
 
 from elitescript.errors import ElitescriptError, UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.kernel.restart import restored_config, restored_inputs
 from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Input
@@ -98,7 +98,7 @@ class ChildLink:
 
     def __init__(
         self,
-        config: KernelConfig,
+        config: RobotOptions,
         *,
         files: Files | None = None,
         is_jailed: bool = True,

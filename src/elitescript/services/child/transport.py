@@ -18,7 +18,7 @@ from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import Codec
 from elitescript.codec.values import CodecError, check_list
 from elitescript.errors import UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.inputs import Input, Interpret, LoadTask, PlayTask, Query, RunUnit
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
@@ -146,10 +146,10 @@ class ChildTransport:
 
     # ---------------------------------------------------------------- down
 
-    def begin(self, config: KernelConfig) -> None:
+    def begin(self, config: RobotOptions) -> None:
         """Have the child make its robot."""
         self.is_begun = True
-        self._child.send(frames.BEGIN, to_text(self._codec.shape(KernelConfig).encode(config)))
+        self._child.send(frames.BEGIN, to_text(self._codec.shape(RobotOptions).encode(config)))
 
     def send_tick(self, number: int, inputs: Sequence[Input], *, has_snapshot: bool) -> None:
         """Send a tick with its inputs, and whether its snapshot is asked for."""

@@ -15,9 +15,9 @@ from typing import Final
 
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.protocol.table import Connect, Service
 from elitescript.services.clients.liveness import watch_peer
 from elitescript.services.clients.tcp import Client, Hub
-from elitescript.services.table import Connect, Service
 
 CLIENTS_MAX: Final = 64
 """Of one service."""

@@ -28,8 +28,8 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.browsers import FirstBytes
 from elitescript.protocol.connection import Connection, ProtocolError
+from elitescript.protocol.table import Service
 from elitescript.services.clients.shares import READ_MAX, SHARE_NS, Shares
-from elitescript.services.table import Service
 
 NS_PER_BYTE: Final = 250.0
 """What reading a byte of a client is taken to cost before any has been read."""

@@ -12,7 +12,7 @@ from elitescript.codec.values import CodecError, write_text
 from elitescript.devices.channels.faults import fault_from
 from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.errors import UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.enums import ChannelError
 from elitescript.messages.events import Event
 from elitescript.messages.faults import ChannelFault
@@ -21,7 +21,7 @@ from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import InterpreterOutcome, Refused, RegistersRead, ShownValue
 from elitescript.messages.outputs import NOT_CONNECTED, Output, Reply
 from elitescript.protocol import interpreter, query
-from elitescript.services.config_codec import without_points
+from elitescript.services.config_codec import options_from_data, without_points
 
 FORMAT: Final = 2
 
@@ -49,7 +49,7 @@ _CONFIG: Final = [
     "rpc_timeout_s",
     "strict",
 ]
-"""Fields of a configuration, in the order of that format."""
+"""Options in the order of that format, which does not name them."""
 _FAULTS: Final = "faults"
 _EVENTS, _REPLIES = map(list(Output.__dataclass_fields__).index, ("events", "replies"))
 _WARNED: Final = 1 + len(("tick", "text", "thread", "line", "code", "hint", "column", "severity"))
@@ -88,18 +88,17 @@ class Format2:
         self._idents: dict[str, str] = {}
         """Ids of queries by their origin: replies had them."""
 
-    def config(self, data: Any) -> KernelConfig:
-        """Return the configuration of the first line.
+    def options(self, data: Any) -> RobotOptions:
+        """Return the options of the first line.
 
         Raises:
             CodecError: it is none.
         """
         if type(data) is not list or len(data) != len(_CONFIG):
-            raise CodecError(f"a configuration of format {FORMAT} has {len(_CONFIG)} fields")
+            raise CodecError(f"the options of format {FORMAT} have {len(_CONFIG)} fields")
         values = dict(zip(_CONFIG, data, strict=True))
         faults = tuple(_fault(text) for text in values.pop(_FAULTS))
-        shapes = self._codec.field_shapes(KernelConfig)
-        return KernelConfig(**{name: shapes[name].decode(value) for name, value in values.items()}, faults=faults)
+        return replace(options_from_data(self._codec, values), faults=faults)
 
     def input(self, data: Any) -> Input:
         """Return an input of a tick.

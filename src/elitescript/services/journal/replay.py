@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import UsageError
-from elitescript.kernel import Kernel, KernelConfig
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.restart import restored_config
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
@@ -31,7 +31,7 @@ class RecordedRobot:
 
     __slots__ = ("_answers", "_desk", "_journal", "_kernel", "_snapshot")
 
-    def __init__(self, config: KernelConfig, files: Files, journal: Journal) -> None:
+    def __init__(self, config: RobotOptions, files: Files, journal: Journal) -> None:
         self._journal = journal
         self._desk = FileDesk(files)
         self._answers: list[Any] = []
@@ -148,7 +148,7 @@ class Replay:
             if self.difference is not None or (self._until is not None and self.last_tick >= self._until):
                 return
 
-    def _fresh(self, config: KernelConfig) -> Kernel:
+    def _fresh(self, config: RobotOptions) -> Kernel:
         try:
             return Kernel(config, RequestEnvironment(RemoteFiles(self._ask)))
         except UsageError as error:

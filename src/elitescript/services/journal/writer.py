@@ -2,7 +2,7 @@
 
 One JSON text a line:
 
-    {"journal": 3, "version": ..., "python": ..., "hash_seed": ..., "config": [...]}
+    {"journal": 3, "version": ..., "python": ..., "hash_seed": ..., "options": {...}}
     {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
@@ -30,19 +30,19 @@ from elitescript.codec.json_text import to_text
 from elitescript.codec.messages import Codec
 from elitescript.codec.values import CodecError
 from elitescript.errors import UsageError
-from elitescript.kernel import KernelConfig
+from elitescript.kernel import RobotOptions
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
-from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.config_codec import full_codec, options_data, options_from_data, output_text
 from elitescript.services.journal import format2
 from elitescript.services.journal.file import JournalFile
 from elitescript.services.journal.format2 import Format2
 from elitescript.services.journal.records import DIGEST_TICKS, RecordError, RecordReader
 
 FORMAT: Final = 3
-"""To be raised with every change of a record, of a message that is in one, or of a configuration."""
+"""To be raised with every change of a record or of a message that is in one; options may come and go."""
 LINE_MAX: Final = 64 * 1024 * 1024
 _NOTHING: Final = to_text([])
 
@@ -80,7 +80,7 @@ class Journal:
 
     __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_over", "_is_told", "_last_tick", "_output")
 
-    def __init__(self, path: Path, config: KernelConfig) -> None:
+    def __init__(self, path: Path, config: RobotOptions) -> None:
         self._codec = full_codec()
         self._inputs = self._codec.shape(Input)
         self._output = self._codec.shape(Output)
@@ -95,7 +95,7 @@ class Journal:
                 "version": __version__,
                 "python": platform.python_version(),
                 "hash_seed": os.environ.get("PYTHONHASHSEED", "random"),
-                "config": self._codec.shape(KernelConfig).encode(config),
+                "options": options_data(self._codec, config),
             }
         )
 
@@ -209,8 +209,10 @@ class JournalReader:
                     f"{path}: line 1: a journal of format {str(found)[:20]}, written by elitescript {version}; "
                     f"{format2.FORMAT} and {FORMAT} are known here: replay it with the version that wrote it"
                 )
-            data = self.header["config"]
-            self.config = self._codec.shape(KernelConfig).decode(data) if self.old is None else self.old.config(data)
+            if self.old is None:
+                self.config = options_from_data(self._codec, self.header["options"])
+            else:
+                self.config = self.old.options(self.header["config"])
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             at = getattr(error, "pos", getattr(error, "start", 0))
             raise UsageError(f"{path}: line 1, byte {at}: no journal of this program") from error

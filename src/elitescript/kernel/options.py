@@ -1,0 +1,390 @@
+"""Everything that a robot is made with, each option written once.
+
+A field of `RobotOptions` is an option: its name, type and default stand there as in any dataclass, and `option` adds
+its help text, the values it takes, and its flag on the command line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from importlib import import_module
+from math import inf, isfinite
+from operator import index
+from typing import TYPE_CHECKING, Any, Final
+
+from elitescript.controller.modes import REALISTIC, PowerTimes
+from elitescript.errors import UsageError
+from elitescript.messages.motion import Six
+from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
+from elitescript.messages.signals import Value
+from elitescript.messages.timing import RPC_TIMEOUT_S, WORK_PER_TICK
+
+if TYPE_CHECKING:
+    from elitescript.controller.force.contact import ContactConfig
+    from elitescript.controller.safety.limits import SafetyLimits
+    from elitescript.messages.faults import ChannelFault
+    from elitescript.messages.machine import DisturbInput
+    from elitescript.messages.plant import PlantConfig
+
+ROBOT_SECTION: Final = "robot"
+"""Section of a world file that sets options by their names."""
+
+# ---------------------------------------------------------------- what values an option takes
+
+
+class Number:
+    """Finite numbers of a range.
+
+    Args:
+        low: smallest value.
+        high: largest value.
+        unit: SI unit; empty for a number without one.
+    """
+
+    __slots__ = ("high", "low", "unit")
+
+    def __init__(self, low: float = -inf, high: float = inf, unit: str = "") -> None:
+        self.low = low
+        self.high = high
+        self.unit = unit
+
+    def __str__(self) -> str:
+        if (self.low, self.high) == (-inf, inf):
+            return f"a number{self._in_unit()}"
+        if self.high == inf:
+            return f"a number >= {self.low:g}{self._in_unit()}"
+        return f"in [{self.low:g}, {self.high:g}]{self._in_unit()}"
+
+    def _in_unit(self) -> str:
+        return f" in {self.unit}" if self.unit else ""
+
+    def accept(self, value: Any) -> float:
+        """Return the value as a float.
+
+        Raises:
+            UsageError: no finite number of the range; the text begins with `must be`.
+        """
+        if isinstance(value, bool | str | bytes):
+            raise UsageError(f"must be a number{self._in_unit()}, got {value!r}")
+        try:
+            number = float(value)
+        except (TypeError, ValueError, OverflowError):
+            raise UsageError(f"must be a number{self._in_unit()}, got {value!r}") from None
+        if not isfinite(number):
+            raise UsageError(f"must be finite{',' if self.unit else ''}{self._in_unit()}, got {value!r}")
+        if not self.low <= number <= self.high:
+            raise UsageError(f"must be {self}, got {value!r}")
+        return number
+
+
+class Whole:
+    """Whole numbers from `low` on."""
+
+    __slots__ = ("low",)
+
+    def __init__(self, low: int | None = None) -> None:
+        self.low = low
+
+    def __str__(self) -> str:
+        return "a whole number" if self.low is None else f"a whole number >= {self.low}"
+
+    def accept(self, value: Any) -> int:
+        """Return the value as an int.
+
+        Raises:
+            UsageError: no whole number of the range; the text begins with `must be`.
+        """
+        try:
+            number = index(value)
+        except TypeError:
+            number = None
+        if number is None or isinstance(value, bool) or (self.low is not None and number < self.low):
+            raise UsageError(f"must be {self}, got {value!r}")
+        return number
+
+
+class Switch:
+    """`True` and `False`."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return "true or false"
+
+    def accept(self, value: Any) -> bool:
+        """Return the value.
+
+        Raises:
+            UsageError: no bool; the text begins with `must be`.
+        """
+        if not isinstance(value, bool):
+            raise UsageError(f"must be {self}, got {value!r}")
+        return value
+
+
+class Text:
+    """Texts; those of `choices` if there are some."""
+
+    __slots__ = ("choices",)
+
+    def __init__(self, *choices: str) -> None:
+        self.choices = choices
+
+    def __str__(self) -> str:
+        return " or ".join(f'"{choice}"' for choice in self.choices) or "a text"
+
+    def accept(self, value: Any) -> str:
+        """Return the value.
+
+        Raises:
+            UsageError: no text, or none of the choices; the text begins with `must be`.
+        """
+        if not isinstance(value, str) or (self.choices and value not in self.choices):
+            raise UsageError(f"must be {self}, got {value!r}")
+        return value
+
+
+class Joints:
+    """Six joint positions in rad; the ranges are those of the model."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return "six numbers in rad"
+
+    def accept(self, value: Any) -> Six | None:
+        """Return the positions as a tuple.
+
+        Raises:
+            UsageError: not six finite numbers; the text begins with `must be`.
+        """
+        if value is None:
+            return None
+        if isinstance(value, str | bytes) or not hasattr(value, "__len__") or not hasattr(value, "__iter__"):
+            raise UsageError(f"must be {self}, got {value!r}")
+        if len(value) != 6:
+            raise UsageError(f"must be {self}, got {len(value)}")
+        a, b, c, d, e, f = map(_RAD.accept, value)
+        return (a, b, c, d, e, f)
+
+
+class Section:
+    """Objects of a class that a section of a world file describes as well, under the name of the option.
+
+    Args:
+        home: `module:class`; the class has `from_table`, and is imported on first use.
+    """
+
+    __slots__ = ("_module", "_name")
+
+    def __init__(self, home: str) -> None:
+        self._module, _, self._name = home.partition(":")
+
+    def __str__(self) -> str:
+        return f"a `{self._name}`"
+
+    def accept(self, value: Any) -> Any:
+        """Return the value.
+
+        Raises:
+            UsageError: an object of another class; the text begins with `must be`.
+        """
+        if value is not None and not isinstance(value, self._class()):
+            raise UsageError(f"must be {self}, got {value!r}")
+        return value
+
+    def from_table(self, table: Mapping[str, Any]) -> Any:
+        """Return what the section of a world file describes.
+
+        Raises:
+            UsageError: a key or a value that makes no sense.
+        """
+        return self._class().from_table(table)
+
+    def _class(self) -> Any:
+        return getattr(import_module(self._module), self._name)
+
+
+Kind = Number | Whole | Switch | Text | Joints | Section
+
+_RAD: Final = Number(unit="rad")
+
+
+# ---------------------------------------------------------------- the options
+
+
+class Option:
+    """What is known of an option besides name, type and default.
+
+    Attributes:
+        text: what it means, with the unit.
+        kind: what values it takes; None for what only this package sets.
+        default_text: the default in words, where the value says too little.
+        flag: on the command line; empty if it has none.
+        metavar: what stands behind the flag in help texts.
+        commands: that have the flag.
+    """
+
+    __slots__ = ("commands", "default_text", "flag", "kind", "metavar", "text")
+
+    def __init__(
+        self, text: str, kind: Kind | None, default_text: str, flag: str, metavar: str, commands: tuple[str, ...]
+    ) -> None:
+        self.text = text
+        self.kind = kind
+        self.default_text = default_text
+        self.flag = flag
+        self.metavar = metavar
+        self.commands = commands
+
+
+def option(
+    default: Any,
+    text: str,
+    kind: Kind | None = None,
+    *,
+    default_text: str = "",
+    flag: str = "",
+    metavar: str = "",
+    commands: tuple[str, ...] = (),
+) -> Any:
+    """Return the field of an option; see `Option`."""
+    return field(default=default, metadata={"option": Option(text, kind, default_text, flag, metavar, commands)})
+
+
+@dataclass(frozen=True, slots=True)
+class RobotOptions:
+    """One robot. Together with the inputs of every tick it determines everything that the robot does.
+
+    Raises:
+        UsageError: a value that an option does not take.
+    """
+
+    model: str = option(
+        "CS66",
+        "arm: CS63 CS66 CS612 CS616 CS620 CS625, or a file my_arm.toml",
+        Text(),
+        flag="--robot",
+        metavar="MODEL",
+        commands=("run", "plot", "check", "serve"),
+    )
+    model_text: str = option("", "text of the file of an own arm; empty for a model of the package")
+    firmware: str = option(
+        DEFAULT_FIRMWARE,
+        "controller firmware",
+        Text(*PROFILES),
+        flag="--firmware",
+        commands=("run", "plot", "check", "serve"),
+    )
+    seed: int = option(0, "seed of random()", Whole(), flag="--seed", metavar="N", commands=("run", "plot", "serve"))
+    first_tick: int = option(0, "number of the first tick; of a robot that goes on where another one ended")
+    epoch_s: float = option(
+        1_704_067_200.0,
+        "controller clock at the start: seconds since 1970 or ISO 8601",
+        Number(unit="s"),
+        default_text="2024-01-01T00:00:00Z; with serve, the time of this computer",
+        flag="--epoch",
+        metavar="TIME",
+        commands=("run",),
+    )
+    joints: Six | None = option(
+        None,
+        "joint positions at the start, rad",
+        Joints(),
+        default_text="the model's home",
+        flag="--joints",
+        metavar="Q1,...,Q6",
+        commands=("run", "plot", "serve"),
+    )
+    speed: float = option(
+        1.0,
+        "speed slider as a fraction",
+        Number(0.0, 1.0),
+        flag="--speed",
+        metavar="0..1",
+        commands=("run", "plot", "serve"),
+    )
+    power_on: bool = option(
+        False,
+        "begin with power on and brakes released",
+        Switch(),
+        flag="--power-on",
+        commands=("serve",),
+    )
+    power_times: PowerTimes = option(REALISTIC, "how long the arm takes to go up")
+    remote: bool = option(
+        True, "whether clients may change the robot at the start", Switch(), flag="--local", commands=("serve",)
+    )
+    robot_id: str = option("elitescript", "name of the robot that clients are shown", Text())
+    serial_number: str = option("ES0000000001", "serial number that clients are shown", Text())
+    configuration: str = option(
+        "default.configuration", "path of the configuration that is loaded at the start", Text()
+    )
+    contact: ContactConfig | None = option(
+        None, "planes that the TCP can touch", Section("elitescript.controller.force.contact:ContactConfig")
+    )
+    safety: SafetyLimits | None = option(
+        None, "what the safety system watches", Section("elitescript.controller.safety.limits:SafetyLimits")
+    )
+    plant: PlantConfig | None = option(
+        None,
+        "how the joints follow their targets",
+        Section("elitescript.messages.plant:PlantConfig"),
+        default_text="exactly, unless an own arm has a `[plant]`",
+    )
+    signals: tuple[tuple[str, Value], ...] = option((), "levels at the start, by the names of `--set`")
+    faults: tuple[ChannelFault | DisturbInput, ...] = option((), "what goes wrong on channels and at inputs")
+    work_per_tick: int = option(
+        WORK_PER_TICK,
+        "loop passes and calls that a thread may make in one tick (assumed: that of the real controller is not known)",
+        Whole(1),
+    )
+    rpc_timeout_s: float = option(
+        RPC_TIMEOUT_S,
+        "how long a remote procedure call waits for its answer; 0 waits for ever",
+        Number(unit="s"),
+        flag="--rpc-timeout",
+        metavar="SECONDS",
+        commands=("run", "serve"),
+    )
+    strict: bool = option(
+        False, "refuse what only warns otherwise", Switch(), flag="--strict", commands=("run", "check", "serve")
+    )
+    confirms_popups: bool = option(False, "confirm popups at once, where there is no pendant")
+
+    def __post_init__(self) -> None:
+        for name in _CHECKED:
+            value = getattr(self, name)
+            if (accepted := accept(name, value, name)) is not value:
+                object.__setattr__(self, name, accepted)
+
+
+OPTIONS: Final[dict[str, Option]] = {row.name: row.metadata["option"] for row in fields(RobotOptions)}
+"""Every option by its name."""
+
+DEFAULTS: Final[dict[str, Any]] = {row.name: row.default for row in fields(RobotOptions)}
+
+SECTIONS: Final[dict[str, Section]] = {name: row.kind for name, row in OPTIONS.items() if isinstance(row.kind, Section)}
+"""Options that are a section of a world file."""
+
+_CHECKED: Final = tuple(name for name, row in OPTIONS.items() if row.kind is not None)
+
+
+def accept(name: str, value: Any, called: str) -> Any:
+    """Return the value of an option as `RobotOptions` holds it.
+
+    Args:
+        name: of the option.
+        value: what was given.
+        called: what the user calls it, for error texts.
+
+    Raises:
+        UsageError: the option does not take this value.
+    """
+    kind = OPTIONS[name].kind
+    assert kind is not None
+    try:
+        return kind.accept(value)
+    except UsageError as error:
+        raise UsageError(f"{called} {error}") from None
