@@ -1,7 +1,7 @@
 """Restart: a robot goes on where another one ended, from the last snapshot of that one.
 
-What a snapshot does not show begins anew: the program, variables, tracking of conveyors, which inputs start hand guiding
-and what outputs do while no program runs.
+What a snapshot does not show begins anew: the program, variables, tracking of conveyors, which inputs start hand
+guiding and what outputs do while no program runs.
 
 The snapshot comes from a process that has failed: what no robot can go on from, such as a joint position that is not a
 number, begins anew too.

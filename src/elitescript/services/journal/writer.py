@@ -7,10 +7,10 @@ One JSON text a line:
     {"digest": 999, "hash": "...", "ticks": "..."} digest of the outputs up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
     {"told": 1190, "events": [...]}                what clients got at that tick while there was no robot
-    {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from that snapshot
+    {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from there
     {"end": 2000}                                  the session ended before that tick
 
-Lines are written by a thread (`journal_file`), so what a killed process leaves behind lacks at most what happened
+Lines are written by a thread (`file`), so what a killed process leaves behind lacks at most what happened
 in the last moment before, and a full or slow disk ends the journal, not the session.
 """
 
