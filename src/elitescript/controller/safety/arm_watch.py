@@ -89,12 +89,11 @@ class ArmWatch:
         """Return the first limit of speed that the actual joints exceed."""
         return self._monitor.speed_breach(joints.q_actual, joints.qd_actual, self._setup.T_flange_tcp, mode)
 
-    def asks_for_reduced(self, tick: int) -> bool:
+    def asks_for_reduced(self, joints: JointState) -> bool:
         """Return whether an input or the place of the TCP asks for reduced mode."""
         if self._signals.read("reduced_mode"):
             return True
-        q = self.arm_state.joints(tick).q_actual
-        return self._monitor.asks_for_reduced(q, self._setup.T_flange_tcp, self._pairs())
+        return self._monitor.asks_for_reduced(joints.q_actual, self._setup.T_flange_tcp, self._pairs())
 
     def _pairs(self) -> tuple[bool, ...]:
         return switched_pairs(self._signals.read)

@@ -29,6 +29,7 @@ from elitescript.messages.events import Alarm, Event, MotionStarted, SafetyModeC
 from elitescript.messages.machine import AskSafety
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
+from elitescript.messages.state import JointState
 from elitescript.messages.yielding import ForceMode, Freedrive, YieldRequest
 from elitescript.motion.streaming.speed import Obstacle
 
@@ -159,7 +160,7 @@ class SafetyControl:
             self._safety.apply(pressed if value else released, tick)
             self.disturb()
         elif name == "reduced_mode":
-            self._update_reduced(tick)
+            self._update_reduced(tick, self._arm_state.joints(tick))
         elif name == "configurable_digital_in":
             self.disturb()
         elif name == "external_wrench":
@@ -231,7 +232,7 @@ class SafetyControl:
     def _look(self, tick: int, *, is_first: bool, is_disturbed: bool) -> None:
         watch = self._watch
         joints = self._arm_state.joints(tick)
-        self._update_reduced(tick)
+        self._update_reduced(tick, joints)
         breach = watch.position_breach(joints, self._inner_mode)
         self._safety.inputs.is_outside = breach is not None
         if self.mode is SafetyMode.RECOVERY:
@@ -258,8 +259,8 @@ class SafetyControl:
     def _update_watching(self) -> None:
         self._is_watching = self._safety.may_move and self._watch.is_needed(self.mode)
 
-    def _update_reduced(self, tick: int) -> None:
-        inputs, is_wanted = self._safety.inputs, self._watch.asks_for_reduced(tick)
+    def _update_reduced(self, tick: int, joints: JointState) -> None:
+        inputs, is_wanted = self._safety.inputs, self._watch.asks_for_reduced(joints)
         if inputs.reduced_mode != is_wanted:
             inputs.reduced_mode = is_wanted
             self._safety.apply("ask_for_reduced" if is_wanted else "end_reduced", tick)
