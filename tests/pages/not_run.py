@@ -13,6 +13,7 @@ NOT_RUN: Final[dict[str, str]] = {
     r"elitescript serve --host .*": "opens ports at an address that this computer does not have",
     r"mbpoll .*": "a program of somebody else",
     r"pip install .*": "installs from a package index",
+    r"python3 -m venv .*|\. .*/bin/activate": "the page runs in the environment of the tests",
     r"sudo .*": "changes the system",
     r"git clone .*": "needs the network",
     r"cp /usr/share/Elite/.*|cp -r EliPlugin-learning/.*": "files of the vendor's SDK",

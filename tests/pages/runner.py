@@ -150,6 +150,9 @@ class PageRunner:
         (hook / "sitecustomize.py").write_text(
             Path(redirect.__file__).read_text(encoding="utf-8") + "\n\ninstall()\n", encoding="utf-8"
         )
+        home = folder / "home"
+        home.mkdir()
+        monkeypatch.setenv("HOME", str(home))
         monkeypatch.setenv(redirect.PORTS_FILE, str(self._ports_file))
         monkeypatch.setattr("socket.socket.connect", redirect.connect)
         monkeypatch.setattr("socket.socket.connect_ex", redirect.connect_ex)

@@ -81,6 +81,11 @@ class TestBlocks:
     def test_an_exit_code_is_expected(self, run: Run) -> None:
         assert run(block("console exit=3", "$ exit 3")) == 1
 
+    def test_the_home_of_a_page_is_its_own(self, run: Run) -> None:
+        before = Path.home()
+        assert run(block("sh", 'test -z "$(ls ~)"')) == 1
+        assert Path.home() != before
+
     def test_another_exit_code_fails(self, run: Run) -> None:
         with pytest.raises(PageError, match="exit code 3, not 2"):
             run(block("console exit=2", "$ exit 3"))
