@@ -16,7 +16,7 @@ from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.answers import shown_after
 from elitescript.kernel.causes import cause_of
 from elitescript.kernel.description import describe
-from elitescript.kernel.options import DEFAULTS, RobotOptions
+from elitescript.kernel.options import RobotOptions
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Do, Input, VariablesArrived
 from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
@@ -47,14 +47,18 @@ class OwnPorts:
         host: its programs.
         model: the arm.
         profile: the firmware.
+        options: what the robot is made with.
     """
 
-    __slots__ = ("_controller", "_description", "_host", "_pictures", "_replies", "_shared")
+    __slots__ = ("_controller", "_description", "_host", "_options", "_pictures", "_replies", "_shared")
 
-    def __init__(self, controller: Controller, host: ScriptHost, model: RobotModel, profile: Profile) -> None:
+    def __init__(
+        self, controller: Controller, host: ScriptHost, model: RobotModel, profile: Profile, options: RobotOptions
+    ) -> None:
         self._controller = controller
         self._host = host
-        self._description: RobotDescription = describe(RobotOptions(model=model.name), model, profile)
+        self._description: RobotDescription = describe(options, model, profile)
+        self._options = options
         self._pictures: SnapshotBuilder | None = None
         self._shared: dict[str, object] = {}
         self._replies: list[Reply] = []
@@ -97,8 +101,8 @@ class OwnPorts:
             self._pictures = SnapshotBuilder(self._controller)
         task = self._controller.task
         name = task.name if task.is_running else ""
-        picture = TaskPicture("", name, DEFAULTS["configuration"], is_saved=True, is_configuration_modified=False)
-        snapshot = self._pictures.picture(picture, "", is_remote=True, overruns=0)
+        picture = TaskPicture("", name, self._options.configuration, is_saved=True, is_configuration_modified=False)
+        snapshot = self._pictures.picture(picture, "", is_remote=self._options.remote, overruns=0)
         replies, self._replies = tuple(self._replies), []
         return Output(self._controller.tick, (), (), replies, snapshot)
 

@@ -6,7 +6,8 @@ import pytest
 
 from elitescript import UsageError, VirtualRobot
 from elitescript.controller.safety.limits import SafetyLimits
-from elitescript.devices.world_file import SECTIONS, load_cell
+from elitescript.kernel.options import SECTIONS
+from elitescript.world_file import load_world_file
 
 GOOD = """# a cell
 [safety]
@@ -37,9 +38,9 @@ def cell(tmp_path):
 
 
 def test_a_file_sets_limits_and_signals(cell):
-    read = load_cell(cell(GOOD))
-    assert read.configurations["plant"].lag_s == 0.03
-    assert read.configurations["safety"].normal.tcp_speed_max == 0.5
+    read = load_world_file(cell(GOOD))
+    assert read.options["plant"].lag_s == 0.03
+    assert read.options["safety"].normal.tcp_speed_max == 0.5
     assert read.signals == {"standard_digital_in[3]": True, "reduced_mode": True}
     robot = VirtualRobot("CS66", world=cell(GOOD))
     assert robot.signals["standard_digital_in[3]"] is True
@@ -48,19 +49,19 @@ def test_a_file_sets_limits_and_signals(cell):
 
 
 def test_the_example_of_the_reference_is_read(cell):
-    page = Path(__file__).parents[2] / "docs" / "reference" / "safety.md"
+    page = Path(__file__).parents[1] / "docs" / "reference" / "safety.md"
     example = page.read_text(encoding="utf-8").partition("```toml\n")[2].partition("```")[0]
-    limits = load_cell(cell(example)).configurations["safety"]
+    limits = load_world_file(cell(example)).options["safety"]
     assert (len(limits.planes), limits.planes[0].pair, limits.tool_direction.axis) == (1, 0, (0.0, 0.0, -1.0))
 
 
 def test_an_empty_file_sets_nothing(cell):
-    assert load_cell(cell("")).configurations == {}
+    assert load_world_file(cell("")).options == {}
 
 
 def test_every_section_is_read_by_something_that_exists(cell):
     for section in SECTIONS:
-        assert load_cell(cell(f"[{section}]\n")).configurations[section] is not None
+        assert load_world_file(cell(f"[{section}]\n")).options[section] is not None
 
 
 def test_a_section_is_given_once(cell):
@@ -98,7 +99,7 @@ def test_a_mistake_has_file_line_and_words(cell, text, line, words):
     path = cell(text)
     place = f"{path}:{line}: " if line else f"{path}: "
     with pytest.raises(UsageError, match=words) as caught:
-        load_cell(path)
+        load_world_file(path)
     assert str(caught.value).startswith(place)
 
 
@@ -112,9 +113,9 @@ def test_a_mistake_has_file_line_and_words(cell, text, line, words):
 )
 def test_a_file_that_is_no_toml_says_where(cell, text, words):
     with pytest.raises(UsageError, match=words):
-        load_cell(cell(text))
+        load_world_file(cell(text))
 
 
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(UsageError, match=r"world file .*nothing\.toml: No such file"):
-        load_cell(tmp_path / "nothing.toml")
+        load_world_file(tmp_path / "nothing.toml")
