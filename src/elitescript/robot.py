@@ -21,7 +21,7 @@ from elitescript.environment.allowance import TASK_DIR_BYTES
 from elitescript.environment.interrupts import interrupts_passed_to
 from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
-from elitescript.kernel.description import named_model
+from elitescript.kernel.arm import named_model
 from elitescript.kernel.option_signature import takes_options
 from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, robot_options
 from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit

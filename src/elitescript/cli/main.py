@@ -163,7 +163,7 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
     from elitescript.cli.arguments import COMMANDS
 
     word = arguments[0] if arguments else ""
-    parser, subparsers = _parser(next((argument for argument in arguments if argument in COMMANDS), ""))
+    parser, subparsers = _parser(word if word in COMMANDS else "")
     if word and word[0] != "-" and word not in COMMANDS:
         parser.exit(USAGE, f"elitescript: {_no_command(word, list(COMMANDS))}\n")
     options, left = parser.parse_known_args(arguments)
@@ -190,7 +190,7 @@ def _nearest_option(word: str, command: argparse.ArgumentParser) -> str:
 
 
 def _parser(command: str) -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argparse.ArgumentParser]]:
-    """Return the parser of a call, and its subcommands by name; those beside `command` have no arguments."""
+    """Return the parser of a call, and its subcommands by name: `command` alone, or all if it is empty."""
     import argparse
 
     from elitescript import __version__
@@ -203,8 +203,8 @@ def _parser(command: str) -> tuple[argparse.ArgumentParser, argparse._SubParsers
     parser.add_argument("--version", action="version", version=f"elitescript {__version__}")
     # With a given prog, argparse builds no help formatter at this point, which saves importing shutil.
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", prog="elitescript")
-    for name, (text, add_arguments) in COMMANDS.items():
-        subcommand = subparsers.add_parser(name, help=text)
-        if name == command:
-            add_arguments(subcommand)
+    # A start waits for this: nothing is built for the other commands.
+    for name in [command] if command else COMMANDS:
+        text, add_arguments = COMMANDS[name]
+        add_arguments(subparsers.add_parser(name, help=text))
     return parser, subparsers

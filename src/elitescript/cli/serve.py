@@ -27,7 +27,7 @@ from elitescript.environment.line_bindings import parse_bindings
 from elitescript.environment.state_file import StateFile
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.kernel.description import named_model
+from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import DEFAULTS, robot_options
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged

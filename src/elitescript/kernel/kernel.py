@@ -18,9 +18,10 @@ from elitescript.devices.channels.faulty_channels import FaultyChannels
 from elitescript.environment.request_channels import FaultyEnvironment, RequestEnvironment
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.answers import shown_after
+from elitescript.kernel.arm import model_of
 from elitescript.kernel.causes import cause_of
 from elitescript.kernel.conversations import Conversations
-from elitescript.kernel.description import describe, model_of
+from elitescript.kernel.description import describe
 from elitescript.kernel.interpreter_logs import InterpreterLogs
 from elitescript.kernel.options import RobotOptions
 from elitescript.kernel.programs import Programs
