@@ -1,10 +1,13 @@
-"""Cell files: what they set, and where a mistake in them is."""
+"""World files: what they set, and where a mistake in them is."""
 
+import json
 from pathlib import Path
 
 import pytest
 
 from elitescript import UsageError, VirtualRobot
+from elitescript.cli.main import _parsed, main
+from elitescript.cli.serve import robot_configs
 from elitescript.controller.safety.limits import SafetyLimits
 from elitescript.kernel.options import SECTIONS
 from elitescript.world_file import load_world_file
@@ -119,3 +122,100 @@ def test_a_file_that_is_no_toml_says_where(cell, text, words):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(UsageError, match=r"world file .*nothing\.toml: No such file"):
         load_world_file(tmp_path / "nothing.toml")
+
+
+ROBOT = """\
+[robot]
+model = "my_arm.toml"
+firmware = "2.10"
+speed = 0.5
+joints = [0.1, -1.5, -1.5, -1.5, 1.5, 0.0]
+epoch_s = 2025-01-01T00:00:00Z
+strict = true
+
+[safety]
+tcp_speed = 0.5
+"""
+"""Options of a robot; the arm is described by a file beside the world file."""
+
+
+@pytest.fixture
+def robot_file(cell):
+    path = cell(ROBOT)
+    (path.parent / "my_arm.toml").write_text('base = "CS63"\nname = "cell 3"\n')
+    return path
+
+
+def test_a_file_sets_options_of_the_robot(robot_file):
+    robot = VirtualRobot(world=robot_file)
+    assert (robot.model.name, robot.profile.name, robot.options.strict) == ("cell 3", "2.10", True)
+    assert (robot.state.speed_scale, robot.state.q_actual[0], robot.options.epoch_s) == (0.5, 0.1, 1_735_689_600.0)
+
+
+def test_a_keyword_counts_more_than_the_file(robot_file):
+    robot = VirtualRobot("CS66", world=robot_file, speed=0.25, firmware="2.14", joints=None)
+    assert (robot.model.name, robot.profile.name, robot.state.speed_scale) == ("CS66", "2.14", 0.25)
+    assert (robot.state.q_actual[0], robot.options.strict) == (0.1, True)
+
+
+def test_the_command_line_counts_more_than_the_file(robot_file, tmp_path, capsys):
+    program = tmp_path / "p.script"
+    program.write_text("textmsg(get_actual_joint_positions()[0])\n")
+
+    def joint_0(*options):
+        assert main(["run", str(program), "--world", str(robot_file), "--json", *options]) == 0
+        return json.loads(capsys.readouterr().out.splitlines()[-1])["joints"][0]
+
+    assert joint_0() == 0.1
+    assert joint_0("--joints", "0.2,-1.5,-1.5,-1.5,1.5,0") == 0.2
+    assert main(["run", str(program), "--world", str(robot_file), "--speed", "7"]) == 2
+    assert "--speed must be in [0, 1], got 7.0" in capsys.readouterr().err
+
+
+def test_served_robots_take_the_options_of_the_file(robot_file):
+    (first, second), _ = robot_configs(_parsed(["serve", "--world", str(robot_file), "--robots", "2"]))
+    assert (first.model, first.model_text[:13], first.firmware) == ("my_arm.toml", 'base = "CS63"', "2.10")
+    assert (first.speed, first.epoch_s, first.power_on) == (0.5, 1_735_689_600.0, False)
+    assert (first.robot_id, second.robot_id) == ("cell 3-0", "cell 3-1")
+    (given,), _ = robot_configs(_parsed(["serve", "--world", str(robot_file), "--robot", "CS66", "--speed", "1"]))
+    assert (given.model, given.model_text, given.speed, given.firmware) == ("CS66", "", 1.0, "2.10")
+
+
+def test_a_file_names_the_served_robots(cell):
+    path = cell('[robot]\nrobot_id = "left"\nremote = false\npower_on = true\n')
+    (alone,), _ = robot_configs(_parsed(["serve", "--world", str(path)]))
+    assert (alone.robot_id, alone.remote, alone.power_on, alone.model) == ("left", False, True, "CS66")
+    several, _ = robot_configs(_parsed(["serve", "--world", str(path), "--robots", "2", "--instance", "4"]))
+    assert [config.robot_id for config in several] == ["left-4", "left-5"]
+
+
+def test_programs_are_checked_for_the_robot_of_the_file(cell, tmp_path, capsys):
+    program = tmp_path / "p.script"
+    program.write_text("movej([0, -1.5, 0, 0, 0, 0])\nmovel([1.2, 0, 0.3, 0, 3.1, 0])\n")
+    assert main(["check", str(program), "--world", str(cell('[robot]\nmodel = "CS63"\n')), "--json"]) == 0
+    assert "W237" in (found := capsys.readouterr().out) or "reach" in found
+    path = cell('[robot]\nmodel = "CS625"\n')
+    assert main(["check", str(program), "--world", str(path), "--json"]) == 0
+    assert "reach" not in capsys.readouterr().out
+    assert main(["check", str(program), "--world", str(path), "--robot", "CS63", "--json"]) == 0
+    assert "reach" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("[robot]\nseed = 1\nspeed = 2\n", 3, r"\[robot\] speed must be in \[0, 1\], got 2"),
+        ("[robot]\nseed = 1\nsped = 1\n", 3, r"\[robot\] sped is not known; .*did you mean 'speed'"),
+        ("[robot]\n\nmodel = 'CS99'\n", 3, r"\[robot\] model: .*CS99"),
+        ("[robot]\nmodel = 'none.toml'\n", 2, r"\[robot\] model: .*none.toml"),
+        ("[robot]\njoints = [1, 2]\n", 2, r"\[robot\] joints must be six numbers in rad, got 2"),
+        ("[robot]\nfirmware = 2.14\n", 2, r'\[robot\] firmware must be "2.10" or "2.14", got 2.14'),
+        ("[robot]\nsafety = 1\n", 2, r"\[robot\] safety is a section of its own: \[safety\]"),
+        ("robot = 1\n", 1, r"\[robot\] must be a table"),
+    ],
+)
+def test_a_mistake_in_the_options_of_the_robot_is_located(cell, text, line, words):
+    path = cell(text)
+    with pytest.raises(UsageError, match=words) as caught:
+        load_world_file(path)
+    assert str(caught.value).startswith(f"{path}:{line}: ")

@@ -53,7 +53,7 @@ class Number:
             return f"a number{self._in_unit()}"
         if self.high == inf:
             return f"a number >= {self.low:g}{self._in_unit()}"
-        return f"in [{self.low:g}, {self.high:g}]{self._in_unit()}"
+        return f"in [{self.low:g}, {self.high:g}] {self.unit}".rstrip()
 
     def _in_unit(self) -> str:
         return f" in {self.unit}" if self.unit else ""
