@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
-from elitescript.errors import UsageError
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -66,29 +64,18 @@ class RobotAccess(Protocol):
 
 
 class RobotSettings:
-    """Holds what a world file says about the robot itself.
+    """What a world file says about the robot itself.
 
     Attributes:
-        configurations: by section, what its reader made of it; sections that are not in the file are missing.
+        options: of the robot, by name; those that are not in the file are missing.
         signals: levels at the start.
     """
 
-    __slots__ = ("configurations", "signals")
+    __slots__ = ("options", "signals")
 
-    def __init__(self, configurations: dict[str, Any] | None = None, signals: dict[str, Value] | None = None) -> None:
-        self.configurations: dict[str, Any] = configurations or {}
-        self.signals: dict[str, Value] = signals or {}
-
-    def take(self, section: str, given: Any) -> Any:
-        """Return what the caller has given for a section, else what the file says; None if neither does.
-
-        Raises:
-            UsageError: both do.
-        """
-        found = self.configurations.get(section)
-        if given is not None and found is not None:
-            raise UsageError(f"{section} is given by the world file too; give it in one of both")
-        return found if given is None else given
+    def __init__(self) -> None:
+        self.options: dict[str, Any] = {}
+        self.signals: dict[str, Value] = {}
 
 
 class Surroundings:

@@ -19,7 +19,8 @@ from elitescript.controller.controller import Controller
 from elitescript.controller.views.signals import Signals
 from elitescript.controller.views.warning_limit import WarningLimit
 from elitescript.errors import UsageError
-from elitescript.kernel.description import describe, model_of
+from elitescript.kernel.arm import model_of
+from elitescript.kernel.description import describe
 from elitescript.kernel.options import RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import DeviceNoted, Event, Popup, TaskStateChanged, Warned

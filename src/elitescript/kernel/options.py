@@ -6,15 +6,15 @@ its help text, the values it takes, and its flag on the command line.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from importlib import import_module
 from math import inf, isfinite
-from operator import index
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.controller.modes import REALISTIC, PowerTimes
-from elitescript.errors import UsageError
+from elitescript.controller.modes import AT_ONCE, REALISTIC, PowerTimes
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 from elitescript.messages.signals import Value
@@ -31,16 +31,13 @@ ROBOT_SECTION: Final = "robot"
 """Section of a world file that sets options by their names."""
 
 # ---------------------------------------------------------------- what values an option takes
+#
+# The text of a kind describes its values. `accept` returns a value in the form in which options hold it, or raises
+# `UsageError` with a text that begins with `must be`.
 
 
 class Number:
-    """Finite numbers of a range.
-
-    Args:
-        low: smallest value.
-        high: largest value.
-        unit: SI unit; empty for a number without one.
-    """
+    """Finite numbers from `low` to `high`, in an SI unit."""
 
     __slots__ = ("high", "low", "unit")
 
@@ -50,32 +47,36 @@ class Number:
         self.unit = unit
 
     def __str__(self) -> str:
-        if (self.low, self.high) == (-inf, inf):
-            return f"a number{self._in_unit()}"
-        if self.high == inf:
-            return f"a number >= {self.low:g}{self._in_unit()}"
-        return f"in [{self.low:g}, {self.high:g}]{self._in_unit()}"
-
-    def _in_unit(self) -> str:
-        return f" in {self.unit}" if self.unit else ""
+        if isfinite(self.low) and isfinite(self.high):
+            return f"in [{self.low:g}, {self.high:g}] {self.unit}".rstrip()
+        return f"a number in {self.unit}" if self.unit else "a number"
 
     def accept(self, value: Any) -> float:
-        """Return the value as a float.
-
-        Raises:
-            UsageError: no finite number of the range; the text begins with `must be`.
-        """
-        if isinstance(value, bool | str | bytes):
-            raise UsageError(f"must be a number{self._in_unit()}, got {value!r}")
         try:
-            number = float(value)
+            number = None if isinstance(value, bool | str | bytes) else float(value)
         except (TypeError, ValueError, OverflowError):
-            raise UsageError(f"must be a number{self._in_unit()}, got {value!r}") from None
+            number = None
+        if number is None:
+            raise UsageError(f"must be a number{f' in {self.unit}' if self.unit else ''}, got {value!r}")
         if not isfinite(number):
-            raise UsageError(f"must be finite{',' if self.unit else ''}{self._in_unit()}, got {value!r}")
+            raise UsageError(f"must be finite{f', in {self.unit}' if self.unit else ''}, got {value!r}")
         if not self.low <= number <= self.high:
             raise UsageError(f"must be {self}, got {value!r}")
         return number
+
+
+class Time(Number):
+    """Moments: seconds since 1970, or `datetime` objects with a time zone."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return "seconds since 1970, or a date and time with a time zone"
+
+    def accept(self, value: Any) -> float:
+        if hasattr(value, "year") and getattr(value, "tzinfo", None) is None:
+            raise UsageError(f"must be {self}, got {value}")
+        return super().accept(value.timestamp() if hasattr(value, "year") else value)
 
 
 class Whole:
@@ -90,18 +91,9 @@ class Whole:
         return "a whole number" if self.low is None else f"a whole number >= {self.low}"
 
     def accept(self, value: Any) -> int:
-        """Return the value as an int.
-
-        Raises:
-            UsageError: no whole number of the range; the text begins with `must be`.
-        """
-        try:
-            number = index(value)
-        except TypeError:
-            number = None
-        if number is None or isinstance(value, bool) or (self.low is not None and number < self.low):
+        if isinstance(value, bool) or not isinstance(value, int) or (self.low is not None and value < self.low):
             raise UsageError(f"must be {self}, got {value!r}")
-        return number
+        return value
 
 
 class Switch:
@@ -113,11 +105,6 @@ class Switch:
         return "true or false"
 
     def accept(self, value: Any) -> bool:
-        """Return the value.
-
-        Raises:
-            UsageError: no bool; the text begins with `must be`.
-        """
         if not isinstance(value, bool):
             raise UsageError(f"must be {self}, got {value!r}")
         return value
@@ -135,18 +122,13 @@ class Text:
         return " or ".join(f'"{choice}"' for choice in self.choices) or "a text"
 
     def accept(self, value: Any) -> str:
-        """Return the value.
-
-        Raises:
-            UsageError: no text, or none of the choices; the text begins with `must be`.
-        """
         if not isinstance(value, str) or (self.choices and value not in self.choices):
             raise UsageError(f"must be {self}, got {value!r}")
         return value
 
 
 class Joints:
-    """Six joint positions in rad; the ranges are those of the model."""
+    """Six joint positions in rad, or None; their ranges are those of the model."""
 
     __slots__ = ()
 
@@ -154,14 +136,9 @@ class Joints:
         return "six numbers in rad"
 
     def accept(self, value: Any) -> Six | None:
-        """Return the positions as a tuple.
-
-        Raises:
-            UsageError: not six finite numbers; the text begins with `must be`.
-        """
         if value is None:
             return None
-        if isinstance(value, str | bytes) or not hasattr(value, "__len__") or not hasattr(value, "__iter__"):
+        if isinstance(value, str | bytes) or not (hasattr(value, "__len__") and hasattr(value, "__iter__")):
             raise UsageError(f"must be {self}, got {value!r}")
         if len(value) != 6:
             raise UsageError(f"must be {self}, got {len(value)}")
@@ -170,7 +147,7 @@ class Joints:
 
 
 class Section:
-    """Objects of a class that a section of a world file describes as well, under the name of the option.
+    """Objects of a class that a section of a world file describes as well, under the name of the option; or None.
 
     Args:
         home: `module:class`; the class has `from_table`, and is imported on first use.
@@ -185,11 +162,6 @@ class Section:
         return f"a `{self._name}`"
 
     def accept(self, value: Any) -> Any:
-        """Return the value.
-
-        Raises:
-            UsageError: an object of another class; the text begins with `must be`.
-        """
         if value is not None and not isinstance(value, self._class()):
             raise UsageError(f"must be {self}, got {value!r}")
         return value
@@ -206,10 +178,7 @@ class Section:
         return getattr(import_module(self._module), self._name)
 
 
-Kind = Number | Whole | Switch | Text | Joints | Section
-
 _RAD: Final = Number(unit="rad")
-
 
 # ---------------------------------------------------------------- the options
 
@@ -229,7 +198,14 @@ class Option:
     __slots__ = ("commands", "default_text", "flag", "kind", "metavar", "text")
 
     def __init__(
-        self, text: str, kind: Kind | None, default_text: str, flag: str, metavar: str, commands: tuple[str, ...]
+        self,
+        text: str,
+        kind: Number | Whole | Switch | Text | Joints | Section | None = None,
+        *,
+        default_text: str = "",
+        flag: str = "",
+        metavar: str = "",
+        commands: tuple[str, ...] = (),
     ) -> None:
         self.text = text
         self.kind = kind
@@ -239,18 +215,9 @@ class Option:
         self.commands = commands
 
 
-def option(
-    default: Any,
-    text: str,
-    kind: Kind | None = None,
-    *,
-    default_text: str = "",
-    flag: str = "",
-    metavar: str = "",
-    commands: tuple[str, ...] = (),
-) -> Any:
-    """Return the field of an option; see `Option`."""
-    return field(default=default, metadata={"option": Option(text, kind, default_text, flag, metavar, commands)})
+def option(default: Any, *about: Any, **more: Any) -> Any:
+    """Return the field of an option with this default; what follows is for `Option`."""
+    return field(default=default, metadata={"option": Option(*about, **more)})
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,9 +248,9 @@ class RobotOptions:
     first_tick: int = option(0, "number of the first tick; of a robot that goes on where another one ended")
     epoch_s: float = option(
         1_704_067_200.0,
-        "controller clock at the start: seconds since 1970 or ISO 8601",
-        Number(unit="s"),
-        default_text="2024-01-01T00:00:00Z; with serve, the time of this computer",
+        "controller clock at the start, s since 1970",
+        Time(unit="s"),
+        default_text="2024-01-01T00:00:00Z; of serve, the present time",
         flag="--epoch",
         metavar="TIME",
         commands=("run",),
@@ -321,11 +288,11 @@ class RobotOptions:
     configuration: str = option(
         "default.configuration", "path of the configuration that is loaded at the start", Text()
     )
-    contact: ContactConfig | None = option(
-        None, "planes that the TCP can touch", Section("elitescript.controller.force.contact:ContactConfig")
-    )
     safety: SafetyLimits | None = option(
         None, "what the safety system watches", Section("elitescript.controller.safety.limits:SafetyLimits")
+    )
+    contact: ContactConfig | None = option(
+        None, "planes that the TCP can touch", Section("elitescript.controller.force.contact:ContactConfig")
     )
     plant: PlantConfig | None = option(
         None,
@@ -337,7 +304,7 @@ class RobotOptions:
     faults: tuple[ChannelFault | DisturbInput, ...] = option((), "what goes wrong on channels and at inputs")
     work_per_tick: int = option(
         WORK_PER_TICK,
-        "loop passes and calls that a thread may make in one tick (assumed: that of the real controller is not known)",
+        "loop passes and calls that a thread may make in one tick; how many the real controller makes is not known",
         Whole(1),
     )
     rpc_timeout_s: float = option(
@@ -365,10 +332,64 @@ OPTIONS: Final[dict[str, Option]] = {row.name: row.metadata["option"] for row in
 
 DEFAULTS: Final[dict[str, Any]] = {row.name: row.default for row in fields(RobotOptions)}
 
+IN_VIRTUAL_TIME: Final[dict[str, Any]] = {"power_on": True, "power_times": AT_ONCE, "confirms_popups": True}
+"""Options of a robot in virtual time that are not the default, unless they are given."""
+
 SECTIONS: Final[dict[str, Section]] = {name: row.kind for name, row in OPTIONS.items() if isinstance(row.kind, Section)}
 """Options that are a section of a world file."""
 
 _CHECKED: Final = tuple(name for name, row in OPTIONS.items() if row.kind is not None)
+
+
+KEYWORDS: Final = tuple(name for name in _CHECKED if name != "model")
+"""Options that are keywords of `VirtualRobot`, besides `model`, which is its first argument."""
+
+
+def robot_options(
+    given: Mapping[str, Any], from_file: Mapping[str, Any] = MappingProxyType({}), **base: Any
+) -> RobotOptions:
+    """Return the options of a robot: those that are given, else those of a world file, else `base`, else the default.
+
+    Args:
+        given: by a caller or on the command line; None is as good as nothing.
+        from_file: of a world file.
+        base: of the front door.
+
+    Raises:
+        UsageError: a value that an option does not take, or a section that is given and in the world file as well.
+    """
+    chosen = {name: value for name, value in given.items() if value is not None}
+    for name in chosen:
+        if name in SECTIONS and name in from_file:
+            raise UsageError(f"{name} is given by the world file too; give it in one of both")
+    return RobotOptions(**{**base, **from_file, **chosen})
+
+
+def check_keywords(names: Iterable[str]) -> None:
+    """Refuse keywords that are no options, as a function with these keywords would.
+
+    Raises:
+        TypeError: there is one; the text names the nearest option.
+    """
+    for name in names:
+        if name not in KEYWORDS:
+            raise TypeError(f"got an unexpected keyword argument {name!r}{did_you_mean(name, KEYWORDS)}")
+
+
+def options_of_table(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options that the section `[robot]` of a world file sets.
+
+    Raises:
+        UsageError: an unknown key, or a value that makes no sense; the text begins with `[robot]`.
+    """
+    known = [name for name in _CHECKED if name not in SECTIONS]
+    place = f"[{ROBOT_SECTION}]"
+    for name in table:
+        if name in SECTIONS:
+            raise UsageError(f"{place} {name} is a section of its own: [{name}]")
+        if name not in known:
+            raise UsageError(f"{place} {name} is not known; there are {', '.join(known)}{did_you_mean(name, known)}")
+    return {name: accept(name, value, f"{place} {name}") for name, value in table.items()}
 
 
 def accept(name: str, value: Any, called: str) -> Any:
