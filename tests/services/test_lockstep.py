@@ -198,7 +198,7 @@ def test_a_client_without_packages_cannot_hold_or_hurry_time() -> None:
             peer.send(rtsi_client.message("S") + rtsi_client.package(ident, types, [1]))
             await peer.rtsi("S")
             await scene.ticks(3)
-            assert not scene.station._lockstep.gate().has_participants
+            assert not scene.station._time._gate.gate().has_participants
 
     run(test())
 

@@ -351,7 +351,7 @@ class _Terminal(_End):
                 self._room += size
             case ChannelData(_, data):
                 self._server.credit(self._channel, len(data))
-                with contextlib.suppress(OSError):  # nobody reads it, as on a real line
+                with contextlib.suppress(OSError):  # no reader, as on a real line
                     os.write(self._fd, data)
 
     def close(self) -> None:

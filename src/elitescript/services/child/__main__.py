@@ -29,7 +29,7 @@ from elitescript.services.config_codec import full_codec, without_points
 
 
 def serve(line: frames.BlockingLine) -> None:
-    """Do what the parent says, until it goes."""
+    """Carry out the messages of the parent, until it goes."""
     codec = full_codec()
     inputs_shape, result_shape, writer = codec.shape(Input), codec.shape(TickResult), OutputWriter(codec)
     shown: tuple[object, ...] = ()

@@ -212,7 +212,13 @@ class ChildLink:
 
     def _start_child(self) -> ChildTransport:
         self._transport = transport = ChildTransport(
-            self._codec, self._desk, self, is_jailed=self._is_jailed, memory_max=self._memory_max
+            self._codec,
+            self._desk,
+            self._take_output,
+            self._take_question,
+            self._wake,
+            is_jailed=self._is_jailed,
+            memory_max=self._memory_max,
         )
         self._supervision.note_start()
         return transport
@@ -253,9 +259,9 @@ class ChildLink:
             return True
         return tick - self._snapshot_tick >= REFRESH_TICKS
 
-    # ---------------------------------------------------------------- up; see `transport.Receiver`
+    # ---------------------------------------------------------------- up
 
-    def take_output(self, sent: SentTick, output: Output | TickResult) -> None:
+    def _take_output(self, sent: SentTick, output: Output | TickResult) -> None:
         """Take what a tick has given."""
         transport = self._transport
         assert transport is not None
@@ -269,13 +275,13 @@ class ChildLink:
             self._journal.tick(sent.number, sent.text, sent.answers, transport.output_text())
             self._outputs.add_own(*self._journal.take_warning(sent.number))
 
-    def take_question(self, sent: SentTick | None) -> None:
+    def _take_question(self, sent: SentTick | None) -> None:
         """Count a question about files as a sign of life, unless they take too long altogether."""
         assert self._transport is not None
         if sent is not None and time.monotonic() - sent.asking_since_s < FILES_MAX_S:
             self._supervision.watch_from_now(self._transport.process.worked_s())
 
-    def wake(self) -> None:
+    def _wake(self) -> None:
         """Look again at what is waited for."""
         if self._changed is not None and not self._changed.done():
             self._changed.set_result(None)
@@ -370,7 +376,7 @@ class ChildLink:
         until_s = loop.time() + longest_s
         while not is_over() and loop.time() < until_s:
             changed = self._changed = loop.create_future()
-            timer = loop.call_at(until_s, self.wake)
+            timer = loop.call_at(until_s, self._wake)
             try:
                 await changed
             finally:

@@ -249,7 +249,7 @@ def check_values(content: bytes) -> None:
         and content.count(b",") > VALUES_MAX
         and _TEXT.sub(b"", content).count(b",") > VALUES_MAX
     ):
-        raise CodecError(f"an output of more than {VALUES_MAX} values; reading it takes the time of everybody else")
+        raise CodecError(f"an output of more than {VALUES_MAX} values; reading it takes the time of other clients")
 
 
 def check_said(said: list[Any]) -> None:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
@@ -50,30 +50,16 @@ class SentTick:
     """When the first question about files came in it."""
 
 
-class Receiver(Protocol):
-    """What takes the messages of a child."""
-
-    def take_output(self, sent: SentTick, output: Output | TickResult) -> None:
-        """Take what a tick has given.
-
-        Raises:
-            CodecError: it cannot be.
-        """
-
-    def take_question(self, sent: SentTick | None) -> None:
-        """Note that a question about files was asked and answered, in a tick or before the first one."""
-
-    def wake(self) -> None:
-        """A message has come, or the child has ended."""
-
-
 class ChildTransport:
     """The way to one child process, from its start to its end.
 
     Args:
         codec: of everything that is sent.
         desk: answers questions about files.
-        receiver: takes what comes.
+        on_output: takes a tick that was sent, and what it has given.
+        on_question: called when a question about files was answered, with the tick that it was asked in; None if that
+            was before the first one.
+        on_change: called after each message, and when the child has ended.
         is_jailed: lock the child in.
         memory_max: bytes of address space of the child.
 
@@ -95,9 +81,11 @@ class ChildTransport:
         "_codec",
         "_desk",
         "_input_shape",
+        "_on_change",
+        "_on_output",
+        "_on_question",
         "_reader",
         "_reading_s",
-        "_receiver",
         "_result_shape",
         "description",
         "end_reason",
@@ -108,10 +96,22 @@ class ChildTransport:
         "unanswered",
     )
 
-    def __init__(self, codec: Codec, desk: FileDesk, receiver: Receiver, *, is_jailed: bool, memory_max: int) -> None:
+    def __init__(
+        self,
+        codec: Codec,
+        desk: FileDesk,
+        on_output: Callable[[SentTick, Output | TickResult], None],
+        on_question: Callable[[SentTick | None], None],
+        on_change: Callable[[], None],
+        *,
+        is_jailed: bool,
+        memory_max: int,
+    ) -> None:
         self._codec = codec
         self._desk = desk
-        self._receiver = receiver
+        self._on_output = on_output
+        self._on_question = on_question
+        self._on_change = on_change
         self._input_shape = codec.shape(Input)
         self._result_shape = codec.shape(TickResult)
         self._reader = OutputReader(codec)
@@ -161,7 +161,7 @@ class ChildTransport:
     def end(self, reason: str) -> None:
         """Read nothing more of the child."""
         self.end_reason = self.end_reason or reason
-        self._receiver.wake()
+        self._on_change()
 
     def _message(self, letter: str, text: bytes) -> None:
         if self.end_reason:
@@ -173,7 +173,7 @@ class ChildTransport:
         except Exception as error:
             # No message of a child may end this process, whatever we have not thought of.
             self.end(f"what it says makes no sense: {type(error).__name__}: {error}")
-        self._receiver.wake()
+        self._on_change()
 
     def _take(self, letter: str, text: bytes) -> None:
         if letter in (frames.OUTPUT, frames.OUTPUT_CHANGES, frames.RESULT):
@@ -201,7 +201,7 @@ class ChildTransport:
         output = self._read_result(text) if letter == frames.RESULT else self._reader.read(letter, text)
         self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
         if self._reading_s > READING_MAX_S:
-            raise CodecError("it says so much that reading it takes the time of everybody else")
+            raise CodecError("it says so much that reading it takes the time of other clients")
         sent = self.unanswered.popleft()
         if output.tick != sent.number:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.number}")
@@ -209,7 +209,7 @@ class ChildTransport:
             self.line = output.snapshot.robot.line
         elif sent.has_snapshot:
             raise CodecError(f"the output of tick {output.tick} lacks the snapshot that was asked for")
-        self._receiver.take_output(sent, output)
+        self._on_output(sent, output)
 
     def _read_result(self, text: bytes) -> TickResult:
         """Read what a tick gives without its snapshot."""
@@ -233,5 +233,5 @@ class ChildTransport:
             if any(isinstance(item, LoadTask | PlayTask) for item in sent.inputs):
                 sent.size += len(answer_text)
             sent.asking_since_s = sent.asking_since_s or time.monotonic()
-        self._receiver.take_question(sent)
+        self._on_question(sent)
         self._child.send(frames.ANSWER, answer_text)

@@ -1,4 +1,4 @@
-"""A session that is written down as it happens, and one that happens again as it is written."""
+"""Robots with a journal: one whose session is written to it, and one that plays a session again."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from elitescript.services.journal.writer import Digest, Journal, JournalReader
 
 
 class RecordedRobot:
-    """A robot in this process whose session is written down. See `robot_link.Robot`.
+    """Runs a robot in this process whose session goes into a journal. See `robot_link.TickedRobot`.
 
     Args:
         config: of the robot.
@@ -66,7 +66,7 @@ class RecordedRobot:
 
 
 class Difference(NamedTuple):
-    """Where a replay and its journal part."""
+    """Where a replay and its journal differ."""
 
     tick: int
     text: str
@@ -80,7 +80,7 @@ class Replay:
         until_tick: the last tick to play; all if None.
 
     Attributes:
-        difference: where it came out otherwise than in the journal; None while it did not.
+        difference: where the replay differs from the journal; None while it does not.
         checked_ticks: ticks that came out the same.
         last_tick: the last one that was played; -1 before the first.
     """
@@ -111,12 +111,12 @@ class Replay:
         self.last_tick = reader.config.first_tick - 1
 
     def outputs(self, on_restart: Callable[[int, str], None] | None = None) -> Iterator[Output]:
-        """Play it: what clients heard, tick by tick; ends early where it differs.
+        """Return what clients got, tick by tick; ends early where it differs.
 
-        What they were told while there was no robot comes with its last picture.
+        Events that came while there was no robot have its last snapshot.
 
         Args:
-            on_restart: told of the tick and the reason when a new robot goes on.
+            on_restart: called with the tick and the reason when a new robot goes on.
 
         Raises:
             UsageError: a line of the journal that makes no sense.
