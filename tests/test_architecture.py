@@ -52,7 +52,7 @@ class TestImports:
         layers = contracts["layers"]["layers"]
         below = layers[layers.index("robot") + 1 :]
         pure = {f"elitescript.{name.strip()}" for row in below for name in row.split("|")}
-        pure -= {"elitescript.environment", "elitescript.devices"}
+        pure -= {"elitescript.environment", "elitescript.devices", "elitescript.world_file"}
         assert set(contracts["pure"]["source_modules"]) == pure
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from elitescript.devices.world_file import load_cell
 from elitescript.testing import world as public
+from elitescript.world_file import load_world_file
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "devices.md"
 TEXT = PAGE.read_text(encoding="utf-8")
@@ -41,7 +41,7 @@ def test_the_first_device_of_the_page_has_ten_lines_at_most() -> None:
 def test_the_world_file_of_the_page_is_read(text: str, tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
     path.write_text(text, encoding="utf-8")
-    world = load_cell(path).world
+    world = load_world_file(path).world
     assert world is not None
     assert [device.title for device in world.devices if device.name == "camera"] == ["camera"]
 

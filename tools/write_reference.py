@@ -1,6 +1,6 @@
 """Write the reference pages in docs/reference from the tables and functions that they describe.
 
-Run it after a change to a command, an error code, a signal, a safety state or a port:
+Run it after a change to a command, an option, an error code, a signal, a safety state or a port:
 `python tools/write_reference.py`.
 """
 
@@ -27,6 +27,7 @@ from tools.faults_page import faults_page
 from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, anchor, cell
 from tools.modbus_page import modbus_page
+from tools.options_page import keywords_module, options_page
 from tools.ports_page import ports_page
 from tools.primary_page import primary_page
 from tools.rtsi_page import rtsi_page
@@ -302,6 +303,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "faults.md": faults_page,
     "interpreter.md": interpreter_page,
     "modbus.md": modbus_page,
+    "options.md": options_page,
     "ports.md": ports_page,
     "primary.md": primary_page,
     "rtsi.md": rtsi_page,
@@ -310,13 +312,17 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "signals.md": signals_page,
 }
 
+MODULE: Final = FOLDER.parent.parent / "src" / "elitescript" / "kernel" / "option_keywords.py"
+
 
 def main() -> int:
-    """Write all pages."""
+    """Write all pages, and the module with the types of keywords."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     for name, page in PAGES.items():
         (FOLDER / name).write_text(page(), encoding="utf-8", newline="\n")
         print(FOLDER / name)
+    MODULE.write_text(keywords_module(), encoding="utf-8", newline="\n")
+    print(MODULE)
     return 0
 
 

@@ -11,9 +11,6 @@ from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from elitescript.controller.force.contact import ContactConfig
-from elitescript.controller.modes import AT_ONCE
-from elitescript.controller.safety.limits import SafetyLimits
 from elitescript.controller.signals.by_name import Signals, signal_write
 from elitescript.controller.views.trace import Trace
 from elitescript.controller.views.trace_signals import SignalRecord, TraceSignals
@@ -25,27 +22,30 @@ from elitescript.environment.allowance import TASK_DIR_BYTES
 from elitescript.environment.interrupts import interrupts_passed_to
 from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
+from elitescript.kernel.arm import named_model
 from elitescript.kernel.kernel import Kernel
-from elitescript.kernel.options import DEFAULTS, RobotOptions
+from elitescript.kernel.option_signature import takes_options
+from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, robot_options
 from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
 from elitescript.language.options import SECONDARY
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import UNDELIVERED, Alarm, Event, SignalChanged, Warned
 from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
-from elitescript.messages.motion import Six
-from elitescript.messages.plant import PlantConfig
-from elitescript.messages.profile import DEFAULT_FIRMWARE
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
-from elitescript.models.model import RobotModel, load_model
+from elitescript.models.model import RobotModel
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.environment import ProgramEnvironment
 
 if TYPE_CHECKING:
+    from typing import Unpack
+
     from elitescript.environment.state_file import StateFile
     from elitescript.kernel.clients import Client, Clients
+    from elitescript.kernel.option_keywords import RobotKeywords
+    from elitescript.world_file import WorldFile
 
 IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
@@ -63,36 +63,26 @@ def _state_file(path: str | Path) -> StateFile:
     return StateFile(path)
 
 
+@takes_options
 class VirtualRobot:
-    """One robot in virtual time.
+    """One robot in virtual time, powered on.
 
     Args:
         model: name of the arm, such as `"CS66"`, the path of a file that describes an arm of one's own, such as
-            `"my_arm.toml"`, or a loaded model.
-        firmware: controller firmware, `"2.10"` or `"2.14"`.
-        seed: seed of the program's random numbers.
-        joints: joint positions at the start, rad; the model's home if None.
-        speed: speed percentage as a fraction, 0 to 1.
+            `"my_arm.toml"`, or a loaded model; that of the world file, else `"CS66"`, if None.
         task_dir: folder that stands for the robot's task folder; if None, a program that comes from a file
             gets that file's folder, and a program text gets an empty folder in memory.
         task_dir_limit: bytes that programs may add to the task folder (default *assumed*).
         world: what is around the robot: a `World` of devices (`elitescript.testing.world`), or the path of a TOML file
-            that declares one, with configurations and levels of signals at the start. Or a folder and a network by
-            themselves, instead of `task_dir`.
+            that declares one, with options of the robot and levels of signals at the start. Or a folder and a network
+            by themselves, instead of `task_dir`.
         lines: what is on the robot's serial ports, as `{"tool": "/dev/ttyUSB0", "box": "socket://127.0.0.1:7000"}`.
-        strict: refuse what a Python 3 controller refuses, instead of warning.
-        epoch_s: controller clock at tick 0, seconds since 1970.
-        work_per_tick: loop passes and calls that a thread may make in one tick; how fast the real controller is, is
-            not known (*assumed*).
-        rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
-        confirms_popups: confirm popups that block at once; if not, a client of the dashboard does.
-        safety: what the safety system watches.
-        plant: how the joints follow their targets; as the model says if None, which is exactly unless an own arm has
-            a `[plant]`.
         drain_s: how long `run` waits, once a program is over, for bytes and requests that do not get any further.
         state_file: a file with the registers, flags and general Modbus values that the robot remembers: read now,
             written when `run` or `advance` returns. Nothing is remembered if None.
         on_event: receives every event at the moment it happens.
+        **options: the options of the robot, each by its name (docs/reference/options.md). What is not given, or None,
+            is what the world file says, else the default.
 
     Raises:
         UsageError: an argument that makes no sense.
@@ -100,49 +90,32 @@ class VirtualRobot:
 
     def __init__(
         self,
-        model: str | Path | RobotModel = "CS66",
+        model: str | Path | RobotModel | None = None,
         *,
-        firmware: str = DEFAULT_FIRMWARE,
-        seed: int = 0,
-        joints: Six | None = None,
-        speed: float = 1.0,
         task_dir: str | Path | None = None,
         task_dir_limit: int = TASK_DIR_BYTES,
         world: ProgramEnvironment | Surroundings | str | Path | None = None,
         lines: Mapping[str, str] | None = None,
-        strict: bool = False,
-        epoch_s: float = DEFAULTS["epoch_s"],
-        work_per_tick: int = DEFAULTS["work_per_tick"],
-        rpc_timeout_s: float = DEFAULTS["rpc_timeout_s"],
-        confirms_popups: bool = True,
-        contact: ContactConfig | None = None,
-        safety: SafetyLimits | None = None,
-        plant: PlantConfig | None = None,
         drain_s: float = DRAIN_S,
         state_file: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
+        **options: Unpack[RobotKeywords],
     ) -> None:
-        self.model = model if isinstance(model, RobotModel) else load_model(model)
+        check_keywords(options)
+        file: WorldFile | None = None
+        if isinstance(world, str | Path):
+            from elitescript.world_file import load_world_file
+
+            file = load_world_file(world)
+            world = file.world
+        elif isinstance(world, Surroundings):
+            file = world.world_file
+        from_file = {} if file is None else file.options
+        arm = model or from_file.get("model") or DEFAULTS["model"]
+        self.model, named = (arm, {"model": arm.name}) if isinstance(arm, RobotModel) else named_model(arm)
+        self.options = robot_options({**options, **named}, from_file, **IN_VIRTUAL_TIME)
         self._on_event = on_event
         self._outside = Outside(world, task_dir, lines, task_dir_limit)
-        cell = self._outside.cell
-        self.options = RobotOptions(
-            model=self.model.name,
-            firmware=firmware,
-            seed=seed,
-            epoch_s=epoch_s,
-            joints=joints,
-            speed=speed,
-            power_on=True,
-            power_times=AT_ONCE,
-            contact=cell.take("contact", contact),
-            safety=cell.take("safety", safety),
-            plant=cell.take("plant", plant),
-            work_per_tick=work_per_tick,
-            rpc_timeout_s=rpc_timeout_s,
-            strict=strict,
-            confirms_popups=confirms_popups,
-        )
         self._kernel = Kernel(
             self.options,
             self._outside,
@@ -170,7 +143,7 @@ class VirtualRobot:
         self._listener_error: BaseException | None = None
         self._state_file = None if state_file is None else _state_file(state_file)
         kept = {} if self._state_file is None else self._state_file.load()
-        self.set_start({**kept, **cell.signals})
+        self.set_start({**kept, **({} if file is None else file.signals)})
         if self._outside.surroundings is not None:
             self._outside.surroundings.begin(self._kernel)
             for request in self._outside.surroundings.input_faults:

@@ -6,8 +6,8 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.devices.scenario import KINDS
-from elitescript.devices.world_file import WORLD_SECTIONS, load_cell
 from elitescript.errors import UsageError
+from elitescript.world_file import WORLD_SECTIONS, load_world_file
 from tests.devices.programs import run
 
 CLASSES = """
@@ -232,19 +232,23 @@ on = "tool"
     robot = VirtualRobot("CS66", world=path)
     found = run("sleep(1)", robot=robot)
     assert {found.signals[f"standard_digital_in[{index}]"] for index in (5, 6, 7)} == {True}
-    assert load_cell(path).world.seed == 4
-    assert len(load_cell(path).world.faults) == 1
+    assert load_world_file(path).world.seed == 4
+    assert len(load_world_file(path).world.faults) == 1
 
 
 @pytest.mark.parametrize(
     "text, network", [("[[wire]]\nwhen='flag[0]'\nthen='flag[1]'", True), ("[[tcp]]\nport=5", False), ("[world]", True)]
 )
 def test_a_file_with_devices_has_no_other_network_unless_it_says_so(file, text, network):
-    assert (load_cell(file(text)).world.network.outside is not None) is network
+    assert (load_world_file(file(text)).world.network.outside is not None) is network
     assert (
-        load_cell(file(f"[world]\nnetwork = 'real'\n{text.replace('[world]', '')}")).world.network.outside is not None
+        load_world_file(file(f"[world]\nnetwork = 'real'\n{text.replace('[world]', '')}")).world.network.outside
+        is not None
     )
-    assert load_cell(file(f"[world]\nnetwork = 'virtual'\n{text.replace('[world]', '')}")).world.network.outside is None
+    assert (
+        load_world_file(file(f"[world]\nnetwork = 'virtual'\n{text.replace('[world]', '')}")).world.network.outside
+        is None
+    )
 
 
 def test_every_section_is_read():
@@ -343,6 +347,6 @@ MISTAKES = [
 def test_a_mistake_has_file_line_place_and_words(file, text, line, words):
     path = file(text)
     with pytest.raises(UsageError) as caught:
-        load_cell(path)
+        load_world_file(path)
     assert str(caught.value).startswith(f"{path}:{line}: ")
     assert words in str(caught.value)

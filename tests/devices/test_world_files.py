@@ -9,8 +9,8 @@ from random import Random
 
 import pytest
 
-from elitescript.devices.world_file import WorldFile, load_cell
 from elitescript.errors import UsageError
+from elitescript.world_file import WorldFile, load_world_file
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 FILES = [path for path in sorted(EXAMPLES.glob("*.toml")) if re.search(r"^\[", path.read_text("utf-8"), re.M)]
@@ -119,7 +119,7 @@ def mutated(text: str, random: Random) -> str:
 def outcome(path: Path) -> str:
     """What becomes of a file: empty if it is read, else the refusal."""
     try:
-        assert isinstance(load_cell(path), WorldFile)
+        assert isinstance(load_world_file(path), WorldFile)
     except UsageError as error:
         return str(error)
     return ""

@@ -36,16 +36,16 @@ def test_every_part_of_a_configuration_comes_back():
     assert back.contact.planes[0].direction == config.contact.planes[0].direction
 
 
+FORMAT_2 = [
+    *("CS63", "", "2.10", 5, 7, 1e9, None, 0.5, True, [0.4, 0.8, 1.0], False, "name", "ES1", "my.configuration"),
+    *(None, None, None, [["flag[3]", True]], ['{"kind": "drop", "on": 5000}'], 2000, 60.0, True),
+]
+"""By hand: what stands in the first line of journals that have been written."""
+
+
 class TestOptionsOfAJournal:
-    """By hand: what stands in the first line of journals that have been written."""
-
-    FORMAT_2 = [
-        *("CS63", "", "2.10", 5, 7, 1e9, None, 0.5, True, [0.4, 0.8, 1.0], False, "name", "ES1", "my.configuration"),
-        *(None, None, None, [["flag[3]", True]], ['{"kind": "drop", "on": 5000}'], 2000, 60.0, True),
-    ]
-
     def test_those_of_format_2_have_no_names(self):
-        options = options_from_journal(full_codec(), {"journal": 2, "config": self.FORMAT_2})
+        options = options_from_journal(full_codec(), {"journal": 2, "config": FORMAT_2})
         assert options == RobotOptions(
             model="CS63",
             firmware="2.10",

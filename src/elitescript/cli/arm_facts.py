@@ -1,11 +1,11 @@
-"""What `check` knows of the arm: its model, and what a world file limits."""
+"""What `check` knows of the arm: its model, and what its safety configuration limits."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 from elitescript.commands.definition.plausibility import ArmFacts
-from elitescript.devices.world_file import load_cell
+from elitescript.kernel.options import RobotOptions
 from elitescript.kinematics.arm import Arm
 from elitescript.models.model import load_model
 
@@ -18,21 +18,13 @@ class _Limited(NamedTuple):
     payload_max_kg: float
 
 
-def arm_facts(robot: str | None, world: str | None) -> ArmFacts | None:
-    """The arm of that name, with the joint ranges that the safety configuration of a world file leaves.
-
-    Args:
-        robot: name of the arm; None for any.
-        world: path of a world file, which is read in any case, so that its mistakes are reported.
+def arm_facts(robot: RobotOptions) -> ArmFacts:
+    """Return the arm of a robot, with the joint ranges that its safety configuration leaves.
 
     Raises:
-        UsageError: no such arm, or a world file that makes no sense.
+        UsageError: no such arm.
     """
-    cell = None if world is None else load_cell(world)
-    if robot is None:
-        return None
-    model = load_model(robot)
-    safety = None if cell is None else cell.configurations.get("safety")
+    model, safety = load_model(robot.model), robot.safety
     if safety is None or (safety.normal.q_min is None and safety.normal.q_max is None):
         return model
     low, high = zip(*model.joint_ranges, strict=True)

@@ -7,19 +7,21 @@ import os
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from elitescript.cli.output.check_formats import FORMATS, CheckedFile
 from elitescript.cli.output.screen import progress_on
+from elitescript.cli.robot_options import options_from
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.environment.program_file import SUFFIX, neighbours
 from elitescript.errors import ProgramError, UsageError
+from elitescript.kernel.options import RobotOptions, robot_options
 from elitescript.language.diagnostics import diagnostic
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.paths import why_no_file
-from elitescript.messages.profile import Profile, profile
+from elitescript.messages.profile import profile
 
 FOUND_ERRORS: Final = 3
 """Exit code when a program has an error."""
@@ -62,14 +64,13 @@ def check(options: argparse.Namespace) -> int:
     # The repaired text of standard input goes to standard output alone.
     out = sys.stderr if is_filter else sys.stdout
     report = FORMATS[name](out)
-    firmware = profile(options.firmware)
-    arm = _arm(options.robot, options.world)
+    robot, arm = _robot(options)
     code = 0
     progress = progress_on(sys.stderr) if name == "text" else None
     for number, text in enumerate(_texts(options.files)):
         if progress is not None:
             progress.note(f"{number} files checked; {text.name}")
-        checked = _check(text, firmware, options, arm)
+        checked = _check(text, robot, arm, is_fixed=options.fix)
         report.file(checked)
         if text.data is None and text.is_named:
             code = NOT_FOUND
@@ -81,17 +82,25 @@ def check(options: argparse.Namespace) -> int:
     return code
 
 
-def _arm(robot: str | None, world: str | None) -> ArmFacts | None:
-    """Return what is known of the arm; None if nothing is, which spares loading a model.
+def _robot(options: argparse.Namespace) -> tuple[RobotOptions, ArmFacts | None]:
+    """Return the robot that programs are for, and what is known of its arm; None if no model is named.
 
     Raises:
         UsageError: no such arm, or a world file that makes no sense.
     """
-    if robot is None and world is None:
-        return None
+    given = options_from(options)
+    from_file: dict[str, Any] = {}
+    if options.world is not None:
+        from elitescript.world_file import load_world_file
+
+        from_file = load_world_file(options.world).options
+    robot = robot_options(given, from_file)
+    if "model" not in given and "model" not in from_file:
+        return robot, None
+    # Loading a model takes longer than checking a program.
     from elitescript.cli.arm_facts import arm_facts
 
-    return arm_facts(robot, world)
+    return robot, arm_facts(robot)
 
 
 def _explain(code: str) -> int:
@@ -154,7 +163,7 @@ def _read(path: Path, seen: set[str], *, is_named: bool) -> Iterator[_Text]:
 # ---------------------------------------------------------------- one text
 
 
-def _check(text: _Text, firmware: Profile, options: argparse.Namespace, arm: ArmFacts | None) -> CheckedFile:
+def _check(text: _Text, robot: RobotOptions, arm: ArmFacts | None, *, is_fixed: bool) -> CheckedFile:
     if text.data is None:
         near = neighbours(text.path) if text.is_named and text.path is not None else ""
         problem = diagnostic("E003", 1, 1, text.why_not, hint=near)
@@ -163,18 +172,19 @@ def _check(text: _Text, firmware: Profile, options: argparse.Namespace, arm: Arm
         written = text.data.decode("utf-8")
         source = SourceFile.from_bytes(text.name, text.data)
     except (UnicodeDecodeError, ProgramError):
-        if options.fix and text.path is None:
+        if is_fixed and text.path is None:
             _write_out(text.data)
         return _damaged(text.name, text.data)
     repairs: tuple[Repair, ...] = ()
-    if options.fix:
-        fixed, repairs = repaired(text.name, written, firmware, strict=options.strict)
+    firmware = profile(robot.firmware)
+    if is_fixed:
+        fixed, repairs = repaired(text.name, written, firmware, strict=robot.strict)
         if text.path is None:
             _write_out(fixed.encode("utf-8"))
         elif fixed != written:
             _rewrite(text.path, fixed.encode("utf-8"))
         source = SourceFile(text.name, fixed)
-    return CheckedFile(text.name, source, check_source(source, firmware, strict=options.strict, arm=arm), repairs)
+    return CheckedFile(text.name, source, check_source(source, firmware, strict=robot.strict, arm=arm), repairs)
 
 
 def _damaged(name: str, data: bytes) -> CheckedFile:

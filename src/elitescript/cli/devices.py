@@ -11,24 +11,24 @@ from typing import Final
 
 from elitescript.cli.output import jsonlines
 from elitescript.devices.surroundings import VIRTUAL
-from elitescript.devices.world_file import load_cell
 from elitescript.environment.line_bindings import parse_bindings
 from elitescript.errors import UsageError
 from elitescript.services.device_server import DeviceServer
+from elitescript.world_file import load_world_file
 
 PORT_MAX: Final = 65_535
 
 
 def devices(options: argparse.Namespace) -> int:
     """Serve devices until a signal comes; return the exit code."""
-    cell = load_cell(options.file, network=VIRTUAL)
-    if cell.world is None or not (cell.world.network.servers or cell.world.network.lines):
+    found = load_world_file(options.file, network=VIRTUAL)
+    if found.world is None or not (found.world.network.servers or found.world.network.lines):
         raise UsageError(
             f"{options.file} declares nothing to connect to: no [[tcp]], [[rpc]], [[modbus]] or [[serial]]"
         )
     numbers = dict(map(_number, options.port))
     for port in numbers:
-        if port not in [place if isinstance(place, int) else place[1] for place in cell.world.network.servers]:
+        if port not in [place if isinstance(place, int) else place[1] for place in found.world.network.servers]:
             raise UsageError(f"--port {port}={numbers[port]}: no device of {options.file} has the port {port}")
     start_s = time.monotonic()
 
@@ -42,7 +42,7 @@ def devices(options: argparse.Namespace) -> int:
             line = f"{passed_s:10.3f} s  {text}"
         print(line, file=stream, flush=True)
 
-    asyncio.run(_serve(DeviceServer(cell.world, options.host, numbers, parse_bindings(options.serial), say), options))
+    asyncio.run(_serve(DeviceServer(found.world, options.host, numbers, parse_bindings(options.serial), say), options))
     return 0
 
 

@@ -9,13 +9,14 @@ from typing import Final
 
 from elitescript.cli.output.report import TextRunReport
 from elitescript.cli.output.screen import palette_of, progress_on, rendered
+from elitescript.cli.robot_options import options_from
 from elitescript.cli.run import DOES_NOT_COMPILE, EXIT_CODES
-from elitescript.cli.settings import parse_joints, parse_settings
+from elitescript.cli.settings import parse_settings
 from elitescript.cli.watched import watch_for_crashes
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ProgramError, UsageError
+from elitescript.kernel.options import DEFAULTS, OPTIONS
 from elitescript.language.text.source import SourceFile
-from elitescript.messages.profile import DEFAULT_FIRMWARE
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.plotting.line_times import ThreadLines
@@ -27,7 +28,8 @@ from elitescript.robot import VirtualRobot
 UNTIL_S: Final = 300.0
 """Robot time after which a program that goes on is cut off, if nothing else is asked for."""
 
-_OF_PROGRAMS: Final = ("firmware", "until", "seed", "joints", "speed", "task_dir", "set", "world")
+_OF_PROGRAMS: Final = ("until", "task_dir", "set", "world")
+"""What goes with a program alone, beside the options of its robot."""
 
 
 def plot(options: argparse.Namespace) -> int:
@@ -63,10 +65,13 @@ def plot(options: argparse.Namespace) -> int:
 
 
 def _recorded(path: Path, options: argparse.Namespace) -> Recording:
-    for name in _OF_PROGRAMS:
-        if getattr(options, name) not in (None, []):
-            raise UsageError(f"--{name.replace('_', '-')} goes with a program; {path} is a trace")
-    return Recording(path.name, load_model(options.robot), read_trace(path))
+    given = options_from(options)
+    model = load_model(given.pop("model", DEFAULTS["model"]))
+    flags = [OPTIONS[name].flag for name in given]
+    flags += [f"--{name.replace('_', '-')}" for name in _OF_PROGRAMS if getattr(options, name) not in (None, [])]
+    if flags:
+        raise UsageError(f"{flags[0]} goes with a program; {path} is a trace")
+    return Recording(path.name, model, read_trace(path))
 
 
 def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
@@ -76,14 +81,10 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     signals, presets = parse_settings(options.set)
     report = TextRunReport(sys.stderr, sys.stderr)
     robot = VirtualRobot(
-        options.robot,
-        firmware=options.firmware or DEFAULT_FIRMWARE,
-        seed=options.seed or 0,
-        joints=None if options.joints is None else parse_joints(options.joints),
-        speed=1.0 if options.speed is None else options.speed,
         task_dir=options.task_dir or path.resolve().parent,
         world=options.world,
         on_event=report.event,
+        **options_from(options),
     )
     robot.set_start(signals)
     source = source_of(path)

@@ -14,13 +14,13 @@ from typing import Any, Final
 from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunReport, parse_logs
 from elitescript.cli.output.screen import CALLS, Progress, progress_on
 from elitescript.cli.output.trace_file import TraceFile
-from elitescript.cli.settings import check_presets, parse_epoch, parse_joints, parse_settings, parse_size
+from elitescript.cli.robot_options import options_from
+from elitescript.cli.settings import check_presets, parse_settings, parse_size
 from elitescript.cli.watched import limit_memory, watch_for_crashes
 from elitescript.controller.views.trace import Trace, step_ticks
 from elitescript.controller.views.trace_signals import TraceSignals
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
-from elitescript.kernel.options import DEFAULTS
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import DeviceNoted
@@ -47,20 +47,13 @@ def run(options: argparse.Namespace) -> int:
     report: RunReport = JsonRunReport(sys.stdout) if options.json else TextRunReport(sys.stdout, sys.stderr, logs)
     levels, presets = parse_settings(options.set)
     robot = VirtualRobot(
-        options.robot,
-        firmware=options.firmware,
-        seed=options.seed,
-        joints=None if options.joints is None else parse_joints(options.joints),
-        speed=options.speed,
         task_dir=options.task_dir or path.resolve().parent,
         task_dir_limit=parse_size(options.task_dir_limit, "--task-dir-limit"),
-        strict=options.strict,
-        epoch_s=DEFAULTS["epoch_s"] if options.epoch is None else parse_epoch(options.epoch),
-        rpc_timeout_s=options.rpc_timeout,
         world=options.world,
         lines=_lines(options.serial),
         state_file=options.state,
         on_event=report.event,
+        **options_from(options),
     )
     robot.set_start(levels)
     for name, value in (("--until", options.until), ("--max-wall", options.max_wall)):
@@ -73,7 +66,9 @@ def run(options: argparse.Namespace) -> int:
         return DOES_NOT_COMPILE
     from elitescript.lint.engine import compile_checked
 
-    checked = compile_checked(source, robot.profile, Options(strict=options.strict), presets=presets, arm=robot.model)
+    checked = compile_checked(
+        source, robot.profile, Options(strict=robot.options.strict), presets=presets, arm=robot.model
+    )
     report.problems(checked.problems, source)
     unit = checked.unit
     if unit is None or checked.is_refused:

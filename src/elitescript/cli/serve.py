@@ -20,12 +20,15 @@ from elitescript.cli.output.remedies import served
 from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunReport, parse_logs
 from elitescript.cli.output.terminal import PatientStream, TaggedStream
 from elitescript.cli.output.writable import Writable
-from elitescript.cli.settings import parse_joints, parse_settings, parse_size
+from elitescript.cli.robot_options import options_from
+from elitescript.cli.settings import parse_settings, parse_size
 from elitescript.cli.ssh_login import Login, ssh_login
 from elitescript.environment.line_bindings import parse_bindings
 from elitescript.environment.state_file import StateFile
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, RobotOptions
+from elitescript.kernel.arm import named_model
+from elitescript.kernel.options import DEFAULTS, robot_options
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
@@ -214,13 +217,11 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list
     """
     from elitescript.devices.channels.faults import fault_text
     from elitescript.devices.surroundings import REAL
-    from elitescript.devices.world_file import WorldFile, load_cell
-    from elitescript.models.datafile import read_text
-    from elitescript.models.model import is_model_file, load_model, parse_model
+    from elitescript.world_file import WorldFile, load_world_file
 
     if not 1 <= options.robots <= ROBOTS_MAX:
         raise UsageError(f"--robots must be from 1 to {ROBOTS_MAX}, got {options.robots}")
-    models = [model for model in options.robot or ["CS66"] for _ in range(options.robots)]
+    models: list[str] = [model for model in options.models or [""] for _ in range(options.robots)]
     if len(models) > ROBOTS_MAX:
         raise UsageError(f"one serve has {ROBOTS_MAX} robots at most, not {len(models)}")
     signals, presets = parse_settings(options.set)
@@ -229,33 +230,25 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list
     if options.task_dir is not None and not Path(options.task_dir).is_dir():
         raise UsageError(f"--task-dir {options.task_dir}: there is no such folder")
     _check_world_place(options)
+    given = options_from(options)
     configs: list[RobotOptions] = []
     worlds: list[World | None] = []
     for index, model in enumerate(models):
-        # The process of the robot cannot read files of this computer: it gets the text of the model file.
-        text = read_text(Path(model)) if is_model_file(model) else ""
-        name = parse_model(Path(model).name, text).name if text else load_model(model).name
-        cell = WorldFile() if options.world is None else load_cell(options.world, network=REAL)
-        worlds.append(cell.world)
+        file = WorldFile() if options.world is None else load_world_file(options.world, network=REAL)
+        arm, named = named_model(model or file.options.get("model") or DEFAULTS["model"])
+        robot_id = file.options.get("robot_id", arm.name)
+        worlds.append(file.world)
         configs.append(
-            RobotOptions(
-                model=Path(model).name if text else name,
-                model_text=text,
-                firmware=options.firmware,
-                seed=options.seed,
+            robot_options(
+                {
+                    **given,
+                    **named,
+                    "robot_id": robot_id if len(models) == 1 else f"{robot_id}-{options.instance + index}",
+                },
+                file.options,
                 epoch_s=time.time(),
-                joints=None if options.joints is None else parse_joints(options.joints),
-                speed=options.speed,
-                power_on=options.power_on,
-                remote=not options.local,
-                robot_id=name if len(models) == 1 else f"{name}-{options.instance + index}",
-                contact=cell.take("contact", None),
-                safety=cell.take("safety", None),
-                plant=cell.take("plant", None),
-                signals=tuple({**cell.signals, **signals}.items()),
-                faults=() if cell.world is None else tuple(map(fault_text, cell.world.faults)),
-                rpc_timeout_s=options.rpc_timeout,
-                strict=options.strict,
+                signals=tuple({**file.signals, **signals}.items()),
+                faults=() if file.world is None else tuple(map(fault_text, file.world.faults)),
             )
         )
     return configs, worlds
@@ -295,7 +288,8 @@ def _check_ports(options: argparse.Namespace, description: RobotDescription) -> 
     for text in options.port:
         name = text.partition("=")[0].strip()
         if name in NAMES and name not in has:
-            raise UsageError(f"--port {text}: firmware {options.firmware} does not have that port")
+            major, minor, *_ = description.firmware
+            raise UsageError(f"--port {text}: firmware {major}.{minor} does not have that port")
 
 
 def _check_host(options: argparse.Namespace) -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from elitescript.devices.surroundings import Surroundings
-from elitescript.devices.world_file import WorldFile, load_cell
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
 from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import UsageError
@@ -21,35 +20,28 @@ class Outside:
     """Holds all of it. Implements `runtime.environment.ProgramEnvironment` for the programs of clients.
 
     Args:
-        world: devices, the path of a world file, or a folder and a network by themselves; this computer if None.
+        world: devices, or a folder and a network by themselves; this computer if None.
         task_dir: the task folder; that of the program if None.
         lines: serial ports of this computer by those of the robot.
         task_dir_limit: bytes that programs may add to a task folder.
 
     Attributes:
-        cell: what a world file says about the robot itself.
         channels: the network.
         surroundings: what lives in the robot's time; None if nothing does.
 
     Raises:
-        UsageError: arguments that do not go together, or a mistake in the file.
+        UsageError: arguments that do not go together.
     """
 
-    __slots__ = ("_allowance", "_files", "_task_dir", "_task_dir_limit", "_world", "cell", "channels", "surroundings")
+    __slots__ = ("_allowance", "_files", "_task_dir", "_task_dir_limit", "_world", "channels", "surroundings")
 
     def __init__(
         self,
-        world: ProgramEnvironment | Surroundings | str | Path | None,
+        world: ProgramEnvironment | Surroundings | None,
         task_dir: str | Path | None,
         lines: Mapping[str, str] | None,
         task_dir_limit: int = TASK_DIR_BYTES,
     ) -> None:
-        self.cell = WorldFile()
-        if isinstance(world, str | Path):
-            self.cell = load_cell(world)
-            world = self.cell.world
-        elif isinstance(world, Surroundings) and world.cell is not None:
-            self.cell = world.cell
         self._task_dir = None if task_dir is None else Path(task_dir)
         self._task_dir_limit = task_dir_limit
         self._allowance = Allowance(task_dir_limit)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from elitescript.devices.world_file import WorldFile
     from elitescript.messages.events import Event
     from elitescript.messages.inputs import Input
     from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
@@ -15,6 +14,7 @@ if TYPE_CHECKING:
     from elitescript.messages.signals import Value
     from elitescript.protocol.connection import Connection
     from elitescript.runtime.environment import Channels
+    from elitescript.world_file import WorldFile
 
 
 VIRTUAL: Final = "virtual"
@@ -69,11 +69,11 @@ class Surroundings:
 
     Attributes:
         channels: the network that programs see.
-        cell: what a world file says besides; None without one.
+        world_file: what the world file that declares them says besides; None without one.
     """
 
     channels: Channels
-    cell: WorldFile | None = None
+    world_file: WorldFile | None = None
 
     def begin(self, robot: RobotAccess) -> None:
         """Belong to a robot from now on."""

@@ -1,4 +1,4 @@
-"""The arm of a robot, and what never changes about the robot."""
+"""What never changes about a robot."""
 
 from __future__ import annotations
 
@@ -9,20 +9,14 @@ from elitescript.kernel.options import RobotOptions
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import Profile
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.models.model import RobotModel, load_model, parse_model
-
-
-def model_of(options: RobotOptions) -> RobotModel:
-    """Return the arm that the options name.
-
-    Raises:
-        UsageError: there is no such model, or the file of an own arm is wrong.
-    """
-    return parse_model(options.model, options.model_text) if options.model_text else load_model(options.model)
+from elitescript.models.model import RobotModel
 
 
 def describe(options: RobotOptions, model: RobotModel, profile: Profile) -> RobotDescription:
-    """What never changes about the robot; the safety checksum is ours (*assumed*: it changes with the limits)."""
+    """Return what never changes about the robot.
+
+    The safety checksum is ours (*assumed*: it changes with the limits).
+    """
     a, d, alpha = model.arm.modified_dh
     ranges = model.joint_ranges
     return RobotDescription(

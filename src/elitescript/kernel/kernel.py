@@ -19,6 +19,7 @@ from elitescript.controller.controller import Controller
 from elitescript.controller.signals.by_name import Signals
 from elitescript.controller.views.warning_limit import WarningLimit
 from elitescript.errors import UsageError
+from elitescript.kernel.arm import model_of
 from elitescript.kernel.options import RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import DeviceNoted, Event, Popup, TaskStateChanged, Warned
@@ -135,7 +136,7 @@ class Kernel:
         on_end: Callable[[str], None] | None = None,
     ) -> None:
         self.options = options
-        self.model = _model_of(options) if model is None else model
+        self.model = model_of(options) if model is None else model
         self.profile = profile(options.firmware)
         self.popup = PopupWindow(options.confirms_popups)
         self.overruns = 0
@@ -438,12 +439,6 @@ class Kernel:
 
     def _note_fault(self, text: str) -> None:
         self.emit(DeviceNoted(self.controller.tick, "fault", text))
-
-
-def _model_of(options: RobotOptions) -> RobotModel:
-    from elitescript.kernel.description import model_of
-
-    return model_of(options)
 
 
 def _is_rtsi_input(name: str) -> bool:

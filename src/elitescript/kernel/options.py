@@ -6,15 +6,16 @@ its help text, the values it takes, and its flag on the command line.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from importlib import import_module
 from math import inf, isfinite
 from operator import index
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.controller.modes import REALISTIC, PowerTimes
-from elitescript.errors import UsageError
+from elitescript.controller.modes import AT_ONCE, REALISTIC, PowerTimes
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 from elitescript.messages.signals import Value
@@ -52,7 +53,7 @@ class Number:
             return f"a number{self._in_unit()}"
         if self.high == inf:
             return f"a number >= {self.low:g}{self._in_unit()}"
-        return f"in [{self.low:g}, {self.high:g}]{self._in_unit()}"
+        return f"in [{self.low:g}, {self.high:g}] {self.unit}".rstrip()
 
     def _in_unit(self) -> str:
         return f" in {self.unit}" if self.unit else ""
@@ -74,6 +75,30 @@ class Number:
         if not self.low <= number <= self.high:
             raise UsageError(f"must be {self}, got {value!r}")
         return number
+
+
+class Time(Number):
+    """Moments: seconds since 1970, or `datetime` objects with a time zone."""
+
+    __slots__ = ()
+
+    def __init__(self) -> None:
+        super().__init__(unit="s")
+
+    def __str__(self) -> str:
+        return "seconds since 1970, or a date and time with a time zone"
+
+    def accept(self, value: Any) -> float:
+        """Return the seconds since 1970.
+
+        Raises:
+            UsageError: no moment; the text begins with `must be`.
+        """
+        if hasattr(value, "year"):
+            if getattr(value, "tzinfo", None) is None:
+                raise UsageError(f"must be {self}, got {value}")
+            value = value.timestamp()
+        return super().accept(value)
 
 
 class Whole:
@@ -279,9 +304,9 @@ class RobotOptions:
     first_tick: int = option(0, "number of the first tick; of a robot that goes on where another one ended")
     epoch_s: float = option(
         1_704_067_200.0,
-        "controller clock at the start: seconds since 1970 or ISO 8601",
-        Number(unit="s"),
-        default_text="2024-01-01T00:00:00Z; with serve, the time of this computer",
+        "controller clock at the start, s since 1970",
+        Time(),
+        default_text="2024-01-01T00:00:00Z; of serve, the present time",
         flag="--epoch",
         metavar="TIME",
         commands=("run",),
@@ -319,11 +344,11 @@ class RobotOptions:
     configuration: str = option(
         "default.configuration", "path of the configuration that is loaded at the start", Text()
     )
-    contact: ContactConfig | None = option(
-        None, "planes that the TCP can touch", Section("elitescript.controller.force.contact:ContactConfig")
-    )
     safety: SafetyLimits | None = option(
         None, "what the safety system watches", Section("elitescript.controller.safety.limits:SafetyLimits")
+    )
+    contact: ContactConfig | None = option(
+        None, "planes that the TCP can touch", Section("elitescript.controller.force.contact:ContactConfig")
     )
     plant: PlantConfig | None = option(
         None,
@@ -335,7 +360,7 @@ class RobotOptions:
     faults: tuple[str, ...] = option((), "what goes wrong, as `devices.channels.faults.fault_text` writes it")
     work_per_tick: int = option(
         WORK_PER_TICK,
-        "loop passes and calls that a thread may make in one tick (assumed: that of the real controller is not known)",
+        "loop passes and calls that a thread may make in one tick; how many the real controller makes is not known",
         Whole(1),
     )
     rpc_timeout_s: float = option(
@@ -349,7 +374,9 @@ class RobotOptions:
     strict: bool = option(
         False, "refuse what only warns otherwise", Switch(), flag="--strict", commands=("run", "check", "serve")
     )
-    confirms_popups: bool = option(False, "confirm popups at once, where there is no pendant")
+    confirms_popups: bool = option(
+        False, "confirm popups that block at once; if not, a client of the dashboard does", Switch()
+    )
 
     def __post_init__(self) -> None:
         for name in _CHECKED:
@@ -363,10 +390,64 @@ OPTIONS: Final[dict[str, Option]] = {row.name: row.metadata["option"] for row in
 
 DEFAULTS: Final[dict[str, Any]] = {row.name: row.default for row in fields(RobotOptions)}
 
+IN_VIRTUAL_TIME: Final[dict[str, Any]] = {"power_on": True, "power_times": AT_ONCE, "confirms_popups": True}
+"""Options of a robot in virtual time that are not the default, unless they are given."""
+
 SECTIONS: Final[dict[str, Section]] = {name: row.kind for name, row in OPTIONS.items() if isinstance(row.kind, Section)}
 """Options that are a section of a world file."""
 
 _CHECKED: Final = tuple(name for name, row in OPTIONS.items() if row.kind is not None)
+
+
+KEYWORDS: Final = tuple(name for name in _CHECKED if name != "model")
+"""Options that are keywords of `VirtualRobot`, besides `model`, which is its first argument."""
+
+
+def robot_options(
+    given: Mapping[str, Any], from_file: Mapping[str, Any] = MappingProxyType({}), **base: Any
+) -> RobotOptions:
+    """Return the options of a robot: those that are given, else those of a world file, else `base`, else the default.
+
+    Args:
+        given: by a caller or on the command line; None is as good as nothing.
+        from_file: of a world file.
+        base: of the front door.
+
+    Raises:
+        UsageError: a value that an option does not take, or a section that is given and in the world file as well.
+    """
+    chosen = {name: value for name, value in given.items() if value is not None}
+    for name in chosen:
+        if name in SECTIONS and name in from_file:
+            raise UsageError(f"{name} is given by the world file too; give it in one of both")
+    return RobotOptions(**{**base, **from_file, **chosen})
+
+
+def check_keywords(names: Iterable[str]) -> None:
+    """Refuse keywords that are no options, as a function with these keywords would.
+
+    Raises:
+        TypeError: there is one; the text names the nearest option.
+    """
+    for name in names:
+        if name not in KEYWORDS:
+            raise TypeError(f"got an unexpected keyword argument {name!r}{did_you_mean(name, KEYWORDS)}")
+
+
+def options_of_table(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options that the section `[robot]` of a world file sets.
+
+    Raises:
+        UsageError: an unknown key, or a value that makes no sense; the text begins with `[robot]`.
+    """
+    known = [name for name in _CHECKED if name not in SECTIONS]
+    place = f"[{ROBOT_SECTION}]"
+    for name in table:
+        if name in SECTIONS:
+            raise UsageError(f"{place} {name} is a section of its own: [{name}]")
+        if name not in known:
+            raise UsageError(f"{place} {name} is not known; there are {', '.join(known)}{did_you_mean(name, known)}")
+    return {name: accept(name, value, f"{place} {name}") for name, value in table.items()}
 
 
 def accept(name: str, value: Any, called: str) -> Any:

@@ -129,8 +129,8 @@ class DeviceServer:
         except BaseException:
             self.close()
             raise
-        if self._world.cell is not None:
-            for name, value in self._world.cell.signals.items():
+        if self._world.world_file is not None:
+            for name, value in self._world.world_file.signals.items():
                 self.write(signal_write(name, value), "schedule")
         self._is_ready = True
         self._world.begin(self)

@@ -21,8 +21,8 @@ from elitescript.devices.kinds.wiring import Schedule, Wire
 from elitescript.devices.kinds.xmlrpc import RpcFault, XmlRpcServer
 from elitescript.devices.signals import RobotSignals
 from elitescript.devices.world import World
-from elitescript.devices.world_file import load_cell
 from elitescript.errors import UsageError
+from elitescript.world_file import load_world_file
 
 
 def load_world(path: str | Path) -> World:
@@ -31,7 +31,7 @@ def load_world(path: str | Path) -> World:
     Raises:
         UsageError: a mistake in the file, or nothing in it that is beside the robot; the text names file and line.
     """
-    world = load_cell(path).world
+    world = load_world_file(path).world
     if world is None:
         raise UsageError(f"{path} declares nothing beside the robot")
     return world

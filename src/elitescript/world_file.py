@@ -1,34 +1,27 @@
-"""The world around a robot as a TOML file: safety limits, devices, wires, and whatever else a test sets up as a whole.
+"""A world file: options of a robot, levels of its signals at the start, and what is beside it, as TOML.
 
-`SECTIONS` says who reads which section: a class with `from_table`, which gets the section's table and raises
-`UsageError` for what makes no sense. Its message begins with the place, as `[safety] tcp_speed must be ...`; file and
-line are put before it here. The section `[signals]` holds levels at the start, by the names of `--set`. What is beside
-the robot, `[[tcp]]`, `[[wire]]` and so on, is read by `virtual.scenario`.
+The section `[robot]` holds options by their names; `[safety]`, `[contact]` and `[plant]` are options by themselves,
+read by `from_table` of their classes. Both raise `UsageError` with a message that begins with the place, as
+`[safety] tcp_speed must be ...`; file and line are put before it here. `[signals]` holds levels at the start, by the
+names of `--set`. What is beside the robot, `[[tcp]]`, `[[wire]]` and so on, is read by `devices.scenario`.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.devices.toml_lines import Path as TomlPath
 from elitescript.devices.toml_lines import lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.kernel.options import ROBOT_SECTION, SECTIONS, options_of_table
 from elitescript.messages.paths import why_no_file
 from elitescript.messages.signals import Value
 
 if TYPE_CHECKING:
     from elitescript.devices.world import World
-
-SECTIONS: Final[dict[str, str]] = {
-    "safety": "elitescript.controller.safety.limits:SafetyLimits",
-    "contact": "elitescript.controller.force.contact:ContactConfig",
-    "plant": "elitescript.messages.plant:PlantConfig",
-}
-"""Section, which is also the keyword of `VirtualRobot`, and `module:class` of what reads it."""
 
 SIGNALS_SECTION: Final = "signals"
 
@@ -40,36 +33,25 @@ class WorldFile:
     """What a world file says.
 
     Attributes:
-        configurations: by section, what its owner made of it; sections that are not in the file are missing.
+        options: of the robot, by name; those that are not in the file are missing.
         signals: levels at the start.
         world: what is beside the robot; None if nothing is.
     """
 
-    __slots__ = ("configurations", "signals", "world")
+    __slots__ = ("options", "signals", "world")
 
-    def __init__(self, configurations: dict[str, Any] | None = None, signals: dict[str, Value] | None = None) -> None:
-        self.configurations: dict[str, Any] = configurations or {}
-        self.signals: dict[str, Value] = signals or {}
+    def __init__(self) -> None:
+        self.options: dict[str, Any] = {}
+        self.signals: dict[str, Value] = {}
         self.world: World | None = None
 
-    def take(self, section: str, given: Any) -> Any:
-        """What the caller has given for a section, else what the file says; None if neither does.
 
-        Raises:
-            UsageError: both do.
-        """
-        found = self.configurations.get(section)
-        if given is not None and found is not None:
-            raise UsageError(f"{section} is given by the world file too; give it in one of both")
-        return found if given is None else given
-
-
-def load_cell(path: str | Path, *, network: str = "") -> WorldFile:
+def load_world_file(path: str | Path, *, network: str = "") -> WorldFile:
     """Read a world file.
 
     Args:
         path: of the file.
-        network: where connections lead that no device of it takes, if it does not say so; see `virtual.scenario`.
+        network: where connections lead that no device of it takes, if it does not say so; see `devices.scenario`.
 
     Raises:
         UsageError: no such file, no TOML, an unknown section or key, or a value that makes no sense; the text names
@@ -98,26 +80,26 @@ def load_cell(path: str | Path, *, network: str = "") -> WorldFile:
     if (huge := _huge(tables, ())) is not None:
         line = nearest(lines_of(text), huge)
         raise UsageError(f"{file}:{line}: {huge[-1]}: whole numbers of TOML are within 64 bits")
-    cell = WorldFile()
+    found = WorldFile()
     beside: dict[str, Any] = {}
     for section, table in tables.items():
         try:
             if section in WORLD_SECTIONS:
                 beside[section] = table
             else:
-                _read_section(cell, section, table)
+                _read_section(found, section, table, file.parent)
         except UsageError as error:
             raise _located(file, text, section, table, error) from error
     if beside:
         from elitescript.devices.scenario import build_world
 
         try:
-            cell.world = build_world(beside, file.parent, network=network)
+            found.world = build_world(beside, file.parent, network=network)
         except UsageError as error:
             section = _place_in(str(error))[0]
             raise _located(file, text, section, tables.get(section), error) from error
-        cell.world.cell = cell
-    return cell
+        found.world.world_file = found
+    return found
 
 
 def _huge(value: object, path: TomlPath) -> TomlPath | None:
@@ -142,19 +124,35 @@ def _located(file: Path, text: str, section: str, table: object, error: UsageErr
     return UsageError(f"{file}:{line_of(text, section, table, str(error))}: {words}")
 
 
-def _read_section(cell: WorldFile, section: str, table: object) -> None:
-    if section != SIGNALS_SECTION and section not in SECTIONS:
-        known = [f"[{name}]" for name in (*SECTIONS, SIGNALS_SECTION, WORLD_SECTIONS[0])]
-        known += [f"[[{name}]]" for name in WORLD_SECTIONS[1:]]
-        near = did_you_mean(section, (*SECTIONS, SIGNALS_SECTION, *WORLD_SECTIONS))
-        raise UsageError(f"[{section}] is not known; there are {', '.join(known)}{near}")
+def _read_section(found: WorldFile, section: str, table: object, folder: Path) -> None:
+    known = (*SECTIONS, ROBOT_SECTION, SIGNALS_SECTION)
+    if section not in known:
+        shown = [f"[{name}]" for name in (*known, WORLD_SECTIONS[0])]
+        shown += [f"[[{name}]]" for name in WORLD_SECTIONS[1:]]
+        near = did_you_mean(section, (*known, *WORLD_SECTIONS))
+        raise UsageError(f"[{section}] is not known; there are {', '.join(shown)}{near}")
     if not isinstance(table, Mapping):
         raise UsageError(f"[{section}] must be a table: write [{section}] on a line of its own, its keys below")
     if section == SIGNALS_SECTION:
-        cell.signals = _signals(table)
-        return
-    module, _, name = SECTIONS[section].partition(":")
-    cell.configurations[section] = getattr(import_module(module), name).from_table(table)
+        found.signals = _signals(table)
+    elif section == ROBOT_SECTION:
+        found.options |= _robot(table, folder)
+    else:
+        found.options[section] = SECTIONS[section].from_table(table)
+
+
+def _robot(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    from elitescript.models.model import is_model_file, load_model
+
+    options = options_of_table(table)
+    if "model" in options:
+        if is_model_file(options["model"]):
+            options["model"] = str(folder / options["model"])
+        try:
+            load_model(options["model"])
+        except UsageError as error:
+            raise UsageError(f"[{ROBOT_SECTION}] model: {error}") from error
+    return options
 
 
 def _signals(table: Mapping[str, Any]) -> dict[str, Value]:

@@ -1,0 +1,348 @@
+"""Arguments of the commands: one function a command, which is called for the command that is run."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from elitescript.environment.allowance import OPTION, TASK_DIR_BYTES, shown_size
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from argparse import ArgumentParser
+    from collections.abc import Callable
+
+FOLDER_OF_FILE: Final = "folder for open() and get_task_path() (default: FILE's folder)"
+
+
+def add_run(parser: ArgumentParser) -> None:
+    """Add the arguments of `run`."""
+    from elitescript.cli.robot_options import add_options
+    from elitescript.cli.watched import MEMORY_DEFAULT
+
+    parser.description = (
+        "Run a program to its end in virtual time. Exit code: 0 finished or stopped, 1 alarm, 2 usage, 3 the program "
+        "does not compile, 4 time limit, 5 stuck, 130 Ctrl-C."
+    )
+    parser.add_argument("file", metavar="FILE", help="program text, UTF-8")
+    clock = "controller clock at the start: seconds since 1970 or ISO 8601"
+    add_options(parser, "run", epoch_s={"help": clock})
+    parser.add_argument("--realtime", action="store_true", help="one tick per 4 ms of wall time")
+    _add_until(parser)
+    parser.add_argument("--max-wall", type=float, metavar="SECONDS", help="stop after so much wall time")
+    parser.add_argument("--task-dir", metavar="DIR", help=FOLDER_OF_FILE)
+    _add_task_dir_limit(parser, "the task folder")
+    _add_set(parser, "signal or global at the start, e.g. standard_digital_in[3]=true; may be repeated")
+    _add_world(parser, "what is around the robot: options of it, devices, wires, safety limits, inputs")
+    _add_serial(parser)
+    parser.add_argument(
+        "--state",
+        metavar="FILE",
+        help="begin with the registers, flags and general Modbus values of this file, and write them back at the end",
+    )
+    parser.add_argument(
+        "--memory-limit",
+        default=MEMORY_DEFAULT,
+        metavar="SIZE",
+        help="memory that the run may have, such as 8GiB (default %(default)s)",
+    )
+    parser.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
+    parser.add_argument(
+        "--step",
+        type=float,
+        metavar="SECONDS",
+        help="time between two rows of the trace, in whole control periods of 0.004 s (default 0.004)",
+    )
+    _add_trace_signals(parser)
+    _add_log(parser)
+    _add_color(parser)
+    _add_json_lines(parser)
+
+
+def add_check(parser: ArgumentParser) -> None:
+    """Add the arguments of `check`."""
+    from elitescript.cli.robot_options import add_options
+
+    parser.description = (
+        "Report every problem with its place, code, text and hint. Exit code: 0 no errors, 2 usage, or a file of this "
+        "call cannot be read, 3 errors."
+    )
+    parser.add_argument(
+        "files", nargs="*", metavar="FILE", help="programs, folders (every *.script in them), or - for standard input"
+    )
+    add_options(
+        parser, "check", model={"help": "arm that the programs are for, with its limits and its reach (default: any)"}
+    )
+    parser.add_argument(
+        "--format",
+        choices=["text", "json", "github", "sarif"],
+        help="form of the report: for people, JSON lines (as --json), GitHub workflow commands, SARIF 2.1.0",
+    )
+    parser.add_argument("--fix", action="store_true", help="make the repairs that are safe; of - to standard output")
+    parser.add_argument("--explain", metavar="CODE", help="say what a code such as E303 means, with an example")
+    parser.add_argument(
+        "--world",
+        metavar="FILE",
+        help="what is around the robot: its options and the joint ranges of its safety count",
+    )
+    _add_color(parser)
+    _add_json_lines(parser)
+
+
+def add_plot(parser: ArgumentParser) -> None:
+    """Add the arguments of `plot`."""
+    from elitescript.cli.robot_options import add_options
+
+    parser.description = (
+        "Run a program, or read the trace of a run, and write one HTML page with path, joints, time line and cycle "
+        "time by line. Runs of more than 800 s are sampled less often than every control period. Exit code of a "
+        "program: as for run."
+    )
+    parser.add_argument("file", metavar="FILE", help="a program, or a trace: OUT.csv or OUT.jsonl of run --trace")
+    parser.add_argument("-o", "--output", metavar="OUT.html", help="the page (default: NAME.plot.html, in this folder)")
+    add_options(parser, "plot", model={"help": "arm whose limits are drawn, or its file (default CS66)"})
+    _add_until(parser, "stop after so much virtual time (default 300)")
+    parser.add_argument("--task-dir", metavar="DIR", help=FOLDER_OF_FILE)
+    _add_set(parser, "signal or global at the start; may be repeated")
+    _add_world(parser, "what is around the robot, as for run")
+    _add_color(parser)
+
+
+def add_serve(parser: ArgumentParser) -> None:
+    """Add the arguments of `serve`."""
+    from elitescript.cli.robot_options import add_options, help_text
+
+    parser.description = (
+        "Serve virtual controllers: primary port, RTSI, dashboard and the others. A line that starts with `ready` "
+        "names every port once all are open; then the programs' messages and errors follow. Ctrl-C ends it."
+    )
+    parser.add_argument("--host", default="127.0.0.1", metavar="ADDRESS", help="where to listen (default %(default)s)")
+    parser.add_argument(
+        "--trust-network",
+        action="store_true",
+        help="serve other computers although no jail keeps their programs away from this one, or with --ssh",
+    )
+    parser.add_argument(
+        "--ssh",
+        action="store_true",
+        help="an SSH port as well (extra `ssh`): SFTP, SCP, the log and bridges to serial ports; never a shell or a "
+        "file of this computer",
+    )
+    parser.add_argument(
+        "--ssh-password",
+        metavar="TEXT|@FILE",
+        help="of the user root (default: a random one, printed once); other users of this computer can read TEXT",
+    )
+    parser.add_argument("--instance", type=int, default=0, metavar="N", help="moves every port by 100 * N (default 0)")
+    parser.add_argument(
+        "--port",
+        action="append",
+        default=[],
+        metavar="NAME=NUMBER",
+        help="one port, such as rtsi=40004 (0: any free one); NAME `all` means every port; may be repeated",
+    )
+    add_options(
+        parser,
+        "serve",
+        model={
+            "action": "append",
+            "dest": "models",
+            "default": [],
+            "help": f"{help_text('model')}; repeat it for more robots, each the next instance",
+        },
+        remote={"help": "begin in local control: clients may only look"},
+    )
+    parser.add_argument("--robots", type=int, default=1, metavar="N", help="so many of each --robot (default 1)")
+    parser.add_argument("--task-dir", metavar="DIR", help="task folder of the robots (default: an empty one in memory)")
+    _add_task_dir_limit(parser, "each robot's task folder")
+    _add_set(parser, "signal at the start; may be repeated")
+    parser.add_argument(
+        "--state",
+        metavar="FILE",
+        help="remember registers, flags and general Modbus values in this file over restarts, as the robot does; of "
+        "further robots in files with a number in their names (default: nothing is remembered)",
+    )
+    _add_world(parser, "what is around each robot, as for run")
+    _add_serial(parser)
+    parser.add_argument(
+        "--allow-connect",
+        action="append",
+        default=[],
+        metavar="WHAT",
+        help="what programs reach: HOST[:PORT], a network such as 192.168.1.0/24, own-ports (of these robots, besides "
+        "what else is allowed), any, none, default (every address except link-local ones and these robots' own ports); "
+        "may be repeated (default: default)",
+    )
+    parser.add_argument("--in-process", action="store_true", help="keep the robots in this process instead of children")
+    parser.add_argument(
+        "--no-jail",
+        action="store_true",
+        help="do not lock the robots' processes in: programs can then do whatever you can",
+    )
+    parser.add_argument(
+        "--journal",
+        metavar="FILE",
+        help="write the session down for `elitescript replay`; of further robots to files with a number in their names",
+    )
+    _add_log(parser)
+    parser.add_argument(
+        "--lockstep",
+        choices=["rtsi"],
+        help="robot time goes on only when the RTSI clients have answered their packages (implies --in-process)",
+    )
+    parser.add_argument(
+        "--lockstep-timeout",
+        type=float,
+        metavar="SECONDS",
+        help="how long robot time waits for the answer of a client in lockstep before it goes on without it; inf for "
+        "no limit (default 0.5)",
+    )
+    _add_json_lines(parser)
+
+
+def add_ctl(parser: ArgumentParser) -> None:
+    """Add the arguments of `ctl`."""
+    parser.description = "Speak to a `serve` on this computer. `elitescript ctl help` lists the verbs."
+    parser.add_argument("--instance", type=int, default=0, metavar="N", help="which robot (default 0)")
+    parser.add_argument("--socket", metavar="PATH", help="which robot, by the address that serve has printed")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument(
+        "--wait", action="store_true", help="with play: return when the task has ended; exit code 1 after an alarm"
+    )
+    parser.add_argument("verb", metavar="VERB")
+    parser.add_argument("arguments", nargs="*", metavar="ARGUMENT")
+
+
+def add_devices(parser: ArgumentParser) -> None:
+    """Add the arguments of `devices`."""
+    parser.description = (
+        "Serve the devices of a world file to a real robot or to any other program: TCP devices on their ports, serial "
+        "devices on pseudo-terminals or on serial ports. Ctrl-C ends it."
+    )
+    parser.add_argument("file", metavar="FILE.toml", help="the world file")
+    parser.add_argument("--host", default="127.0.0.1", metavar="ADDRESS", help="where to listen (default %(default)s)")
+    parser.add_argument(
+        "--port",
+        action="append",
+        default=[],
+        metavar="PORT=NUMBER",
+        help="another number for the port of a device, such as 502=5020 (0: any free one); may be repeated",
+    )
+    _add_serial(parser)
+    _add_json_lines(parser)
+
+
+def add_replay(parser: ArgumentParser) -> None:
+    """Add the arguments of `replay`."""
+    parser.description = (
+        "Play a journal of serve --journal as fast as possible, print what the session printed, and check that every "
+        "tick comes out the same. Exit code 1 if one does not."
+    )
+    parser.add_argument("file", metavar="FILE", help="the journal")
+    _add_until(parser, "stop after so much robot time")
+    parser.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
+    _add_trace_signals(parser)
+    _add_log(parser)
+    _add_color(parser)
+    _add_json_lines(parser)
+
+
+def add_doctor(parser: ArgumentParser) -> None:
+    """Add the arguments of `doctor`."""
+    parser.description = (
+        "Say which layers of the jail are active, and why not; versions, ports, timers. Exit code 1 if a layer is "
+        "missing."
+    )
+    parser.add_argument("--instance", type=int, default=0, metavar="N", help="look at the ports of instance N")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def add_commands(parser: ArgumentParser) -> None:
+    """Add the arguments of `commands`."""
+    parser.description = (
+        "Print the list of all robot commands, one command in full, or those that a word finds in names, parameters "
+        "and descriptions. Exit code 2 if it finds none."
+    )
+    parser.add_argument(
+        "name", nargs="?", metavar="WORD", help="a command, or a word to look for in all of them; all if left out"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON array with all that is known of each")
+
+
+COMMANDS: Final[dict[str, tuple[str, Callable[[ArgumentParser], None]]]] = {
+    "run": ("run a program to its end in virtual time", add_run),
+    "check": ("report every problem of programs without running them", add_check),
+    "plot": ("write a page that shows a program's run, or a trace", add_plot),
+    "serve": ("the virtual controller on the network", add_serve),
+    "ctl": ("work inputs, faults, popups and tasks of a running serve", add_ctl),
+    "devices": ("the devices of a world file on real ports and serial lines", add_devices),
+    "replay": ("play a recorded session of serve again", add_replay),
+    "doctor": ("what this computer has that serving needs", add_doctor),
+    "commands": ("the catalogue of robot commands", add_commands),
+}
+"""Every command: what it does, for the list of all, and what adds its arguments."""
+
+
+# ---------------------------------------------------------------- arguments of several commands
+
+
+def _add_json_lines(parser: ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
+
+
+def _add_until(parser: ArgumentParser, text: str = "stop after so much virtual time") -> None:
+    parser.add_argument("--until", type=float, metavar="SECONDS", help=text)
+
+
+def _add_set(parser: ArgumentParser, text: str) -> None:
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=text)
+
+
+def _add_world(parser: ArgumentParser, text: str) -> None:
+    from argparse import SUPPRESS
+
+    parser.add_argument("--world", metavar="FILE.toml", help=text)
+    parser.add_argument("--cell", dest="world", help=SUPPRESS)
+
+
+def _add_serial(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--serial",
+        action="append",
+        default=[],
+        metavar="PORT=DEVICE",
+        help="what is on a serial port: tool=/dev/ttyUSB0, box=socket://HOST:PORT; may be repeated",
+    )
+
+
+def _add_task_dir_limit(parser: ArgumentParser, folder: str) -> None:
+    parser.add_argument(
+        OPTION,
+        default=str(TASK_DIR_BYTES),
+        metavar="SIZE",
+        help=f"bytes that programs may add to {folder}, such as 500MB (default {shown_size(TASK_DIR_BYTES)})",
+    )
+
+
+def _add_color(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--color",
+        default="auto",
+        choices=["auto", "always", "never"],
+        help="colours: on a terminal unless NO_COLOR is set, always, or never (default %(default)s)",
+    )
+
+
+def _add_log(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--log",
+        metavar="signals,channels",
+        help="print these too: changes of signals, what passes on connections; --json has them always",
+    )
+
+
+def _add_trace_signals(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--trace-signals",
+        metavar="NAME,...|all",
+        help="columns of the trace for these signals, such as standard_digital_in[3], or families: standard_digital_in",
+    )

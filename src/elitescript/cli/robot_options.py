@@ -1,0 +1,71 @@
+"""Options of a robot on the command line, from `kernel.options`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from elitescript.cli.settings import parse_epoch, parse_joints
+from elitescript.kernel.options import DEFAULTS, OPTIONS, Joints, Number, Option, Switch, Text, Time, Whole, accept
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
+
+
+def add_options(parser: argparse.ArgumentParser, command: str, **changed: dict[str, Any]) -> None:
+    """Add the options of a robot that a command has.
+
+    Args:
+        parser: of the command.
+        command: its name.
+        **changed: by option, arguments of `add_argument` that are others for this command.
+    """
+    from argparse import SUPPRESS
+
+    for name, option in OPTIONS.items():
+        if command in option.commands:
+            # What is not given is not in the result: a world file may say it.
+            settings = {"dest": name, "default": SUPPRESS, "help": help_text(name), **_form(name, option)}
+            parser.add_argument(option.flag, **{**settings, **changed.get(name, {})})
+
+
+def help_text(name: str) -> str:
+    """Return the help text of an option, with its default."""
+    option, default = OPTIONS[name], DEFAULTS[name]
+    if isinstance(option.kind, Switch):
+        return option.text
+    if option.default_text:
+        return f"{option.text} (default: {option.default_text})"
+    return f"{option.text} (default {default if isinstance(default, str) else f'{default:g}'})"
+
+
+def _form(name: str, option: Option) -> dict[str, Any]:
+    kind = option.kind
+    if isinstance(kind, Switch):
+        return {"action": "store_const", "const": not DEFAULTS[name]}
+    if isinstance(kind, Text) and kind.choices:
+        return {"choices": list(kind.choices)}
+    form: dict[str, Any] = {"metavar": option.metavar}
+    if isinstance(kind, Whole):
+        form["type"] = int
+    elif isinstance(kind, Number) and not isinstance(kind, Time):
+        form["type"] = float
+    return form
+
+
+def options_from(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the options of a robot that stand on the command line.
+
+    Raises:
+        UsageError: a value that makes no sense; the text names the flag.
+    """
+    given: dict[str, Any] = {}
+    for name, option in OPTIONS.items():
+        if option.flag and name in arguments:
+            value = getattr(arguments, name)
+            if isinstance(option.kind, Joints):
+                value = parse_joints(value)
+            elif isinstance(option.kind, Time):
+                value = parse_epoch(value)
+            given[name] = accept(name, value, option.flag)
+    return given

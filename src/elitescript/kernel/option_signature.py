@@ -1,0 +1,74 @@
+"""Signature and docstring of a class that takes the options of a robot as keywords, from the options themselves."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, TypeVar
+
+from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, KEYWORDS, OPTIONS, RobotOptions
+
+T = TypeVar("T")
+
+_ENTRY = "        **options: "
+
+
+def takes_options(cls: type[T]) -> type[T]:
+    """Name each option in signature and docstring of a class whose constructor takes `**options`; a decorator.
+
+    Nothing is worked out before somebody looks.
+    """
+    for name, value in (("__signature__", _Signature()), ("__doc__", _Docstring(cls.__doc__ or ""))):
+        setattr(cls, name, value)
+    return cls
+
+
+def option_lines() -> list[str]:
+    """Return an entry of a docstring's `Args` for each keyword, indented by eight spaces."""
+    from textwrap import fill
+
+    lines: list[str] = []
+    for row in fields(RobotOptions):
+        if row.name in KEYWORDS:
+            text = f"{row.name}: {described(row.name)}."
+            lines.append(fill(text, 120, initial_indent=" " * 8, subsequent_indent=" " * 12))
+    return lines
+
+
+def described(name: str) -> str:
+    """Return what an option of a robot in virtual time means, with its default."""
+    option = OPTIONS[name]
+    return f"{option.text} (default: {option.default_text or repr(IN_VIRTUAL_TIME.get(name, DEFAULTS[name]))})"
+
+
+class _Signature:
+    __slots__ = ()
+
+    def __get__(self, instance: object, owner: Any) -> Any:
+        from inspect import Parameter, signature
+
+        own = list(signature(owner.__init__).parameters.values())[1:]
+        defaults = {**DEFAULTS, **IN_VIRTUAL_TIME}
+        kept = [
+            parameter.replace(default=defaults.get(parameter.name, parameter.default))
+            for parameter in own
+            if parameter.kind is not Parameter.VAR_KEYWORD
+        ]
+        options = [
+            Parameter(row.name, Parameter.KEYWORD_ONLY, default=defaults[row.name], annotation=row.type)
+            for row in fields(RobotOptions)
+            if row.name in KEYWORDS
+        ]
+        return signature(owner.__init__).replace(parameters=[*kept, *options], return_annotation=Parameter.empty)
+
+
+class _Docstring:
+    __slots__ = ("_text",)
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __get__(self, instance: object, owner: Any) -> str:
+        head, _, rest = self._text.partition(_ENTRY)
+        lines = rest.splitlines(keepends=True)
+        more = next((number for number, line in enumerate(lines[1:], 1) if not line.startswith(" " * 9)), len(lines))
+        return head + "".join(f"{line}\n" for line in option_lines()) + "".join(lines[more:])
