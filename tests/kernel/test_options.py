@@ -45,6 +45,7 @@ BY_HAND = {
     "work_per_tick": 2000,
     "rpc_timeout_s": 60.0,
     "strict": False,
+    "confirms_popups": False,
 }
 """What users may set, with the defaults."""
 
@@ -53,7 +54,7 @@ def test_the_defaults_are_those_that_are_promised():
     options = RobotOptions()
     assert {name: getattr(options, name) for name in ("model", *KEYWORDS)} == BY_HAND
     assert (options.model_text, options.first_tick, options.signals, options.faults) == ("", 0, (), ())
-    assert (options.power_times, options.confirms_popups) == (PowerTimes(0.4, 0.8, 1.0), False)
+    assert options.power_times == PowerTimes(0.4, 0.8, 1.0)
     assert {"power_on": True, "power_times": PowerTimes(0.0, 0.0, 0.0), "confirms_popups": True} == IN_VIRTUAL_TIME
 
 

@@ -20,7 +20,6 @@ from elitescript.controller.views.signals import Signals
 from elitescript.controller.views.warning_limit import WarningLimit
 from elitescript.errors import UsageError
 from elitescript.kernel.arm import model_of
-from elitescript.kernel.description import describe
 from elitescript.kernel.options import RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import DeviceNoted, Event, Popup, TaskStateChanged, Warned
@@ -225,6 +224,8 @@ class Kernel:
     def description(self) -> RobotDescription:
         """What never changes about the robot."""
         if self._description is None:
+            from elitescript.kernel.description import describe
+
             self._description = describe(self.options, self.model, self.profile)
         return self._description
 
