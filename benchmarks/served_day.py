@@ -17,9 +17,9 @@ from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input, RunUnit
 from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChannel, Output, SendChannel
 from elitescript.protocol.connection import Connection
+from elitescript.protocol.table import SERVICES
 from elitescript.services.child.output_changes import OutputReader, OutputWriter
 from elitescript.services.config_codec import full_codec
-from elitescript.services.table import SERVICES
 
 PROGRAM = """def day():
   n = 0
@@ -117,14 +117,14 @@ def main(hours: float) -> None:
     """Print robot hours, wall seconds and memory after each 24th."""
     kernel, peers = Kernel(RobotOptions(power_on=True)), Peers()
     writer, reader = OutputWriter(full_codec()), OutputReader(full_codec())
-    output = reader.read(*writer.message(kernel.tick()))
+    output = reader.read(*writer.message(kernel.tick_and_snapshot()))
     clients = Clients(kernel, output)
     inputs: list[Input] = [RunUnit("primary#0", "program", PROGRAM)]
     began = perf_counter()
     said: dict[str, int] = {}
     for stretch in range(1, STRETCHES + 1):
         for _ in range(round(hours * 3600 * 250 / STRETCHES)):
-            output = reader.read(*writer.message(kernel.tick(inputs)))
+            output = reader.read(*writer.message(kernel.tick_and_snapshot(inputs)))
             for event in output.events:
                 said[type(event).__name__] = said.get(type(event).__name__, 0) + 1
             inputs = peers.take(output.requests)

@@ -69,16 +69,16 @@ def _parts(what: str, program: bytes) -> Row:
     writer, reader = OutputWriter(full_codec()), OutputReader(full_codec())
     port = RtsiPort()
     clients = [RtsiConnection(f"rtsi#{index}", kernel.description, port) for index in range(CLIENTS)]
-    first = kernel.tick()
+    first = kernel.tick_and_snapshot()
     for client in clients:
         client.receive(message("O", struct.pack(">d", 250.0) + OUTPUTS.encode()) + message("S"), first)
-    reader.read(*writer.message(kernel.tick(begin)))
+    reader.read(*writer.message(kernel.tick_and_snapshot(begin)))
     for _ in range(TICKS // 10):
-        reader.read(*writer.message(kernel.tick()))
+        reader.read(*writer.message(kernel.tick_and_snapshot()))
     times: list[list[float]] = [[], [], [], []]
     for _ in range(RUNS):
         outputs: list[Output] = []
-        times[0].append(_each_us(lambda outputs=outputs: outputs.append(kernel.tick())))
+        times[0].append(_each_us(lambda outputs=outputs: outputs.append(kernel.tick_and_snapshot())))
         left = iter(outputs)
         messages: list[tuple[str, bytes]] = []
         times[1].append(_each_us(lambda left=left, messages=messages: messages.append(writer.message(next(left)))))

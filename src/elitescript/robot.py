@@ -1,4 +1,4 @@
-"""`VirtualRobot`: a controller, the programs it runs and the world around them, in one object.
+"""`VirtualRobot`: a robot in virtual time, with the programs it runs and what is around it.
 
 Nothing here reads a clock: a caller who wants real time passes a `pace`, which is called before every tick that is
 run.
@@ -7,6 +7,7 @@ run.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -22,6 +23,7 @@ from elitescript.environment.interrupts import interrupts_passed_to
 from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
 from elitescript.kernel.arm import named_model
+from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.option_signature import takes_options
 from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, robot_options
 from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
@@ -30,19 +32,18 @@ from elitescript.language.text.source import SourceFile
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import UNDELIVERED, Alarm, Event, SignalChanged, Warned
 from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
-from elitescript.messages.profile import profile
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.environment import ProgramEnvironment
-from elitescript.wiring import assemble, checked_presets
 
 if TYPE_CHECKING:
     from typing import Unpack
 
     from elitescript.environment.state_file import StateFile
+    from elitescript.kernel.clients import Client, Clients
     from elitescript.kernel.option_keywords import RobotKeywords
     from elitescript.world_file import WorldFile
 
@@ -113,16 +114,27 @@ class VirtualRobot:
         arm = model or from_file.get("model") or DEFAULTS["model"]
         self.model, named = (arm, {"model": arm.name}) if isinstance(arm, RobotModel) else named_model(arm)
         self.options = robot_options({**options, **named}, from_file, **IN_VIRTUAL_TIME)
-        self.profile = profile(self.options.firmware)
         self._on_event = on_event
         self._outside = Outside(world, task_dir, lines, task_dir_limit)
-        self.controller, self._host = assemble(
-            self.model, self.profile, self.options, on_event=self._event, on_end=self._program_ended
+        self._kernel = Kernel(
+            self.options,
+            self._outside,
+            model=self.model,
+            has_network=True,
+            on_event=self._event,
+            on_end=self._program_ended,
         )
+        self.profile = self._kernel.profile
+        self.controller = self._kernel.controller
+        self._host = self._kernel.host
         self.signals = Signals(self.controller)
         if not drain_s >= 0.0:
             raise UsageError(f"drain_s must be >= 0 s, got {drain_s!r}")
         self._drain_s = drain_s
+        self._clients: Clients | None = None
+        self._globals: dict[str, Any] | None = None
+        """Of a program that is over, while there are clients."""
+        self._is_advancing = False
         self._drain: Drain | None = None
         self._run: Run | None = None
         self._limit = WarningLimit()
@@ -133,11 +145,7 @@ class VirtualRobot:
         kept = {} if self._state_file is None else self._state_file.load()
         self.set_start({**kept, **({} if file is None else file.signals)})
         if self._outside.surroundings is not None:
-            from elitescript.kernel.own_ports import OwnPorts
-
-            self._outside.surroundings.begin(
-                OwnPorts(self.controller, self._host, self.model, self.profile, self.options)
-            )
+            self._outside.surroundings.begin(self._kernel)
             for request in self._outside.surroundings.input_faults:
                 self.controller.put(0, request, "fault")
 
@@ -317,10 +325,12 @@ class VirtualRobot:
             ScriptStateError: a program is running.
         """
         unit = program if isinstance(program, CompiledUnit) else self.compile(program)
-        values = checked_presets(presets or {})
+        values = _checked_presets(presets or {})
         world = self._outside.world_for(unit.source.name)
         self._interrupted_as = ""
         self._drain_last()
+        self._leave_published_tick()
+        self._globals = None
         run = Run(unit, self.tick)
         run.look = lambda: self._look(run)
         if self.controller.task_state is TaskState.STOPPED:
@@ -354,6 +364,47 @@ class VirtualRobot:
             self._interrupted_as = ""
         self._remember()
 
+    def connect(self, port: str) -> Client:
+        """Connect a client to a port of the robot, in memory and in robot time.
+
+        What the client sends is taken in by the next tick that runs, and what the robot sends in a tick can be received
+        after it, as a client of a served robot would. Time goes by in `run` (the client acts in `watch`), in `advance`
+        and in `Client.expect`; it does not leap over a tick in which the port sends something by itself, and stops in
+        every tick in which a client acts. Programs of clients see the robot's `task_dir`, or an empty folder.
+
+        Args:
+            port: `primary`, `secondary`, `realtime`, `readonly`, `rtsi`, `dashboard`, `interpreter`, `query`, `modbus`.
+
+        Raises:
+            UsageError: the firmware has no such port.
+
+        Example:
+            >>> robot = VirtualRobot("CS66")
+            >>> client = robot.connect("dashboard")
+            >>> client.expect(b"NAME.\\r\\n")[:25]
+            b'EliRobot dashboard shell,'
+            >>> client.send(b"robotMode\\n")
+            >>> robot.advance(0.004)
+            >>> client.receive()
+            b'RobotMode: RUNNING\\r\\n'
+        """
+        if self._clients is None:
+            from elitescript.kernel.clients import Clients
+
+            self._clients = Clients(self._kernel)
+        return self._clients.connect(port, self._step)
+
+    def _step(self) -> None:
+        """Let one tick go by for a client that waits."""
+        if self._is_advancing:
+            raise UsageError("expect() lets time go by, which it does already; use receive() in `watch` and `on_event`")
+        self._advance(self.tick + 1, None, None, stays=True)
+
+    def _leave_published_tick(self) -> None:
+        """Go on from a tick that has run, if clients have it: a tick is given to them once."""
+        if self._clients is not None and self._clients.are_open and self._kernel.has_run:
+            self._kernel.leap(self.tick + 1)
+
     def _remember(self) -> None:
         if self._state_file is not None:
             self._state_file.save(self.controller.signals.image)
@@ -366,15 +417,27 @@ class VirtualRobot:
         Args:
             stays: go on up to `limit`, which is not run, though nothing happens any more.
         """
-        controller, channels = self.controller, self._outside.channels
+        self._leave_published_tick()
+        is_outermost, self._is_advancing = not self._is_advancing, True
+        try:
+            self._run_ticks(limit, pace, watch, stays=stays)
+        finally:
+            self._is_advancing = not is_outermost
+
+    def _run_ticks(self, limit: int | None, pace: Pace | None, watch: Watch | None, *, stays: bool) -> None:
+        kernel, controller, channels = self._kernel, self.controller, self._outside.channels
         surroundings = self._outside.surroundings
         idle_ticks = 0
         while not (stays and limit is not None and controller.tick >= limit):
             if pace is not None:
                 pace(controller.tick)
             for event in channels.arrivals(controller.tick):
-                self._host.channel_event(event)
-            controller.run_tick()
+                kernel.channel_event(event)
+            if self._clients is not None:
+                self._clients.take_in()
+            kernel.run_tick()
+            if self._clients is not None:
+                self._clients.publish()
             if surroundings is not None:
                 surroundings.settle()
             self._raise_listener_error()
@@ -391,14 +454,18 @@ class VirtualRobot:
                     return
             if limit is not None and controller.tick >= limit:
                 return
-            due, arrives = controller.next_tick(), channels.next_tick(controller.tick)
+            due, arrives = kernel.due_tick(), channels.next_tick(controller.tick)
             idle_ticks = idle_ticks + 1 if arrives is None and controller.is_idle else 0
-            if arrives is not None:
-                due = arrives if due is None else min(due, arrives)
-                if run is not None and channels.is_real:
-                    run.is_paced = True
+            due = _earliest(due, arrives)
+            if arrives is not None and run is not None and channels.is_real:
+                run.is_paced = True
             if self._drain is not None:
-                due = self._drain.end_tick if due is None else min(due, max(self._drain.end_tick, controller.tick + 1))
+                due = _earliest(due, max(self._drain.end_tick, controller.tick + 1))
+            if self._clients is not None and self._clients.are_open:
+                due = _earliest(due, self._clients.next_tick(controller.tick))
+                if watch is not None:
+                    # A client that acts in `watch` may end what looks stuck.
+                    idle_ticks, due = 0, controller.tick + 1 if due is None else due
             if not stays and (due is None or idle_ticks > IDLE_TICKS):
                 if due is None and any(controller.joints().qd_target):
                     # A paused motion is not due again, but still brakes.
@@ -415,7 +482,7 @@ class VirtualRobot:
             if self._trace is not None:
                 target = min(target, controller.tick + TRACE_TICKS_MAX)
                 self._trace.record(controller, target)
-            controller.leap(target)
+            kernel.leap(target)
 
     def _raise_listener_error(self) -> None:
         if self._listener_error is not None:
@@ -471,8 +538,13 @@ class VirtualRobot:
             state.q_target,
             state.tcp_pose_target,
             SignalRecord(self.controller.non_default_signals()),
-            {} if run.unit.kind == SECONDARY else self._host.monitor(),
+            self._globals_of(run),
         )
+
+    def _globals_of(self, run: Run) -> dict[str, Any]:
+        if run.unit.kind == SECONDARY:
+            return {}
+        return self._host.monitor() if self._globals is None else self._globals
 
     def _finish(self, state: EndState) -> None:
         """End a program that would go on, and the record of one that is over."""
@@ -508,8 +580,11 @@ class VirtualRobot:
     def _program_ended(self, state: str) -> None:
         """The host's program is over: `finished`, `alarm` or `stopped`."""
         run = self._run
-        if run is not None and run.state == "":
+        if run is not None and run.state == "" and run.unit.kind != SECONDARY:
             run.state = state  # type: ignore[assignment]
+            if self._clients is not None:
+                # A client may start another program before this one has come to rest.
+                self._globals = self._host.monitor()
 
     def _event(self, event: Event) -> None:
         if isinstance(event, SignalChanged) and self._outside.surroundings is not None:
@@ -520,6 +595,7 @@ class VirtualRobot:
     def _pass_on(self, event: Event) -> None:
         if self._run is not None and not self._run.is_closed:
             self._run.add(event)
+        self._kernel.publish_event(event)
         if self._on_event is None or self._listener_error is not None:
             return
         try:
@@ -528,3 +604,19 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
+
+
+def _earliest(tick: int | None, other: int | None) -> int | None:
+    return other if tick is None else tick if other is None else min(tick, other)
+
+
+def _checked_presets(presets: Mapping[str, object]) -> dict[str, object]:
+    """Return program globals that are given from outside.
+
+    Raises:
+        UsageError: a name that no program could give to a global.
+    """
+    for name in presets:
+        if not name.isidentifier() or iskeyword(name) or name.startswith("__"):
+            raise UsageError(f"{name!r} cannot be the name of a global")
+    return dict(presets)

@@ -115,7 +115,7 @@ def test_programs_and_clients_see_the_same() -> None:
     version = kernel.description.firmware
     seen = 0
     for tick in range(60):
-        output = kernel.tick([RunUnit("primary#1", "program", program)] if tick == 3 else ())
+        output = kernel.tick_and_snapshot([RunUnit("primary#1", "program", program)] if tick == 3 else ())
         outside = PortImage(View(output.snapshot, version)).registers(0, REGISTER_COUNT)
         for event in output.events:
             if isinstance(event, TextMessage):

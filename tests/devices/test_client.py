@@ -55,8 +55,8 @@ def test_bytes_that_the_port_cannot_read_end_the_connection():
 
 
 def test_a_port_that_is_not_there_is_said():
-    with pytest.raises(DeviceError, match="there are the ports rtsi, modbus, not 'dashboard'"):
-        run("sleep(0.3)", TcpClient(service="dashboard"))
+    with pytest.raises(DeviceError, match=r"has the ports dashboard, primary, .*, modbus, not 'telnet'"):
+        run("sleep(0.3)", TcpClient(service="telnet"))
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ class Client:
 
     def __init__(self, **config):
         self.kernel = Kernel(RobotOptions(**config))
-        self.output = self.kernel.tick()
+        self.output = self.kernel.tick_and_snapshot()
         self.connection = PrimaryConnection("primary#1", self.kernel.description)
         self.inputs = []
         self.warnings = []
@@ -43,7 +43,7 @@ class Client:
         self.tick()
 
     def tick(self, *inputs):
-        self.output = self.kernel.tick([*self.inputs, *inputs])
+        self.output = self.kernel.tick_and_snapshot([*self.inputs, *inputs])
         self.warnings += [event.text for event in self.output.events if isinstance(event, Warned)]
         self.connection.publish(self.output)
         self.inputs = self.connection.due()
@@ -142,12 +142,12 @@ def test_a_command_that_is_refused_is_a_warning_that_says_why():
 )
 def test_remote_control_is_switched_and_asked_for_on_the_dashboard(line, reply, is_remote):
     kernel = Kernel(RobotOptions())
-    output = kernel.tick()
+    output = kernel.tick_and_snapshot()
     shell = DashboardConnection("dashboard#1", kernel.description)
     shell.take()
     inputs = shell.receive(f"{line}\n".encode(), output)
     assert shell.take() == [f"{reply}\r\n".encode()]
-    assert kernel.tick(inputs).snapshot.is_remote is is_remote
+    assert kernel.tick_and_snapshot(inputs).snapshot.is_remote is is_remote
 
 
 class _Accepted(Peer):

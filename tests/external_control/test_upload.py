@@ -27,7 +27,7 @@ class Session:
         pending = list(inputs)
         for _ in range(round(duration_s * 250)):
             arrivals = self.pc.channels.arrivals(self.kernel.next_tick)
-            output = self.kernel.tick([*pending, *arrivals])
+            output = self.kernel.tick_and_snapshot([*pending, *arrivals])
             pending = []
             self.alarms += [event for event in output.events if isinstance(event, Alarm)]
             for request in output.requests:

@@ -32,7 +32,7 @@ class Session:
 
     def send(self, *inputs: Input) -> Output:
         """One tick with inputs."""
-        self.last = self.kernel.tick(inputs)
+        self.last = self.kernel.tick_and_snapshot(inputs)
         self.first = self.first or self.last
         self.events += self.last.events
         self.replies += [reply.text for reply in self.last.replies]

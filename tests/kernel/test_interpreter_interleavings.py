@@ -93,7 +93,7 @@ class Play:
         self.chance = random.Random(seed)
         self.in_bytes = in_bytes
         self.kernel = Kernel(READY, MemoryEnvironment({}))
-        self.output = self.kernel.tick()
+        self.output = self.kernel.tick_and_snapshot()
         self.said: list[str] = []
         self.clients: list[Client] = []
         self.present: list[Client] = []
@@ -115,7 +115,7 @@ class Play:
 
     def tick(self) -> None:
         inputs, self.inputs = self.inputs, []
-        self.output = self.kernel.tick(inputs)
+        self.output = self.kernel.tick_and_snapshot(inputs)
         self.said.append(repr((self.output.tick, self.output.events, self.output.replies)))
         for client in self.present:
             self.inputs += client.hear(self.output)

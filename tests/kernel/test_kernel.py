@@ -7,8 +7,8 @@ from typing import get_args
 
 import pytest
 
-from elitescript.kernel import Kernel, RobotOptions
-from elitescript.kernel.kernel import HANDLERS
+from elitescript.kernel import Kernel
+from elitescript.kernel.handlers import HANDLERS
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
@@ -400,14 +400,6 @@ class TestTheController:
 
         assert outputs() == outputs()
 
-    def test_a_tick_is_numbered_and_its_snapshot_is_of_that_tick(self):
-        kernel = Kernel(RobotOptions())
-        assert [(output.tick, output.snapshot.robot.tick) for output in (kernel.tick(), kernel.tick())] == [
-            (0, 0),
-            (1, 1),
-        ]
-        assert kernel.next_tick == 2
-
 
 class TestModbus:
     def test_a_write_is_answered_and_done(self):
@@ -446,3 +438,30 @@ class TestModbus:
         session.do(WritePortCoils(60, (True,)))
         session.run(0.02)
         assert session.last.snapshot.signals["general_register"][1] == 5
+
+
+class TestSnapshot:
+    """The machine as its ports show it is a call of its own, which changes nothing."""
+
+    PROGRAM = (
+        "set_standard_digital_out(1, True)",
+        "movej([0.2, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)",
+        "movel(pose_trans(get_actual_tcp_pose(), [0, 0, 0.02, 0, 0, 0]), a=1.2, v=0.25)",
+        "textmsg(get_tcp_force(), get_actual_joint_positions())",
+        "sleep(0.2)",
+    )
+
+    def test_a_tick_without_it_says_the_same(self):
+        always, seldom = Kernel(READY), Kernel(READY)
+        for tick in range(1500):
+            inputs = [program(*self.PROGRAM)] if tick == 3 else ()
+            output, result = always.tick_and_snapshot(inputs), seldom.tick(inputs)
+            assert result.with_snapshot(output.snapshot) == output
+            if tick % 97 == 0:
+                assert seldom.snapshot() == output.snapshot
+
+    def test_shows_the_tick_that_has_run_as_often_as_it_is_called(self):
+        kernel = Kernel(READY)
+        assert (kernel.next_tick, kernel.tick().tick, kernel.next_tick) == (0, 0, 1)
+        assert kernel.snapshot() == kernel.snapshot()
+        assert (kernel.snapshot().robot.tick, kernel.next_tick, kernel.tick().tick) == (0, 1, 1)

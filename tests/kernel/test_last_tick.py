@@ -16,7 +16,7 @@ def requests(kernel, text, ticks=60):
     """Run a program on a kernel whose connections all stand at once; return what it asks of them, in order."""
     inputs, asked = [RunUnit("test", "program", text)], []
     for _ in range(ticks):
-        output = kernel.tick(inputs)
+        output = kernel.tick_and_snapshot(inputs)
         asked += output.requests
         inputs = [ChannelOpened(one.channel, True) for one in output.requests if isinstance(one, OpenChannel)]
     return [one for one in asked if not isinstance(one, OpenChannel)]

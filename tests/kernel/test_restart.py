@@ -24,16 +24,16 @@ def do(*requests):
 
 def restarted(kernel: Kernel, config: RobotOptions, first_tick: int):
     """A kernel that goes on, and what it says in its first tick."""
-    last = kernel.tick().snapshot
+    last = kernel.tick_and_snapshot().snapshot
     fresh = Kernel(restored_config(config, kernel.description, last, first_tick))
-    return last, fresh, fresh.tick(restored_inputs(last))
+    return last, fresh, fresh.tick_and_snapshot(restored_inputs(last))
 
 
 class TestRestart:
     def test_keeps_what_the_last_picture_shows(self):
         config = RobotOptions(power_on=True)
         kernel = Kernel(config)
-        kernel.tick(
+        kernel.tick_and_snapshot(
             [
                 *do(
                     SetTcp(TCP),
@@ -52,11 +52,11 @@ class TestRestart:
             ]
         )
         for _ in range(150):
-            kernel.tick()
+            kernel.tick_and_snapshot()
         last, _, output = restarted(kernel, config, 1000)
         now = output.snapshot
         assert now.robot.q_actual == last.robot.q_actual
-        assert now.robot.q_actual != Kernel(config).tick().snapshot.robot.q_actual
+        assert now.robot.q_actual != Kernel(config).tick_and_snapshot().snapshot.robot.q_actual
         assert now.robot.tcp_offset == TCP
         assert now.robot.payload == last.robot.payload
         assert now.robot.speed_scale == 0.5
@@ -71,7 +71,7 @@ class TestRestart:
     def test_goes_on_with_its_time(self):
         _, fresh, output = restarted(Kernel(RobotOptions()), RobotOptions(), 1000)
         assert output.tick == output.snapshot.robot.tick == 1000
-        assert fresh.tick().snapshot.robot.time_s == 1001 / 250
+        assert fresh.tick_and_snapshot().snapshot.robot.time_s == 1001 / 250
 
     def test_an_arm_without_power_stays_so(self):
         _, _, output = restarted(Kernel(RobotOptions()), RobotOptions(power_on=True), 5)
@@ -79,12 +79,12 @@ class TestRestart:
 
     def test_a_stopped_arm_stays_stopped(self):
         kernel = Kernel(RobotOptions(power_on=True))
-        kernel.tick(do(AskSafety("stop_protectively", "a test")))
+        kernel.tick_and_snapshot(do(AskSafety("stop_protectively", "a test")))
         _, _, output = restarted(kernel, RobotOptions(power_on=True), 5)
         assert output.snapshot.robot.safety_mode is SafetyMode.PROTECTIVE_STOP
 
     def test_a_pressed_button_stays_pressed(self):
         kernel = Kernel(RobotOptions(power_on=True))
-        kernel.tick(do(WriteSignal("emergency_stop", 0, True)))
+        kernel.tick_and_snapshot(do(WriteSignal("emergency_stop", 0, True)))
         _, fresh, _ = restarted(kernel, RobotOptions(power_on=True), 5)
-        assert fresh.tick().snapshot.robot.safety_mode is SafetyMode.ROBOT_EMERGENCY_STOP
+        assert fresh.tick_and_snapshot().snapshot.robot.safety_mode is SafetyMode.ROBOT_EMERGENCY_STOP

@@ -16,7 +16,7 @@ class Site:
     def __init__(self, **config: Any) -> None:
         self.kernel = Kernel(RobotOptions(**config))
         self.port = ModbusPort(self.kernel.description)
-        self.output = self.kernel.tick()
+        self.output = self.kernel.tick_and_snapshot()
         self.waiting: list[Input] = []
         self.peers: list[Peer] = []
 
@@ -26,7 +26,7 @@ class Site:
 
     def tick(self, *inputs: Input) -> None:
         taken, self.waiting = [*inputs, *self.waiting], []
-        self.output = self.kernel.tick(taken)
+        self.output = self.kernel.tick_and_snapshot(taken)
         for peer in self.peers:
             peer.connection.publish(self.output)
             self.waiting += peer.connection.due()

@@ -17,7 +17,13 @@ from tests.protocol.snapshots import output
 
 def ticks_due(frequency_hz: float, ticks: range) -> list[int]:
     schedule = RecipeSchedule(frequency_hz)
-    return [tick for tick in ticks if schedule.is_due(tick)]
+    due = []
+    for tick in ticks:
+        announced = schedule.will_be_due(tick)
+        if schedule.is_due(tick):
+            due.append(tick)
+        assert announced == (tick in due[-1:])
+    return due
 
 
 @pytest.mark.parametrize(

@@ -528,7 +528,7 @@ class Served:
 
     def run(self, ticks):
         for _ in range(ticks):
-            output = self.kernel.tick(self.inputs)
+            output = self.kernel.tick_and_snapshot(self.inputs)
             self.printed += [event.text for event in output.events if type(event).__name__ == "Printed"]
             self.inputs = []
             for request in output.requests:

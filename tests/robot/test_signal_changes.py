@@ -1,7 +1,7 @@
 """Which change of a signal the record puts down to what."""
 
 from elitescript import VirtualRobot
-from elitescript.kernel.causes import cause_of
+from elitescript.kernel.handlers import cause_of
 from elitescript.messages.events import SignalChanged
 from elitescript.testing.world import Device, ModbusClient, Schedule, Wire, World
 

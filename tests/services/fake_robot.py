@@ -9,8 +9,8 @@ from typing import Any
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.inputs import Do, GetVariable, Input, Interpret, PlayTask, Query, RunUnit
 from elitescript.messages.machine import PowerOff, PowerOn, ReleaseBrakes, SetSpeedScale, WriteSignal
-from elitescript.messages.outputs import Output, Reply
-from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.outputs import Reply, TickResult
+from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.protocol.outcomes import done, refused
 from tests.protocol.snapshots import description, output
 
@@ -27,16 +27,16 @@ class FakeRobot:
         """If not empty, requests to the machine are refused for this reason."""
         self.play_answer = done()
         self.on_tick: Callable[[int], None] = lambda tick: None
-        self._output = output(0, task_state=TaskState.STOPPED, **changes)
+        self._snapshot = output(0, task_state=TaskState.STOPPED, **changes).snapshot
         self._tick = -1
 
-    def tick(self, inputs: Sequence[Input]) -> Output:
+    def tick(self, inputs: Sequence[Input]) -> TickResult:
         self._tick += 1
         tick = self._tick
         self.on_tick(tick)
         self.heard += [(tick, item) for item in inputs]
         replies: list[Reply] = []
-        snapshot = self._output.snapshot
+        snapshot = self._snapshot
         for item in inputs:
             if isinstance(item, Do):
                 if not self.refuses:
@@ -53,8 +53,14 @@ class FakeRobot:
                 replies.append(Reply(item.origin, f"{item.ident} success : {item.text}"))
         snapshot = replace(snapshot, robot=replace(snapshot.robot, tick=tick, time_s=tick * 0.004))
         said = {"events": (), "requests": (), "replies": tuple(replies)} | self.says.pop(tick, {})
-        self._output = Output(tick=tick, snapshot=snapshot, **said)
-        return self._output
+        self._snapshot = snapshot
+        return TickResult(tick=tick, **said)
+
+    def snapshot(self) -> Snapshot:
+        return self._snapshot
+
+    def discrete_state(self) -> tuple[object, ...]:
+        return (replace(self._snapshot, robot=replace(self._snapshot.robot, tick=0, time_s=0.0)),)
 
     @staticmethod
     def _done(snapshot: Any, request: Any) -> Any:

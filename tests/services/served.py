@@ -8,8 +8,9 @@ from collections.abc import AsyncIterator, Coroutine
 from typing import Any
 
 from elitescript.messages.events import Event
+from elitescript.services.log import LogLine
 from elitescript.services.robot_link import InProcessLink
-from elitescript.services.robot_server import LogLine, RobotServer
+from elitescript.services.robots import served_robot
 from elitescript.services.table import NAMES
 from tests.services.fake_robot import FakeRobot
 
@@ -24,7 +25,9 @@ class Scene:
         self.robot = robot or FakeRobot()
         self.said: list[Event | LogLine] = []
         self.peers: list[Peer] = []
-        self.station = RobotServer("CS66", InProcessLink(self.robot), lambda _, what: self.said.append(what), **options)
+        self.station = served_robot(
+            "CS66", InProcessLink(self.robot), lambda _, what: self.said.append(what), **options
+        )
 
     def notes(self, kind: str) -> list[LogLine]:
         return [note for note in self.said if isinstance(note, LogLine) and note.kind == kind]
@@ -41,7 +44,7 @@ class Scene:
 
     async def stands(self) -> None:
         """Wait until time stands still in lockstep."""
-        while not self.station._is_standing:
+        while not self.station._time.is_standing:
             await asyncio.sleep(0)
 
     async def until(self, condition: Any) -> None:

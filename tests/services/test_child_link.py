@@ -21,16 +21,14 @@ from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMess
 from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, LoadTask, RunUnit
 from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import SetTcp, WriteSignal
-from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output
+from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.services.child import frames
+from elitescript.services.child import buffers, frames, supervision, transport
 from elitescript.services.child import link as child_link
-from elitescript.services.child import pending_inputs as held_inputs
-from elitescript.services.child.hang_watchdog import PATIENCE_TICKS
 from elitescript.services.child.jail import is_complete
-from elitescript.services.child.link import BOOTS_MAX, ChildLink
+from elitescript.services.child.link import REFRESH_TICKS, ChildLink
 from elitescript.services.child.process import child_environment, processor_time_s
-from elitescript.services.child.termination_events import COMPILE_HINT, HINT
+from elitescript.services.child.supervision import BOOTS_MAX, COMPILE_HINT, HANG_LIMIT_TICKS, HINT
 from elitescript.services.clients.input_queue import InputQueue
 from elitescript.services.config_codec import full_codec
 from elitescript.services.journal.replay import Replay
@@ -54,6 +52,8 @@ class FakeChild:
         self.say, self.end = on_message, on_end
         self.told: list[tuple[str, Any]] = []
         self.is_killed = self.is_asked = self.is_mute = self.is_compiling = False
+        self.has_changed = False
+        """Whether its discrete state has changed, so that it shows a snapshot that is not asked for."""
         self.pid, self.log = 4711, "last words"
         self.tick: int | None = None
         self.processor_s: float | None = None
@@ -66,14 +66,23 @@ class FakeChild:
         elif letter == frames.BEGIN:
             self.tick = CODEC.shape(RobotOptions).decode(from_text(text)).first_tick
             self.say(frames.DESCRIBED, to_text(CODEC.shape(RobotDescription).encode(description())).encode())
-        elif letter == frames.TICK and not self.is_mute:
-            self.answer()
+        elif letter in (frames.TICK, frames.TICK_UNREAD) and not self.is_mute:
+            if letter == frames.TICK or self.has_changed:
+                self.answer()
+            else:
+                self.answer_without_snapshot()
 
     def answer(self, **changes: Any) -> None:
         assert self.tick is not None
         whole = output(self.tick, task_state=TaskState.PLAYING, **changes)
         self.tick += 1
         self.say(frames.OUTPUT, to_text(CODEC.shape(Output).encode(whole)).encode())
+
+    def answer_without_snapshot(self) -> None:
+        assert self.tick is not None
+        result = TickResult(self.tick, (), (), ())
+        self.tick += 1
+        self.say(frames.RESULT, to_text([31, CODEC.shape(TickResult).encode(result)]).encode())
 
     def worked_s(self) -> float | None:
         return self.processor_s
@@ -94,7 +103,7 @@ class FakeChild:
 @pytest.fixture
 def children(monkeypatch):
     FakeChild.made = []
-    monkeypatch.setattr(child_link, "ChildProcess", FakeChild)
+    monkeypatch.setattr(transport, "ChildProcess", FakeChild)
     return FakeChild.made
 
 
@@ -120,6 +129,58 @@ def with_link(body: Callable[[ChildLink], Awaitable[None]], **options: Any) -> N
 
 class TestLink:
     """The rules, with a child that does what the test wants."""
+
+    def test_asks_for_a_snapshot_only_where_one_is_read_and_now_and_then(self, children):
+        async def body(link):
+            shown = []
+            for tick in range(2 * REFRESH_TICKS + 10):
+                shown.append((await link.tick((), tick in (3, 40))).snapshot.robot.tick)
+            letters = [letter for letter, _ in children[0].told if letter in (frames.TICK, frames.TICK_UNREAD)]
+            asked = [tick for tick, letter in enumerate(letters) if letter == frames.TICK]
+            assert asked == [0, 3, 3 + REFRESH_TICKS, 40, 40 + REFRESH_TICKS - 6][:4]
+            assert [tick for tick, of in enumerate(shown) if tick == of] == asked
+
+        with_link(body, grace_s=IMPATIENT_S)
+
+    def test_takes_a_snapshot_that_the_child_sends_by_itself(self, children):
+        async def body(link):
+            await link.tick((), True)
+            children[0].has_changed = True
+            assert [(await link.tick((), False)).is_fresh for _ in range(3)] == [True] * 3
+
+        with_link(body, grace_s=IMPATIENT_S)
+
+    def test_a_child_that_keeps_a_snapshot_back_is_replaced(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick(())
+            children[0].answer_without_snapshot()
+            found = await link.tick(())
+            assert "lacks the snapshot that was asked for" in found.events[0].text
+
+        with_link(body)
+
+    def test_the_alarm_has_the_line_of_a_tick_without_a_snapshot(self, children):
+        async def body(link):
+            await link.tick(())
+            await link.tick((), False)
+            children[0].end("it has ended")
+            (alarm, _) = (await link.tick((), False)).events
+            assert (alarm.code, alarm.line) == ("R132", 31)
+
+        with_link(body, grace_s=IMPATIENT_S)
+
+    def test_while_outputs_leave_late_every_tick_has_its_snapshot(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick((), False)
+            await link.tick((), False)
+            letters = [letter for letter, _ in children[0].told][-2:]
+            assert letters == [frames.TICK_UNREAD, frames.TICK]
+
+        with_link(body)
 
     def test_gives_ticks_and_takes_outputs(self, children):
         async def body(link):
@@ -154,7 +215,7 @@ class TestLink:
             await link.tick([Do("poison", SetTcp(TCP))])
             await link.tick([Do("later", WriteSignal("flag", 0, True))])
             clock[0] += 0.8
-            for _ in range(PATIENCE_TICKS - 1):
+            for _ in range(HANG_LIMIT_TICKS - 1):
                 await link.tick(())
             assert children[0].is_asked
             assert not children[0].is_killed
@@ -192,7 +253,7 @@ class TestLink:
             children[0].processor_s = worked_before_s
             await link.tick(())
             children[0].is_mute = True
-            for _ in range(PATIENCE_TICKS + 1):
+            for _ in range(HANG_LIMIT_TICKS + 1):
                 await link.tick(())
             clock[0] += wall_s
             if processor_s is not None:
@@ -211,7 +272,7 @@ class TestLink:
             await link.tick(())
             children[0].is_mute = children[0].is_compiling = True
             await link.tick([RunUnit("primary#1", "program", "x" * size)] if size else ())
-            for _ in range(PATIENCE_TICKS + 1):
+            for _ in range(HANG_LIMIT_TICKS + 1):
                 await link.tick(())
             clock[0] += busy_s
             children[0].processor_s += busy_s
@@ -234,7 +295,7 @@ class TestLink:
             await link.tick([LoadTask("dashboard#1", "long.task")])
             children[0].say(frames.QUESTION, to_text(["open", "long.script", "rb"]).encode())
             children[0].say(frames.QUESTION, to_text(["read", 1, 0, 1 << 18]).encode())
-            for _ in range(PATIENCE_TICKS + 1):
+            for _ in range(HANG_LIMIT_TICKS + 1):
                 await link.tick(())
             clock[0] += 2.0
             children[0].processor_s += 2.0
@@ -249,7 +310,7 @@ class TestLink:
             children[0].processor_s = 0.0
             await link.tick(())
             children[0].is_mute = True
-            for _ in range(PATIENCE_TICKS + 1):
+            for _ in range(HANG_LIMIT_TICKS + 1):
                 await link.tick(())
             found = []
             for _ in range(round(lasts_s / 0.5)):
@@ -293,7 +354,7 @@ class TestLink:
                 found = await link.tick(())
                 assert (found.tick, found.snapshot.robot.tick) == (tick, tick)
 
-        with_link(body, grace_s=PATIENT_S / 2, patience_s=PATIENT_S)
+        with_link(body, grace_s=PATIENT_S / 2, hang_limit_s=PATIENT_S)
 
     def test_who_waits_again_and_again_runs_out_of_grace(self, children, monkeypatch):
         waited: list[float] = []
@@ -320,9 +381,9 @@ class TestLink:
             children[0].processor_s = 0.0
             await link.tick(())
             children[0].is_mute = True
-            for _ in range(2 * PATIENCE_TICKS):
+            for _ in range(2 * HANG_LIMIT_TICKS):
                 await link.tick(())
-            for _ in range(PATIENCE_TICKS):
+            for _ in range(HANG_LIMIT_TICKS):
                 await link.tick(())
                 clock[0] += 0.5
                 children[0].processor_s += 0.5
@@ -375,7 +436,7 @@ class TestLink:
                 assert not waiting.done()
                 children[0].answer()
                 await waiting
-                assert len(link._unanswered) == 4
+                assert len(link._transport.unanswered) == 4
 
         with_link(body)
 
@@ -389,7 +450,7 @@ class TestLink:
             clock[0] += 2 * child_link.LAG_S
             for _ in range(10):
                 await link.tick(())
-            assert len(link._unanswered) == 11
+            assert len(link._transport.unanswered) == 11
 
         with_link(body)
 
@@ -399,7 +460,7 @@ class TestLink:
             children[0].is_mute = True
             box = InputQueue()
             box.post([RunUnit("primary#1", "program", "def p():\n  pass\nend\n") for _ in range(3)])
-            for _ in range(2 * held_inputs.BUSY_TICKS):
+            for _ in range(2 * buffers.BUSY_TICKS):
                 await link.tick(())
             taken = []
             for _ in range(30):
@@ -488,7 +549,7 @@ class TestLink:
         with_link(body)
 
     def test_gives_up_when_no_child_answers(self, children, monkeypatch):
-        monkeypatch.setattr(child_link, "PAUSES_TICKS", (0,))
+        monkeypatch.setattr(supervision, "PAUSES_TICKS", (0,))
 
         async def body(link):
             await link.tick(())
@@ -537,8 +598,8 @@ class TestLink:
         with_link(body)
 
     def test_children_that_end_again_and_again_are_started_later_each_time(self, children, monkeypatch):
-        monkeypatch.setattr(child_link, "PAUSES_TICKS", (0, 0, 0, 6, 12, 25, 50, 100))
-        monkeypatch.setattr(child_link, "CALM_TICKS", 60)
+        monkeypatch.setattr(supervision, "PAUSES_TICKS", (0, 0, 0, 6, 12, 25, 50, 100))
+        monkeypatch.setattr(supervision, "CALM_TICKS", 60)
 
         async def body(link):
             await link.tick(())
@@ -574,16 +635,16 @@ class TestLink:
                     raise failures.pop()
                 return FakeChild(*arguments)
 
-            monkeypatch.setattr(child_link, "ChildProcess", starting)
+            monkeypatch.setattr(transport, "ChildProcess", starting)
             children[0].end("it has ended")
-            for _ in range(child_link.PAUSES_TICKS[-1] + 5):
+            for _ in range(supervision.PAUSES_TICKS[-1] + 5):
                 last = await link.tick(())
             assert last.snapshot.robot.tick == last.tick
 
         with_link(body)
 
     def test_inputs_that_find_no_room_are_told_once_with_their_number(self, children, monkeypatch):
-        monkeypatch.setattr(held_inputs, "HELD_MAX", 3)
+        monkeypatch.setattr(buffers, "WAITING_MAX", 3)
 
         async def body(link):
             await link.tick(())
@@ -659,7 +720,7 @@ class TestChild:
 
         world = MemoryEnvironment(dict(files))
         kernel = Kernel(RobotOptions(power_on=True), world)
-        expected = [kernel.tick(inputs.get(tick, ())) for tick in range(300)]
+        expected = [kernel.tick_and_snapshot(inputs.get(tick, ())) for tick in range(300)]
         theirs = MemoryFiles(dict(files))
 
         async def body(link):
@@ -680,7 +741,42 @@ class TestChild:
             assert theirs.contents == world.files.contents
             assert theirs.contents["log.txt"] == b"began"
 
-        served(body, files=theirs, grace_s=PATIENT_S, patience_s=PATIENT_S)
+        served(body, files=theirs, grace_s=PATIENT_S, hang_limit_s=PATIENT_S)
+
+    def test_a_restart_keeps_what_a_program_has_done_though_nothing_reads_it(self):
+        lines = (
+            "set_tcp([0.1, 0, 0.2, 0, 0.5, 0])",
+            "set_payload(1.5, [0, 0, 0.1])",
+            "movej([0.1, -1.4, -1.6, -1.5, 1.5, 0.2], a=6, v=3)",
+            "set_standard_digital_out(1, True)",
+            "write_output_integer_register(3, 77)",
+            'textmsg("done")',
+            "sleep(0.3)",
+            "sum(range(10**12))",
+        )
+        program = "def p():\n" + "".join(f"  {line}\n" for line in lines)
+
+        async def body(link):
+            cycle, outputs = Cycle(), [await link.tick([RunUnit("primary#1", "program", program)])]
+            alarms: list[Alarm] = []
+            while not alarms or outputs[-1].snapshot.robot.tick <= alarms[0].tick:
+                assert len(outputs) < 2500
+                await cycle.next()
+                outputs.append(await link.tick((), False))
+                alarms += [event for event in outputs[-1].events if isinstance(event, Alarm)]
+            cycle.close()
+            events = [event for one in outputs for event in one.events]
+            assert [event.text for event in events if isinstance(event, TextMessage)] == ["done"]
+            assert link.restarts == 1
+            before, after = next(one for one in outputs if one.tick == alarms[0].tick - 1), outputs[-1]
+            old, new = before.snapshot, after.snapshot
+            assert old.robot.tcp_offset == new.robot.tcp_offset == TCP
+            assert old.robot.payload.mass_kg == new.robot.payload.mass_kg == 1.5
+            assert new.signals["standard_digital_out"][1] is True
+            assert new.signals["output_int_register"][3] == 77
+            assert new.robot.q_actual == pytest.approx((0.1, -1.4, -1.6, -1.5, 1.5, 0.2), abs=0.02)
+
+        served(body, hang_limit_s=0.5)
 
     def test_is_locked_in(self):
         async def body(link):
@@ -709,7 +805,7 @@ class TestChild:
             assert found[-1].snapshot.robot.task_state is TaskState.PLAYING
             assert link.restarts == 0
 
-        served(body, grace_s=PATIENT_S, patience_s=PATIENT_S)
+        served(body, grace_s=PATIENT_S, hang_limit_s=PATIENT_S)
 
     def test_a_call_that_never_returns_is_killed_and_the_robot_goes_on(self, tmp_path, capsys):
         path = tmp_path / "session.journal"
@@ -759,7 +855,7 @@ class TestChild:
             assert link.restarts == 1
 
         journal = Journal(path, RobotOptions(power_on=True))
-        served(body, patience_s=IMPATIENT_S, journal=journal)
+        served(body, hang_limit_s=IMPATIENT_S, journal=journal)
         session = Replay(JournalReader(path))
         restarts = []
         played = list(session.outputs(lambda tick, reason: restarts.append(reason)))

@@ -18,8 +18,8 @@ from elitescript.messages.codec import to_text
 from elitescript.messages.events import Alarm
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.services.child import link as child_link
 from elitescript.services.child import process as child_process
+from elitescript.services.child import supervision
 from elitescript.services.child.link import ChildLink
 from elitescript.services.config_codec import full_codec
 from tests.protocol.snapshots import description, output
@@ -113,14 +113,14 @@ def test_a_child_that_floods_its_output_keeps_nothing_waiting(small):
         for _ in range(20):
             assert (await link.tick(())).snapshot is not None
             await asyncio.sleep(0.001)
-        assert len(link._child.log) <= child_process.LOG_MAX
+        assert len(link._transport.process.log) <= child_process.LOG_MAX
 
     with_link(body)
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="what a process has open is not known here")
 def test_a_hundred_replaced_children_leave_nothing_behind(small, monkeypatch):
-    monkeypatch.setattr(child_link, "PAUSES_TICKS", (0,))
+    monkeypatch.setattr(supervision, "PAUSES_TICKS", (0,))
     small("exit")
 
     async def body(link):

@@ -20,7 +20,7 @@ from elitescript.services.time.cycle import (
     LoopTimer,
     Timer,
     TimerFdTimer,
-    best_alarm,
+    best_timer,
 )
 from tests.services.served import run
 
@@ -161,7 +161,7 @@ def test_what_was_missed_before_a_restart_is_forgotten(clock: Clock) -> None:
 
 def test_what_a_tick_gives_leaves_at_an_appointed_time(clock: Clock) -> None:
     async def test() -> None:
-        ticks = Cycle(clock, outlet_alarm=clock)
+        ticks = Cycle(clock, outlet_timer=clock)
         begin_ns = clock.now_ns
         for number, work_ns in enumerate((0, 300_000, OUTLET_NS - 1), 1):
             await ticks.next()
@@ -174,7 +174,7 @@ def test_what_a_tick_gives_leaves_at_an_appointed_time(clock: Clock) -> None:
 
 def test_who_is_later_than_that_is_not_held_up(clock: Clock) -> None:
     async def test() -> None:
-        ticks = Cycle(clock, outlet_alarm=clock)
+        ticks = Cycle(clock, outlet_timer=clock)
         await ticks.next()
         clock.now_ns += OUTLET_NS + 5
         now_ns = clock.now_ns
@@ -184,9 +184,9 @@ def test_who_is_later_than_that_is_not_held_up(clock: Clock) -> None:
     asyncio.run(test())
 
 
-def test_an_alarm_that_is_not_exact_is_not_asked_for_outlets(clock: Clock) -> None:
+def test_a_timer_that_is_not_exact_is_not_asked_for_outlets(clock: Clock) -> None:
     async def test() -> None:
-        ticks = Cycle(clock, outlet_alarm=Clock(is_exact=False))
+        ticks = Cycle(clock, outlet_timer=Clock(is_exact=False))
         await ticks.next()
         now_ns = clock.now_ns
         await ticks.outlet()
@@ -276,7 +276,7 @@ def test_in_a_steady_cycle_the_timer_is_set_once_and_stops_when_nobody_waits(mon
 @pytest.mark.skipif(sys.platform != "linux", reason="timerfd is a Linux thing")
 def test_linux_has_the_exact_alarm() -> None:
     async def test() -> None:
-        alarm = best_alarm()
+        alarm = best_timer()
         assert isinstance(alarm, TimerFdTimer)
         alarm.close()
 
@@ -290,6 +290,6 @@ def test_without_it_the_loop_will_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cycle, "_open_timer", none)
 
     async def test() -> None:
-        assert isinstance(best_alarm(), LoopTimer)
+        assert isinstance(best_timer(), LoopTimer)
 
     run(test())

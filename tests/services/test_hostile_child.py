@@ -32,7 +32,8 @@ PROGRAM = 'def f():\n  textmsg("a")\n  socket_open("127.0.0.1", 1, "s")\n  nothi
 def outputs() -> list[Any]:
     """Outputs of a robot that moves, speaks and fails, as they are written."""
     kernel = Kernel(RobotOptions(power_on=True))
-    found = [kernel.tick(), kernel.tick([RunUnit("primary#1", "program", PROGRAM)]), kernel.tick(), kernel.tick()]
+    begin = RunUnit("primary#1", "program", PROGRAM)
+    found = [kernel.tick_and_snapshot(inputs) for inputs in ((), [begin], (), ())]
     return [from_text(output_text(SHAPE, output)) for output in found]
 
 
@@ -90,7 +91,7 @@ def test_any_structure_is_refused_or_can_be_served_and_gone_on_from(seed: int) -
 def goes_on_from(output: Output, description: Any) -> None:
     config = restored_config(RobotOptions(), description, output.snapshot, 7)
     config = CODEC.shape(RobotOptions).decode(from_text(to_text(CODEC.shape(RobotOptions).encode(config))))
-    Kernel(config).tick(restored_inputs(output.snapshot))
+    Kernel(config).tick_and_snapshot(restored_inputs(output.snapshot))
 
 
 @pytest.mark.parametrize("value", ["NaN", "Infinity", "-Infinity", 1e308])

@@ -39,7 +39,7 @@ def recorded(tmp_path):
         320: [Do("modbus#1/2", WritePortCoils(33, (True,)), is_answered=True)],
         400: [RunUnit("primary#1", "secondary", 'sec s():\n  textmsg(open("points.txt").read())\nend\n')],
     }
-    outputs = [robot.tick(inputs.get(tick, ())) for tick in range(TICKS)]
+    outputs = [robot.tick(inputs.get(tick, ())).with_snapshot(robot.snapshot()) for tick in range(TICKS)]
     journal.close()
     return path, outputs
 

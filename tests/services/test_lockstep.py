@@ -198,7 +198,7 @@ def test_a_client_without_packages_cannot_hold_or_hurry_time() -> None:
             peer.send(rtsi_client.message("S") + rtsi_client.package(ident, types, [1]))
             await peer.rtsi("S")
             await scene.ticks(3)
-            assert not scene.station._lockstep.gate().has_participants
+            assert not scene.station._time._gate.gate().has_participants
 
     run(test())
 
@@ -336,7 +336,8 @@ def test_the_log_names_a_client_that_is_let_go_again_and_again_once_in_ten_secon
 def taking_part(origin: str) -> Answerer:
     client = Answerer(origin)
     connection = client.connection
-    output = fake_robot.FakeRobot().tick(())
+    robot = fake_robot.FakeRobot()
+    output = robot.tick(()).with_snapshot(robot.snapshot())
     connection.receive(rtsi_client.output_recipe(250.0, ["timestamp"]), output)
     connection.receive(rtsi_client.input_recipe(["input_int_register0"]) + rtsi_client.message("S"), output)
     connection.receive(rtsi_client.package(1, ["INT32"], [1]), output)

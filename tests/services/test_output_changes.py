@@ -32,7 +32,7 @@ def test_what_arrives_is_what_was_sent():
     kernel, writer, reader = Kernel(RobotOptions(power_on=True)), OutputWriter(CODEC), OutputReader(CODEC)
     letters = []
     for tick in range(400):
-        whole = kernel.tick([RunUnit("primary#1", "program", PROGRAM)] if tick == 10 else ())
+        whole = kernel.tick_and_snapshot([RunUnit("primary#1", "program", PROGRAM)] if tick == 10 else ())
         letter, found = sent(writer, reader, whole)
         letters.append(letter)
         assert found == whole
@@ -42,7 +42,7 @@ def test_what_arrives_is_what_was_sent():
 
 def test_a_robot_at_rest_says_little():
     kernel, writer = Kernel(RobotOptions(power_on=True)), OutputWriter(CODEC)
-    sizes = [len(writer.message(kernel.tick())[1]) for _ in range(100)]
+    sizes = [len(writer.message(kernel.tick_and_snapshot())[1]) for _ in range(100)]
     assert max(sizes[1:]) < sizes[0] / 8
 
 

@@ -8,7 +8,7 @@ import pytest
 from elitescript.kernel import RobotOptions
 from elitescript.messages.events import Alarm, TextMessage
 from elitescript.services.child.link import ChildLink
-from elitescript.services.robot_server import RobotServer
+from elitescript.services.robots import served_robot
 from elitescript.services.table import NAMES
 from tests.protocol import rtsi_client
 from tests.services.served import Scene
@@ -50,7 +50,7 @@ def play(program, is_over, after=lambda scene, streams: None):
     async def run():
         scene = Scene()
         link = ChildLink(RobotOptions(power_on=True))
-        scene.station = RobotServer("CS66", link, lambda _, what: scene.said.append(what))
+        scene.station = served_robot("CS66", link, lambda _, what: scene.said.append(what))
         await scene.station.boot()
         scene.station.bind("127.0.0.1", dict.fromkeys(NAMES, 0))
         await scene.station.open()

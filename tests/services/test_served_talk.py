@@ -20,8 +20,8 @@ from elitescript.messages.machine import PauseTask, ResumeTask, StopTask
 from elitescript.messages.outputs import Output
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import JournalReader
-from elitescript.services.robot_server import DEVICE, LogLine, RobotServer
-from elitescript.services.robots import robot_link
+from elitescript.services.log import DEVICE, LogLine
+from elitescript.services.robots import robot_link, served_robot
 from elitescript.testing.world import World
 from tests.invariants.random_devices import (
     CLEANUP,
@@ -75,16 +75,16 @@ class Session:
     async def _play(self, seed: int, journal: Any) -> None:
         config = RobotOptions(power_on=True, seed=seed, rpc_timeout_s=RPC_S, firmware="2.14")
         link = robot_link(config, task_dir=None, in_process=True, is_jailed=False, journal=journal)
-        station = RobotServer("CS66", link, lambda _, what: self.said.append(what), world=self.world)
+        station = served_robot("CS66", link, lambda _, what: self.said.append(what), world=self.world)
         await station.boot()
         self.outputs.append(station.output)
         for tick in range(1, TICKS + CLEANUP_TICKS):
             station.post(self.asked.get(tick, []))
             await station.step()
             self.outputs.append(station.output)
-        self.left_in_kernel = dict(link.robot._kernel._host.connections)  # type: ignore[attr-defined]
-        assert station._world is not None
-        self.left_in_station = dict(station._world._leads)
+        self.left_in_kernel = dict(link.robot._kernel.host.connections)  # type: ignore[attr-defined]
+        assert station.devices is not None
+        self.left_in_station = dict(station.devices._leads)
         self.left_in_world = self.world.network.open_channels
         await station.close()
 

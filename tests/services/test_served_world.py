@@ -15,9 +15,10 @@ from elitescript.messages.inputs import AddFault, ChannelClosed, ChannelCredit, 
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, SendChannel
 from elitescript.protocol.outcomes import read_outcome
+from elitescript.protocol.table import SERVICES
 from elitescript.services.control.verbs import VERBS, VerbRequest
+from elitescript.services.log import ServerLog
 from elitescript.services.served_devices import CHANNELS_MAX, UNSENT_MAX, ServedDevices
-from elitescript.services.table import SERVICES
 from elitescript.testing.world import Device, Fault, ModbusDevice, SerialDevice, TcpClient, TcpServer, Wire, World
 from tests.devices.programs import robot_in
 
@@ -73,9 +74,10 @@ class Bench:
         self.kernel = Kernel(RobotOptions(power_on=True, **config))
         self.said = []
         self.others = []
-        self.world = ServedDevices(world, lambda text, is_problem: self.said.append((text, is_problem)), self.connect)
-        self.output = self.kernel.tick()
-        self.world.begin(self.output)
+        log = ServerLog("CS66", lambda _, line: self.said.append((line.text, line.is_problem)))
+        self.world = ServedDevices(world, log)
+        self.output = self.kernel.tick_and_snapshot()
+        self.world.begin(self.output, self.connect)
         self.events = []
         self.replies = []
 
@@ -85,7 +87,7 @@ class Bench:
 
     def run(self, ticks, *inputs):
         for _ in range(ticks):
-            self.output = self.kernel.tick([*inputs, *self.world.inputs(self.output.tick + 1)])
+            self.output = self.kernel.tick_and_snapshot([*inputs, *self.world.inputs(self.output.tick + 1)])
             inputs = ()
             self.others += self.world.take(self.output)
             self.events += self.output.events

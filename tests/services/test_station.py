@@ -12,10 +12,10 @@ from elitescript.messages.events import TextMessage
 from elitescript.messages.inputs import ClosePopup, Do, RunUnit
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.outputs import Output
-from elitescript.services import robot_server as station
 from elitescript.services.clients.binding import bind
 from elitescript.services.clients.tcp import Client
 from elitescript.services.table import NAMES
+from elitescript.services.time import paced as station
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Scene, run, serving
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.services.table import NAMES, SERVICES, port_numbers, services_of, spare_numbers
+from elitescript.protocol.table import SERVICES, services_of
+from elitescript.services.table import NAMES, port_numbers, spare_numbers
 from tests.protocol.snapshots import description, output
 
 

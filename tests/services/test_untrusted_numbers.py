@@ -15,12 +15,12 @@ from elitescript.messages.events import Alarm, Event, Popup, TextMessage, Warned
 from elitescript.messages.outputs import Output
 from elitescript.messages.shapes import CodecError
 from elitescript.protocol.rtsi.variables import OUTPUTS
+from elitescript.protocol.table import SERVICES
 from elitescript.services.config_codec import full_codec, output_text
-from elitescript.services.table import SERVICES
 
 SHAPE = full_codec().shape(Output)
 KERNEL = Kernel(RobotOptions(power_on=True))
-WHOLE = from_text(output_text(SHAPE, KERNEL.tick()))
+WHOLE = from_text(output_text(SHAPE, KERNEL.tick_and_snapshot()))
 INTEGERS = (-(2**63), -1, 25, 256, 2**16, 2**31, 2**63 - 1)
 ORDINARY: dict[Any, Any] = {int: 1, str: "a", bool: False}
 

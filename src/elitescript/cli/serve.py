@@ -33,14 +33,16 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
+from elitescript.protocol.table import SERVICES, services_of
 from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
 from elitescript.services.child.jail import is_complete
+from elitescript.services.log import DEVICE, LogLine
 from elitescript.services.robot_link import RobotLink
-from elitescript.services.robot_server import DEVICE, LogLine, RobotServer
-from elitescript.services.robots import numbered_path, probe_jail, robot_link
+from elitescript.services.robot_server import RobotServer
+from elitescript.services.robots import numbered_path, probe_jail, robot_link, served_robot
 from elitescript.services.server import ServeSession, is_loopback
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.table import NAMES, SERVICES, SSH, port_numbers, services_of, spare_numbers
+from elitescript.services.table import NAMES, SSH, port_numbers, spare_numbers
 from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 
 if TYPE_CHECKING:
@@ -113,7 +115,7 @@ async def _serve(
     stop = asyncio.Event()
     on_signals(stop)
     stations = [
-        RobotServer(
+        served_robot(
             config.robot_id,
             make_link(options, config, index),
             log.take,
@@ -381,7 +383,7 @@ class ServeLog:
         self._err = err
         self._is_json = is_json
         self._are_several = len(names) > 1
-        self._held: list[tuple[RobotServer, Event | LogLine]] | None = []
+        self._held: list[tuple[str, Event | LogLine]] | None = []
         """What has happened before all ports were open."""
         self._reports: dict[str, RunReport] = {}
         self._task_states: dict[str, TaskState] = {}
@@ -399,8 +401,8 @@ class ServeLog:
         """Every port is open; say so with what programs reach, and then what has happened before."""
         self._say_ready(host, server, configs, reach, login)
         held, self._held = self._held or [], None
-        for station, what in held:
-            self.take(station, what)
+        for robot, what in held:
+            self.take(robot, what)
 
     def _say_ready(
         self, host: str, server: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None
@@ -434,41 +436,39 @@ class ServeLog:
         self._err.flush()
         self._out.flush()
 
-    def take(self, station: RobotServer, what: Event | LogLine) -> None:
-        """Print an event of a robot, or a note about a client."""
+    def take(self, robot: str, what: Event | LogLine) -> None:
+        """Print an event of a robot, or a line about a client, a port or time."""
         if self._held is not None:
-            self._held.append((station, what))
+            self._held.append((robot, what))
         elif isinstance(what, TaskLoaded | TaskStateChanged):
-            self._task(station, what)
+            self._task(robot, what)
         elif not isinstance(what, LogLine):
-            self._reports[station.name].event(served(what))
+            self._reports[robot].event(served(what))
             self._out.flush()
             self._err.flush()
         elif self._is_json:
             level = "problem" if what.is_problem else "info"
-            details = {**what.details, "t": seconds(station.output.tick)}
+            details = {**what.details, "t": seconds(what.tick)}
             head = {"type": "serve", "robot": what.robot, "what": what.kind, "level": level, "text": what.text}
             self._record({**head, **details})
         elif what.is_problem or what.kind == DEVICE:
             tag = f"{what.robot}: " if self._are_several else ""
             stream = self._err if what.is_problem else self._out
-            stream.write(f"{tag}{seconds(station.output.tick):10.3f} s  {what.text}\n")
+            stream.write(f"{tag}{seconds(what.tick):10.3f} s  {what.text}\n")
             stream.flush()
 
-    def _task(self, station: RobotServer, event: TaskLoaded | TaskStateChanged) -> None:
+    def _task(self, robot: str, event: TaskLoaded | TaskStateChanged) -> None:
         """Print what became of the task: loaded, started, paused, resumed, finished, stopped, ended by an alarm."""
         what = "loaded"
         if isinstance(event, TaskStateChanged):
-            before = self._task_states.get(station.name, TaskState.STOPPED)
-            self._task_states[station.name] = event.state
+            before = self._task_states.get(robot, TaskState.STOPPED)
+            self._task_states[robot] = event.state
             is_resumed = before is TaskState.PAUSED and event.state is TaskState.PLAYING
             what = "resumed" if is_resumed else event.ending or _TASK_WORDS[event.state]
         if self._is_json:
-            self._record(
-                {"type": "task", "robot": station.name, "t": seconds(event.tick), "state": what, "name": event.name}
-            )
+            self._record({"type": "task", "robot": robot, "t": seconds(event.tick), "state": what, "name": event.name})
             return
-        tag = f"{station.name}: " if self._are_several else ""
+        tag = f"{robot}: " if self._are_several else ""
         words = "ended by an alarm" if what == "alarm" else what
         self._out.write(f"{tag}{seconds(event.tick):10.3f} s  [{words}] {event.name or 'a program without a name'}\n")
         self._out.flush()

@@ -1,4 +1,4 @@
-"""Everything outside one robot of `VirtualRobot`: its task folder, its network, what is beside it."""
+"""Everything outside the robot of a `VirtualRobot`: its task folder, its network, what is beside it."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import UsageError
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.timing import seconds
-from elitescript.runtime.environment import Channels, ProgramEnvironment
+from elitescript.runtime.environment import Channels, Files, ProgramEnvironment
 
 
 class Outside:
-    """See above.
+    """Holds all of it. Implements `runtime.environment.ProgramEnvironment` for the programs of clients.
 
     Args:
         world: devices, or a folder and a network by themselves; this computer if None.
@@ -33,7 +33,7 @@ class Outside:
         UsageError: arguments that do not go together.
     """
 
-    __slots__ = ("_allowance", "_task_dir", "_task_dir_limit", "_world", "channels", "surroundings")
+    __slots__ = ("_allowance", "_files", "_task_dir", "_task_dir_limit", "_world", "channels", "surroundings")
 
     def __init__(
         self,
@@ -46,6 +46,7 @@ class Outside:
         self._task_dir_limit = task_dir_limit
         self._allowance = Allowance(task_dir_limit)
         self._world: ProgramEnvironment | None = None
+        self._files: Files | None = None
         self.surroundings: Surroundings | None = None
         self.channels: Channels
         if isinstance(world, Surroundings):
@@ -60,6 +61,13 @@ class Outside:
         else:
             self._world = world
             self.channels = world.channels
+
+    @property
+    def files(self) -> Files:
+        """The task folder of programs that come from clients: an empty one in memory without `task_dir`."""
+        if self._files is None:
+            self._files = self.world_for("<client>").files
+        return self._files
 
     def world_for(self, source_name: str) -> ProgramEnvironment:
         """The world of a program; a file's own folder is its task folder unless another one was given."""

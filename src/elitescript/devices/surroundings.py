@@ -1,4 +1,4 @@
-"""What a robot asks of the surroundings that live in its time; `worlds.virtual` is made of this."""
+"""What a robot and the devices beside it ask of each other; `devices.world` is made of this."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class RobotAccess(Protocol):
     """The robot as its surroundings see it."""
 
     @property
-    def tick(self) -> int:
-        """The present tick."""
+    def present_tick(self) -> int:
+        """The tick that runs; between two ticks the one that runs next, of a served robot the one that has run."""
 
     def read(self, name: str, index: int) -> Value:
         """A point of the signal image."""
@@ -53,11 +53,15 @@ class RobotAccess(Protocol):
             UsageError: there is no such port.
         """
 
+    @property
+    def has_news(self) -> bool:
+        """Whether something has happened that clients of ports have not got yet."""
+
     def output(self) -> Output:
-        """What the last tick gives to whoever is connected to a port."""
+        """Return what ports give to their clients: of the present tick once it has run, before of the one before it."""
 
     def post(self, inputs: Sequence[Input]) -> None:
-        """What somebody asks for who is connected to a port, in the tick that is about to run."""
+        """Take what clients of ports ask for, in the tick that runs next."""
 
 
 class Surroundings:

@@ -229,7 +229,7 @@ class World(Surroundings):
         if self._robot is not None:
             raise UsageError("this world belongs to another robot already; make a new one for each robot")
         self._robot = robot
-        self.agenda.clock = lambda: robot.tick
+        self.agenda.clock = lambda: robot.present_tick
         self.signals.robot = robot
         for device in self.devices:
             self._start(device)
@@ -255,20 +255,25 @@ class World(Surroundings):
         if self._links:
             self._publish(self._links)
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """Whether a device that is connected to a port of the robot reads the snapshot of a tick."""
+        return any(link.reads_snapshot(tick) for link in self._links)
+
     def run_ended(self) -> None:
         for device in self.devices:
             device.run_ended()
 
     def _publish(self, links: list[PortLink]) -> None:
-        """Show the tick to the devices that are connected to ports of the robot."""
-        assert self._robot is not None
+        """Give the tick to the devices that are connected to ports of the robot."""
+        robot = self._robot
+        assert robot is not None
         links[:] = [link for link in links if link.is_open]
-        waiting = [link for link in links if link.wants_tick]
-        if waiting:
-            output = self._robot.output()
-            for link in waiting:
-                link.publish(output)
-            self.agenda.put(1, lambda: None)  # they look at the next tick too
+        tick, has_news = robot.present_tick, robot.has_news
+        for link in [link for link in links if has_news or link.next_tick(tick - 1) == tick]:
+            link.publish(robot.output())
+        due = [at for at in (link.next_tick(tick) for link in links) if at is not None]
+        if due:
+            self.agenda.put(min(due) - tick, lambda: None)  # time does not leap over it
 
     def connect(self, client: TcpClient) -> PortLink:
         """Connect a device to a port of the robot.

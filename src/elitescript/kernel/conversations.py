@@ -86,8 +86,13 @@ class Conversations:
         if not self._queries.put(item, len(item.text)):
             self._reply(item.origin, not_executed(item.ident))
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether statements or queries wait for the next tick."""
+        return self._statements.is_waiting or self._queries.is_waiting
+
     def go_on(self) -> None:
-        """A tick begins: what waits comes before the inputs of the tick."""
+        """Begin a tick: what waits comes before the inputs of the tick."""
         self._statements.go_on()
         self._queries.go_on()
 
@@ -169,6 +174,11 @@ class _Turns(Generic[Item]):
         self._limit = limit
         self._left = WORK_PER_TICK
         self._waiting: deque[tuple[Item, int]] = deque()
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether items wait."""
+        return bool(self._waiting)
 
     def put(self, item: Item, size: int) -> bool:
         """Take an item of so many characters; whether there is room for it."""

@@ -41,6 +41,11 @@ class LogFile:
         self._size = 0
         self._tick = self._waits_since = 0
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether lines wait to be written."""
+        return bool(self._lines)
+
     def begin_tick(self, tick: int) -> None:
         """What is added from now on happens in this tick."""
         self._tick = tick
@@ -96,8 +101,13 @@ class InterpreterLogs:
         self.execution = LogFile(files, EXECUTION_NAME)
         self._failures: dict[LogFile, str] = {}
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether lines wait to be written."""
+        return self.received.is_waiting or self.execution.is_waiting
+
     def begin_tick(self, tick: int) -> None:
-        """A tick begins."""
+        """Begin a tick."""
         self.received.begin_tick(tick)
         self.execution.begin_tick(tick)
 

@@ -32,6 +32,11 @@ class InvalidLineLimiter:
         self._tell = tell
         self._bursts: dict[str, _Burst] = {}
 
+    @property
+    def is_counting(self) -> bool:
+        """Whether the burst of a client goes on."""
+        return bool(self._bursts)
+
     def is_told(self, origin: str, tick: int) -> bool:
         """Count a line of a client; whether it is to be told by itself."""
         burst = self._bursts.get(origin)

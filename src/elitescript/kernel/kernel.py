@@ -1,332 +1,455 @@
-"""One robot as a function: `Kernel.tick` applies what has come in, runs one tick and returns what there is to say.
+"""One robot: the machine, the host of its programs, and what clients ask of them.
 
-Nothing here knows a clock, a socket or a file of this computer. A kernel does the same whenever it is made with the
-same options and given the same inputs at the same ticks.
+`Kernel.tick` runs one tick and returns what happened in it. The machine as ports show it is a call of its own,
+`Kernel.snapshot`: it takes most of the time of a tick of an arm that moves, and changes nothing.
+
+`VirtualRobot`, `serve` and its child hold a `Kernel`. Nothing here knows a clock, a socket or a file of this computer:
+a kernel does the same whenever it is made with the same options and given the same inputs at the same ticks.
+
+A plain run needs neither ports nor inputs. They are imported by the first that is used.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from elitescript.controller.refusals import refusal_text
+from elitescript.controller.controller import Controller
 from elitescript.controller.signals.by_name import Signals
-from elitescript.controller.views.snapshots import SnapshotBuilder
 from elitescript.controller.views.warning_limit import WarningLimit
-from elitescript.devices.channels.faults import Fault, fault_of, input_request, is_of_input
-from elitescript.devices.channels.faulty_channels import FaultyChannels
-from elitescript.environment.request_channels import FaultyEnvironment, RequestEnvironment
-from elitescript.errors import ScriptError, UsageError
-from elitescript.kernel.answers import shown_after
+from elitescript.errors import UsageError
 from elitescript.kernel.arm import model_of
-from elitescript.kernel.causes import cause_of
-from elitescript.kernel.conversations import Conversations
-from elitescript.kernel.description import describe
-from elitescript.kernel.interpreter_logs import InterpreterLogs
 from elitescript.kernel.options import RobotOptions
-from elitescript.kernel.programs import Programs
-from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import DeviceNoted, Event, Popup, TaskStateChanged, TextMessage, Warned
-from elitescript.messages.inputs import (
-    AddFault,
-    AddLog,
-    ChannelClosed,
-    ChannelCredit,
-    ChannelData,
-    ChannelEvent,
-    ChannelOpened,
-    ClosePopup,
-    Do,
-    GetVariable,
-    Input,
-    Interpret,
-    InterpreterWord,
-    Lag,
-    LoadConfiguration,
-    LoadTask,
-    PlayTask,
-    Query,
-    Reboot,
-    RunUnit,
-    SetRemote,
-    SetVariable,
-    ShowPopup,
-    VariablesArrived,
-)
-from elitescript.messages.machine import AskSafety, EndInputFaults, MachineRequest, PowerOff, StopTask
-from elitescript.messages.outputs import Output, Reply
+from elitescript.messages.events import DeviceNoted, Event, Popup, TaskStateChanged, Warned
+from elitescript.messages.motion import Six
 from elitescript.messages.profile import profile
-from elitescript.messages.signals import SIGNALS
-from elitescript.messages.snapshot import TaskPicture
-from elitescript.protocol.outcomes import done, refused
-from elitescript.runtime.connections.serial_line import close_lines
-from elitescript.runtime.environment import FilesRefused, ProgramEnvironment
-from elitescript.wiring import assemble
+from elitescript.messages.signals import Value
+from elitescript.messages.timing import seconds
+from elitescript.models.model import RobotModel
+from elitescript.runtime.environment import ProgramEnvironment
+from elitescript.runtime.host import ScriptHost
+
+if TYPE_CHECKING:
+    from elitescript.controller.views.snapshots import SnapshotBuilder
+    from elitescript.devices.channels.faulty_channels import FaultyChannels
+    from elitescript.environment.request_channels import RequestChannels
+    from elitescript.kernel.handlers import InputHandlers
+    from elitescript.messages.inputs import ChannelEvent, Input
+    from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
+    from elitescript.messages.outputs import Output, Reply, TickResult
+    from elitescript.messages.snapshot import RobotDescription, Snapshot
+    from elitescript.protocol.connection import Connection
+    from elitescript.protocol.table import Connect
+
+
+class PopupWindow:
+    """The message window of the pendant.
+
+    Args:
+        confirms: whether a popup that blocks is confirmed at once, which leaves nothing to show.
+
+    Attributes:
+        text: what is shown; empty while the window is closed.
+    """
+
+    __slots__ = ("_confirms", "_is_blocking", "text")
+
+    def __init__(self, confirms: bool) -> None:
+        self._confirms = confirms
+        self._is_blocking = False
+        self.text = ""
+
+    def take(self, event: Event) -> None:
+        """Follow an event: a popup opens the window; the end of a program closes one that no thread waits for."""
+        if isinstance(event, Popup):
+            if not (event.is_blocking and self._confirms):
+                self.text, self._is_blocking = event.text, event.is_blocking
+        elif isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED and self._is_blocking:
+            self.close()
+
+    def close(self) -> None:
+        """Close the window."""
+        self.text, self._is_blocking = "", False
 
 
 class Kernel:
-    """One robot.
+    """One robot. Implements `devices.surroundings.RobotAccess`.
 
     Args:
         options: what it is made with.
-        world: everything outside its programs, with the logs of interpreter mode in its task folder. Its network is
-            not used: what programs ask of one is in the output.
+        environment: everything outside its programs; without one they have no files.
+        model: the arm, if it is loaded already.
+        has_network: whether programs reach the network of `environment`. If not, what they ask of a network is in the
+            outputs, and what comes of it is among the inputs; faults of channels are possible then.
+        on_event: receives every event when it happens, and calls `publish_event` for those that clients get. By default
+            clients get all of them, but for warnings beyond their limit.
+        on_end: called with `finished`, `alarm` or `stopped` when a program is over.
 
     Attributes:
-        description: what never changes about it.
-        overruns: ticks that began late, for the snapshots; whoever keeps time counts them.
+        options: see above.
+        model: the arm.
+        profile: the firmware.
+        controller: the machine.
+        host: runs programs.
+        popup: the message window.
+        overruns: ticks that began late, for the snapshots; counted by the owner of the clock.
 
     Raises:
-        UsageError: options that make no sense.
+        UsageError: an option that makes no sense.
     """
 
     __slots__ = (
-        "_channels",
-        "_controller",
-        "_conversations",
+        "_description",
+        "_environment",
         "_events",
         "_faulty",
-        "_host",
-        "_is_popup_blocking",
-        "_is_remote",
+        "_handlers",
+        "_has_run",
         "_limit",
-        "_logs",
-        "_pictures",
-        "_popup",
-        "_programs",
+        "_on_end",
+        "_on_event",
+        "_output",
+        "_ports",
+        "_posted",
         "_replies",
-        "_tasks",
-        "description",
+        "_requests",
+        "_snapshots",
+        "controller",
+        "host",
+        "model",
+        "options",
         "overruns",
+        "popup",
+        "profile",
     )
 
-    def __init__(self, options: RobotOptions, world: ProgramEnvironment | None = None) -> None:
-        model, firmware = model_of(options), profile(options.firmware)
-        requests = RequestEnvironment(FilesRefused() if world is None else world.files)
-        faults = [fault_of(text) for text in options.faults]
-        of_channels = [fault for fault in faults if not is_of_input(fault)]
-        self._faulty = FaultyChannels(requests.channels, of_channels, seed=options.seed, say=self._note_fault)
-        outside = FaultyEnvironment(requests.files, self._faulty)
-        self.description = describe(options, model, firmware)
+    def __init__(
+        self,
+        options: RobotOptions,
+        environment: ProgramEnvironment | None = None,
+        *,
+        model: RobotModel | None = None,
+        has_network: bool = False,
+        on_event: Callable[[Event], None] | None = None,
+        on_end: Callable[[str], None] | None = None,
+    ) -> None:
+        self.options = options
+        self.model = model_of(options) if model is None else model
+        self.profile = profile(options.firmware)
+        self.popup = PopupWindow(options.confirms_popups)
         self.overruns = 0
-        self._events: list[Event] = []
+        self._on_event = self._record if on_event is None else on_event
+        self._on_end = on_end
         self._limit = WarningLimit()
+        self._events: list[Event] = []
         self._replies: list[Reply] = []
-        self._popup = ""
-        self._is_popup_blocking = False
-        self._is_remote = options.remote
-        self._channels = requests.channels
-        self._controller, self._host = assemble(model, firmware, options, on_event=self._event, world=outside)
-        self._logs = None if world is None else InterpreterLogs(world.files)
-        self._conversations = Conversations(self._host, self._reply, self._logs)
-        self._pictures = SnapshotBuilder(self._controller)
-        self._programs = Programs(self._controller, self._host, firmware, model, is_strict=options.strict)
-        self._tasks = Tasks(
-            self._controller, self._host, self._programs, outside.files, outside.channels, options.configuration
+        self._posted: list[Input] = []
+        self._output: Output | None = None
+        self._has_run = False
+        self._description: RobotDescription | None = None
+        self._ports: dict[str, Connect] = {}
+        self._handlers: InputHandlers | None = None
+        self._snapshots: SnapshotBuilder | None = None
+        self._requests: RequestChannels | None = None
+        self._faulty: FaultyChannels | None = None
+        self.controller = Controller(
+            self.model,
+            epoch_s=options.epoch_s,
+            on_event=self._event,
+            home=None if options.joints is None else _checked_joints(self.model, options.joints),
+            speed_scale=options.speed,
+            contact=options.contact,
+            safety=options.safety,
+            plant=options.plant or self.model.plant,
+            is_powered=options.power_on,
+            power_times=options.power_times,
         )
+        self._environment: ProgramEnvironment
+        if has_network and environment is not None:
+            self._environment = environment
+        else:
+            self._environment = self._asking_environment(environment)
+        self.host = ScriptHost(
+            self.controller,
+            profile=self.profile,
+            world=self._environment,
+            seed=options.seed,
+            on_end=self._program_ended,
+            confirms_popups=options.confirms_popups,
+            work_per_tick=options.work_per_tick,
+            rpc_timeout_s=options.rpc_timeout_s,
+            is_rtsi_input=_is_rtsi_input,
+        )
+        self.controller.attach(self.host)
+        if not has_network:
+            self._handlers = self._made_handlers(environment is not None)
         if options.first_tick:
-            self._controller.leap(options.first_tick)
-        start = Signals(self._controller, "schedule")
+            self.controller.leap(options.first_tick)
+        start = Signals(self.controller, "schedule")
         for name, value in options.signals:
             start[name] = value
-        for fault in faults:
-            if is_of_input(fault):
-                self._controller.put(self._controller.tick, input_request(fault), "fault")
+        if options.faults:
+            from elitescript.devices.channels.faults import fault_of, input_request, is_of_input
+
+            for fault in map(fault_of, options.faults):
+                if is_of_input(fault):
+                    self.disturb(input_request(fault))
+                elif has_network:
+                    raise UsageError(f"faults: {fault} is a fault of the network, which this robot does not hold")
+
+    def _asking_environment(self, environment: ProgramEnvironment | None) -> ProgramEnvironment:
+        """Return an environment whose network is requests in the outputs, around which faults act."""
+        from elitescript.devices.channels.faults import fault_of, is_of_input
+        from elitescript.devices.channels.faulty_channels import FaultyChannels
+        from elitescript.environment.request_channels import FaultyEnvironment, RequestChannels
+        from elitescript.runtime.environment import FilesRefused
+
+        faults = [fault for fault in map(fault_of, self.options.faults) if not is_of_input(fault)]
+        self._requests = RequestChannels()
+        self._faulty = FaultyChannels(self._requests, faults, seed=self.options.seed, say=self._note_fault)
+        return FaultyEnvironment(FilesRefused() if environment is None else environment.files, self._faulty)
+
+    def _made_handlers(self, has_logs: bool) -> InputHandlers:
+        from elitescript.kernel.handlers import InputHandlers
+
+        return InputHandlers(self, self._environment, self._faulty, has_logs=has_logs)
+
+    @property
+    def handlers(self) -> InputHandlers:
+        """What handles inputs: programs, tasks and conversations of clients."""
+        if self._handlers is None:
+            self._handlers = self._made_handlers(has_logs=True)
+        return self._handlers
+
+    @property
+    def description(self) -> RobotDescription:
+        """What never changes about the robot."""
+        if self._description is None:
+            from elitescript.kernel.description import describe
+
+            self._description = describe(self.options, self.model, self.profile)
+        return self._description
+
+    # ---------------------------------------------------------------- time
+
+    @property
+    def present_tick(self) -> int:
+        """The tick that runs, or the one that runs next."""
+        return self.controller.tick
 
     @property
     def next_tick(self) -> int:
         """Number of the tick that `tick` runs next."""
-        return self._controller.tick
+        return self.controller.tick + self._has_run
 
-    def tick(self, inputs: Sequence[Input] = ()) -> Output:
-        """Run one tick.
+    def tick(self, inputs: Sequence[Input] = ()) -> TickResult:
+        """Run one tick, the next one if the present one has run.
 
         Args:
             inputs: what has come in since the last one, in order.
-
-        Returns:
-            What happened in it, and the machine as it is then.
         """
-        controller = self._controller
-        tick, logs = controller.tick, self._logs
-        if logs is not None:
-            logs.begin_tick(tick)
-        controller.run_tick(lambda: self._take(inputs))
-        if logs is not None and (trouble := logs.end_tick()):
-            self._emit(Warned(tick, trouble))
-        snapshot = self._pictures.picture(
-            self._task_picture(), self._popup, is_remote=self._is_remote, overruns=self.overruns
-        )
-        requests = self._channels.take()
-        output = Output(tick, tuple(self._events), requests, tuple(self._replies), snapshot)
+        if self._has_run:
+            self.controller.leap(self.controller.tick + 1)
+        self.run_tick(inputs)
+        return self._result()
+
+    def tick_and_snapshot(self, inputs: Sequence[Input] = ()) -> Output:
+        """Run one tick, and return what happened in it with the machine as it is then."""
+        return self.tick(inputs).with_snapshot(self.snapshot())
+
+    def run_tick(self, inputs: Sequence[Input] = ()) -> None:
+        """Run all phases of the present tick; `leap` goes on from it.
+
+        Args:
+            inputs: what has come in since the last one, in order; they follow what was posted.
+        """
+        if self._posted:
+            inputs, self._posted = [*self._posted, *inputs], []
+        self._output = None
+        self._has_run = True
+        if self._handlers is None and not inputs:
+            self.controller.run_tick()
+        else:
+            self.handlers.run_tick(inputs)
+
+    def due_tick(self) -> int | None:
+        """Return the next tick at which anything is due; None when nothing will ever happen by itself."""
+        if self._posted or (self._handlers is not None and self._handlers.is_waiting):
+            return self.controller.tick + 1
+        return self.controller.next_tick()
+
+    def leap(self, tick: int) -> None:
+        """Go to a tick that is not later than the next one at which anything is due."""
+        self.controller.leap(tick)
+        if self._has_run:
+            self._has_run = False
+            if self._output is None and self._events:
+                self._events.clear()  # no client gets them
+            self._output = None
+
+    @property
+    def has_run(self) -> bool:
+        """Whether the present tick has run, and time has not gone on from it."""
+        return self._has_run
+
+    # ---------------------------------------------------------------- ports
+
+    def connect(self, service: str, origin: str) -> Connection:
+        """Open a connection to a port of the robot, as its server sees it.
+
+        Args:
+            service: name of the port, as in `protocol.table`.
+            origin: names the client; no two clients of a port have the same.
+
+        Raises:
+            UsageError: there is no such port.
+        """
+        if service not in self._ports:
+            from elitescript.protocol.table import services_of
+
+            rows = {row.name: row for row in services_of(self.description.firmware)}
+            if service not in rows:
+                raise UsageError(f"service: the robot has the ports {', '.join(rows)}, not {service!r}")
+            self._ports[service] = rows[service].open(self.description)
+        return self._ports[service](origin)
+
+    def post(self, inputs: Sequence[Input]) -> None:
+        """Take inputs of clients for the tick that runs next."""
+        self._posted += inputs
+
+    @property
+    def has_news(self) -> bool:
+        """Whether there are events or replies that are in no output yet."""
+        return bool(self._events or self._replies)
+
+    def output(self) -> Output:
+        """Return what ports give to clients.
+
+        Once the present tick has run: its events and replies, and the machine as it is then. Before: the machine as it
+        is, dated with the tick before, and nothing that happens.
+        """
+        if self._output is not None:
+            return self._output
+        snapshot = self.snapshot()
+        if self._has_run:
+            self._output = self._result().with_snapshot(snapshot)
+            return self._output
+        from elitescript.messages.outputs import Output
+
+        before = max(self.controller.tick - 1, 0)
+        robot = replace(snapshot.robot, tick=before, time_s=seconds(before))
+        return Output(before, (), (), (), replace(snapshot, robot=robot))
+
+    def _result(self) -> TickResult:
+        from elitescript.messages.outputs import TickResult
+
+        requests = () if self._requests is None else self._requests.take()
+        result = TickResult(self.controller.tick, tuple(self._events), requests, tuple(self._replies))
         self._events.clear()
         self._replies.clear()
-        controller.leap(tick + 1)
-        return output
+        return result
 
-    # ---------------------------------------------------------------- inputs
+    def snapshot(self) -> Snapshot:
+        """Return the machine at the present tick, as ports show it."""
+        handlers = self.handlers
+        return self._snapshot_builder().picture(
+            handlers.tasks.picture, self.popup.text, is_remote=handlers.is_remote, overruns=self.overruns
+        )
 
-    def _take(self, inputs: Sequence[Input]) -> None:
-        self._conversations.go_on()
-        self._programs.go_on()
-        for event in self._faulty.arrivals(self._controller.tick):
-            self._hand(event)
-        for item in inputs:
-            HANDLERS[type(item)](self, item)
-        if (late := self._tasks.due()) is not None:
-            self._reply(*late)
+    def discrete_state(self) -> tuple[object, ...]:
+        """Return all that a snapshot shows and that does not change with time alone; see `SnapshotBuilder`."""
+        handlers = self.handlers
+        state = self._snapshot_builder().discrete_state()
+        return (*state, handlers.tasks.picture, self.popup.text, handlers.is_remote)
 
-    def _do(self, item: Do) -> None:
-        why_not = self._attempt(item.request, cause_of(item.origin))
-        if why_not:
-            self._emit(Warned(self._controller.tick, why_not))
-        if item.is_answered:
-            shown = shown_after(self._controller, self.description.firmware, item.request)
-            self._reply(item.origin, refused(why_not) if why_not else done(shown))
+    def _snapshot_builder(self) -> SnapshotBuilder:
+        if self._snapshots is None:
+            from elitescript.controller.views.snapshots import SnapshotBuilder
 
-    def _attempt(self, request: MachineRequest, by: str) -> str:
-        """Do what is asked; return why it cannot be done, empty if it is."""
-        if isinstance(request, StopTask):
-            self._tasks.stop()
-            if self._controller.task_state is TaskState.STOPPED:
-                return ""
-        try:
-            _check_point(request)
-            self._controller.request_from(request, by)
-        except (ScriptError, UsageError) as error:
-            return refusal_text(request, error)
-        return ""
+            self._snapshots = SnapshotBuilder(self.controller)
+        return self._snapshots
 
-    def _run_unit(self, item: RunUnit) -> None:
-        self._programs.run(item)
+    @property
+    def line(self) -> int:
+        """Script line of the main thread; 0 while no program runs."""
+        return self.controller.line
 
-    def _task_input(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> None:
-        if text := self._tasks.answer(item):
-            self._reply(item.origin, text)
+    def reply(self, reply: Reply) -> None:
+        """Answer a client, in the output of the tick."""
+        self._replies.append(reply)
 
-    def _show_popup(self, item: ShowPopup) -> None:
-        self._emit(Popup(self._controller.tick, item.text, "", "info", False, False, "", 0))
+    # ---------------------------------------------------------------- what is beside the robot
 
-    def _close_popup(self, _item: ClosePopup) -> None:
-        self._popup = ""
-        self._is_popup_blocking = False
-        self._host.confirm_popup()
+    def read(self, name: str, index: int) -> Value:
+        """See `devices.surroundings.RobotAccess.read`."""
+        return self.controller.read(name, index)
 
-    def _add_log(self, item: AddLog) -> None:
-        tick = self._controller.tick
-        self._emit(Warned(tick, item.text) if item.is_warning else TextMessage(tick, item.text, "", 0))
+    def write(self, request: WriteSignal, by: str) -> None:
+        """See `devices.surroundings.RobotAccess.write`."""
+        self.controller.put(self.controller.tick, request, by)
 
-    def _set_remote(self, item: SetRemote) -> None:
-        self._is_remote = item.is_remote
+    def disturb(self, request: DisturbInput | EndInputFaults) -> None:
+        """See `devices.surroundings.RobotAccess.disturb`."""
+        self.controller.put(self.controller.tick, request, "fault")
 
-    def _reboot(self, _item: Reboot) -> None:
-        """Signals, TCP and payload stay, serial ports close; what the real controller forgets is *assumed*."""
-        controller = self._controller
-        controller.request(PowerOff())
-        controller.request(AskSafety("restart_safety", "the controller was started anew"))
-        close_lines(self._host.background.lines, self._host.connections)
-        self._popup = ""
-        self._tasks.forget()
-        self._host.background.close()
+    def emit(self, event: Event) -> None:
+        """See `devices.surroundings.RobotAccess.emit`."""
+        self.controller.emit(event)
 
-    def _arrived(self, item: VariablesArrived) -> None:
-        self._host.watchdogs.arrived(item.names, self._controller.tick)
+    def channel_event(self, event: ChannelEvent) -> None:
+        """Take what has happened on a channel, for the task or the program that has opened it."""
+        if self._handlers is None or not self._handlers.tasks.channel_event(event):
+            self.host.channel_event(event)
 
-    def _lag(self, item: Lag) -> None:
-        self._host.set_lag(item.ticks)
+    # ---------------------------------------------------------------- events
 
-    def _add_fault(self, item: AddFault) -> None:
-        try:
-            if item.text:
-                self._disturb(fault_of(item.text))
-            else:
-                self._faulty.clear()
-                self._controller.request_from(EndInputFaults(), "fault")
-        except UsageError as error:
-            self._emit(Warned(self._controller.tick, f"fault refused: {error}"))
-            self._reply(item.origin, refused(str(error)))
-        else:
-            self._reply(item.origin, done())
+    def _program_ended(self, state: str) -> None:
+        if self._on_end is not None:
+            self._on_end(state)
+        self.controller.task_ended(state)
 
-    def _disturb(self, fault: Fault) -> None:
-        if is_of_input(fault):
-            self._controller.request_from(input_request(fault, self._controller.tick), "fault")
-        else:
-            self._faulty.add(fault)
-
-    def _note_fault(self, text: str) -> None:
-        self._emit(DeviceNoted(self._controller.tick, "fault", text))
-
-    def _channel(self, item: ChannelEvent) -> None:
-        for event in self._faulty.incoming(item):
-            self._hand(event)
-
-    def _hand(self, item: ChannelEvent) -> None:
-        if not self._tasks.channel_event(item):
-            self._host.channel_event(item)
-
-    # ---------------------------------------------------------------- outputs
+    def publish_event(self, event: Event) -> None:
+        """Have the clients get an event, if there are any."""
+        if self._ports:
+            self._events.append(event)
 
     def _event(self, event: Event) -> None:
-        if isinstance(event, Warned) and event.thread and (event.code, event.line) in self._programs.told:
+        if isinstance(event, Popup | TaskStateChanged):
+            self.popup.take(event)
+        self.host.spend_event()
+        self._on_event(event)
+
+    def _record(self, event: Event) -> None:
+        """Have the clients get an event, unless it is a warning of which the program has made many."""
+        if isinstance(event, Warned) and event.thread and (event.code, event.line) in self.handlers.programs.told:
             return  # said when the program was checked
         if isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
             self._events += self._limit.rest(event.tick)
         elif self._is_of_program(event) and not self._limit.takes(event):
             return
         self._events.append(event)
-        if isinstance(event, Popup):
-            self._popup, self._is_popup_blocking = event.text, event.is_blocking
-        elif isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED and self._is_popup_blocking:
-            # Nobody waits for it any more.
-            self._popup, self._is_popup_blocking = "", False
 
     def _is_of_program(self, event: Event) -> bool:
-        """Whether the running program causes an event. What clients are refused has its own limits."""
+        """Return whether the running program causes an event. What clients are refused has its own limits."""
         if not isinstance(event, Warned) or not (event.line or event.thread):
             return False
-        return self._controller.task_state is not TaskState.STOPPED
+        return self.controller.task_state is not TaskState.STOPPED
 
-    def _emit(self, event: Event) -> None:
-        self._controller.emit(event)
-
-    def _reply(self, origin: str, text: str) -> None:
-        self._replies.append(Reply(origin, text))
-
-    def _task_picture(self) -> TaskPicture:
-        return self._tasks.picture
+    def _note_fault(self, text: str) -> None:
+        self.emit(DeviceNoted(self.controller.tick, "fault", text))
 
 
-def _check_point(request: object) -> None:
-    """Let a request pass that names no point of the signal table, or one that exists.
+def _is_rtsi_input(name: str) -> bool:
+    # Few programs watch one; the others need not pay for the import.
+    from elitescript.protocol.rtsi.inputs import INPUTS
 
-    Raises:
-        UsageError: it names another one.
-    """
-    name, index = getattr(request, "name", None), getattr(request, "index", None)
-    if name is None or index is None:
-        return
-    row = SIGNALS.get(name)
-    if row is None or not 0 <= index < row.size:
-        raise UsageError(f"there is no signal {name}[{index}]")
+    return name in INPUTS
 
 
-HANDLERS: Final[dict[type, Callable[[Kernel, Any], None]]] = {
-    Do: Kernel._do,
-    RunUnit: Kernel._run_unit,
-    **dict.fromkeys((LoadTask, LoadConfiguration, PlayTask, SetVariable, GetVariable), Kernel._task_input),
-    Interpret: lambda kernel, item: kernel._conversations.interpret(item),
-    InterpreterWord: lambda kernel, item: kernel._conversations.word(item),
-    Query: lambda kernel, item: kernel._conversations.query(item),
-    VariablesArrived: Kernel._arrived,
-    Lag: Kernel._lag,
-    ShowPopup: Kernel._show_popup,
-    ClosePopup: Kernel._close_popup,
-    AddFault: Kernel._add_fault,
-    AddLog: Kernel._add_log,
-    SetRemote: Kernel._set_remote,
-    Reboot: Kernel._reboot,
-    **dict.fromkeys((ChannelOpened, ChannelData, ChannelCredit, ChannelClosed), Kernel._channel),
-}
-"""Every kind of input and what handles it."""
+def _checked_joints(model: RobotModel, joints: Six) -> Six:
+    for value, limit in zip(joints, model.joints, strict=True):
+        if not limit.q_min <= value <= limit.q_max:
+            raise UsageError(f"joint {limit.name} must be in [{limit.q_min:.4f}, {limit.q_max:.4f}] rad, got {value:g}")
+    return joints

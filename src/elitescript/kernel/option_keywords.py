@@ -47,3 +47,5 @@ class RobotKeywords(TypedDict, total=False):
     """how long a remote procedure call waits for its answer; 0 waits for ever (default: 60.0)"""
     strict: bool
     """refuse what only warns otherwise (default: False)"""
+    confirms_popups: bool
+    """confirm popups that block at once; if not, a client of the dashboard does (default: True)"""

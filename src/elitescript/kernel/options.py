@@ -316,7 +316,9 @@ class RobotOptions:
     strict: bool = option(
         False, "refuse what only warns otherwise", Switch(), flag="--strict", commands=("run", "check", "serve")
     )
-    confirms_popups: bool = option(False, "confirm popups at once, where there is no pendant")
+    confirms_popups: bool = option(
+        False, "confirm popups that block at once; if not, a client of the dashboard does", Switch()
+    )
 
     def __post_init__(self) -> None:
         for name in _CHECKED:

@@ -21,6 +21,7 @@ from elitescript.lint.registry import all_rules
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.profile import Profile
+from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import SECONDARY_WARNING, ScriptHost
 from elitescript.runtime.names.bindings import is_known
 
@@ -38,6 +39,7 @@ class Programs:
         host: runs them.
         profile: the firmware.
         arm: for which programs are checked.
+        environment: everything outside them.
         is_strict: refuse what a Python 3 controller refuses, and what `check` calls an error.
 
     Attributes:
@@ -45,24 +47,47 @@ class Programs:
         told: code and line of what was found in the newest program before it began.
     """
 
-    __slots__ = ("_arm", "_controller", "_host", "_is_strict", "_nonsense", "_profile", "presets", "told")
+    __slots__ = (
+        "_arm",
+        "_controller",
+        "_environment",
+        "_host",
+        "_invalid_lines",
+        "_is_strict",
+        "_profile",
+        "presets",
+        "told",
+    )
 
     def __init__(
-        self, controller: Controller, host: ScriptHost, profile: Profile, arm: ArmFacts, *, is_strict: bool
+        self,
+        controller: Controller,
+        host: ScriptHost,
+        profile: Profile,
+        arm: ArmFacts,
+        environment: ProgramEnvironment,
+        *,
+        is_strict: bool,
     ) -> None:
         all_rules()  # loaded now: the first program does not wait for them
         self._controller = controller
         self._host = host
         self._profile = profile
         self._arm = arm
+        self._environment = environment
         self.told: frozenset[tuple[str, int]] = frozenset()
         self._is_strict = is_strict
-        self._nonsense = InvalidLineLimiter(self._warn)
+        self._invalid_lines = InvalidLineLimiter(self._warn)
         self.presets: dict[str, object] = {}
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether invalid lines are to be reported in one of the next ticks."""
+        return self._invalid_lines.is_counting
+
     def go_on(self) -> None:
-        """A tick begins."""
-        self._nonsense.go_on(self._controller.tick)
+        """Begin a tick."""
+        self._invalid_lines.go_on(self._controller.tick)
 
     def run(self, unit: RunUnit) -> None:
         """Run a unit: a program or a line replaces what runs, a secondary program runs beside it.
@@ -73,7 +98,7 @@ class Programs:
         try:
             compiled = self.compiled(f"<{unit.origin}>", unit.text, unit.kind)
         except ProgramError as error:
-            if unit.kind != LINE or self._nonsense.is_told(unit.origin, self._controller.tick):
+            if unit.kind != LINE or self._invalid_lines.is_told(unit.origin, self._controller.tick):
                 self.report(error, unit.kind, unit.origin)
             return
         if unit.kind == SECONDARY:
@@ -83,7 +108,7 @@ class Programs:
                 self._warn(f"{SECONDARY_WARNING}{error}")
             return
         if unit.kind == LINE and (name := self._missing_name(unit.text)):
-            if self._nonsense.is_told(unit.origin, self._controller.tick):
+            if self._invalid_lines.is_told(unit.origin, self._controller.tick):
                 text = f"name {name!r} is not defined"
                 self._alarm("R100", "NameError", text, 1, 1, unit.origin, unit.text.split("\n", 1)[0])
             return
@@ -111,7 +136,7 @@ class Programs:
         """Start a program in the place of the running one, in this tick."""
         self._host.end_now(self._controller.tick)
         self._controller.task_started(name)
-        self._host.start(unit, dict(self.presets))
+        self._host.start(unit, dict(self.presets), world=self._environment)
 
     def report(self, error: ProgramError, kind: str | None, origin: str) -> None:
         """Say why a text does not compile: the first error as an alarm, the others of a program in the log.

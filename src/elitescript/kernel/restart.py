@@ -14,10 +14,9 @@ from dataclasses import replace
 from math import inf, isfinite
 from typing import Final
 
-from elitescript.kernel.causes import RESTART
 from elitescript.kernel.options import RobotOptions
 from elitescript.messages.enums import RobotMode, SafetyMode
-from elitescript.messages.inputs import Do, Input, LoadTask
+from elitescript.messages.inputs import RESTART, Do, Input, LoadTask
 from elitescript.messages.machine import (
     AskSafety,
     MachineRequest,

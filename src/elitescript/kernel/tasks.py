@@ -26,7 +26,7 @@ from elitescript.messages.machine import ResumeTask
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.alarms import without_addresses
-from elitescript.runtime.environment import Channels, Files, relative_name
+from elitescript.runtime.environment import ProgramEnvironment, relative_name
 from elitescript.runtime.host import ScriptHost
 
 VALUE_MAX: Final = 4096
@@ -43,8 +43,7 @@ class Tasks:
         controller: the machine.
         host: runs programs.
         programs: starts them.
-        files: the task folder.
-        channels: to clients that have the program of a task.
+        environment: the task folder, and the network to clients that have the program of a task.
         configuration: path of the configuration that is loaded at the start.
     """
 
@@ -66,19 +65,23 @@ class Tasks:
         controller: Controller,
         host: ScriptHost,
         programs: Programs,
-        files: Files,
-        channels: Channels,
+        environment: ProgramEnvironment,
         configuration: str,
     ) -> None:
         self._controller = controller
         self._host = host
         self._programs = programs
-        self._files = files
-        self._channels = channels
+        self._files = environment.files
+        self._channels = environment.channels
         self._fetch: Fetch | None = None
         self._loaded = ""
         self._initial = self._configuration = configuration
         self._picture: TaskPicture | None = None
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether a program is on its way from a client."""
+        return self._fetch is not None
 
     @property
     def picture(self) -> TaskPicture:

@@ -64,6 +64,7 @@ REGISTRY: Final[tuple[type, ...]] = (
     motion.MicroLine,
     LineSettings,
     outputs.Output,
+    outputs.TickResult,
     outputs.Reply,
     snapshot.RobotDescription,
     snapshot.Snapshot,

@@ -11,6 +11,12 @@ from typing import Final
 
 from elitescript.messages.machine import MachineRequest
 
+WORLD: Final = "world"
+"""Origin of what the devices beside a robot do to its signals, followed by `:` and the kind of device."""
+
+RESTART: Final = "restart"
+"""Origin of the inputs that give a fresh robot the state of the one before it."""
+
 UNIT_KINDS: Final = ("program", "secondary", "line")
 """What a unit of script text is."""
 

@@ -1,4 +1,4 @@
-"""What a robot has to say after a tick."""
+"""What a tick of a robot gives: events, requests of its programs, replies, and the machine as its ports show it."""
 
 from __future__ import annotations
 
@@ -82,11 +82,31 @@ class Reply:
 
 
 @dataclass(frozen=True, slots=True)
+class TickResult:
+    """What happened in one tick."""
+
+    tick: int
+    events: tuple[Event, ...]
+    requests: tuple[ChannelRequest, ...]
+    replies: tuple[Reply, ...]
+
+    def with_snapshot(self, snapshot: Snapshot) -> Output:
+        """Return what ports publish of this tick."""
+        return Output(self.tick, self.events, self.requests, self.replies, snapshot)
+
+
+@dataclass(frozen=True, slots=True)
 class Output:
-    """All of it."""
+    """What ports publish of one tick: what happened, and the machine as they show it."""
 
     tick: int
     events: tuple[Event, ...]
     requests: tuple[ChannelRequest, ...]
     replies: tuple[Reply, ...]
     snapshot: Snapshot
+    """Of this tick, or an older one if nothing was to read more than its discrete state; see `is_fresh`."""
+
+    @property
+    def is_fresh(self) -> bool:
+        """Whether the snapshot is of this very tick."""
+        return self.snapshot.robot.tick == self.tick

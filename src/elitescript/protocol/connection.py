@@ -56,6 +56,14 @@ class Connection(ABC):
     def publish(self, output: Output) -> None:
         """Take note of a tick: queue what this client is to hear of it."""
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """Whether it reads more of the snapshot of a tick than the discrete state: joints, poses, forces, times.
+
+        Asked before the tick runs; what `receive` and `publish` get else may be an older snapshot, of which only the
+        discrete state (levels, modes, tool, task) is that of the tick. See `messages.outputs.Output`.
+        """
+        return False
+
     @property
     def is_busy(self) -> bool:
         """Whether it has enough to work on: leave what the peer sends in the socket until this is over."""
@@ -65,6 +73,13 @@ class Connection(ABC):
     def is_expecting(self) -> bool:
         """Whether an answer to what the peer has asked is still to come."""
         return False
+
+    def next_tick(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that must be published although nothing happens in it; None if none must.
+
+        A tick in which there are events or replies must be published in any case.
+        """
+        return tick + 1 if self.is_busy or self.is_expecting else None
 
     def due(self) -> list[Input]:
         """Return what time alone has made of bytes that came before; to be asked after every `publish`."""

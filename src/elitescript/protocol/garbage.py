@@ -65,6 +65,11 @@ class GarbageBurst:
         self._lines += 1
         self._size += len(line)
 
+    @property
+    def report_tick(self) -> int | None:
+        """The tick in which it is to be told although it goes on; None if there is nothing to tell."""
+        return self._next_report_at if self._lines else None
+
     def is_due(self, tick: int) -> bool:
         """Whether it lasts so long that it is to be told before its end."""
         return bool(self._lines) and tick >= self._next_report_at

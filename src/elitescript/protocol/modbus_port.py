@@ -125,7 +125,7 @@ class ModbusConnection(Connection):
         port: what it shares with the others.
     """
 
-    __slots__ = ("_count", "_due", "_frames", "_left", "_port", "_splitter", "_tick", "_write")
+    __slots__ = ("_count", "_due", "_frames", "_left", "_port", "_splitter", "_tick", "_ticks", "_write")
 
     def __init__(self, origin: str, description: RobotDescription, port: ModbusPort) -> None:
         super().__init__(origin, description)
@@ -137,6 +137,8 @@ class ModbusConnection(Connection):
         self._count = 0
         self._tick = -1
         self._left = 0
+        self._ticks = 0
+        """That it has been given."""
         port.clients += 1
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
@@ -156,8 +158,13 @@ class ModbusConnection(Connection):
         """See `Connection.is_expecting`."""
         return self.is_busy
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """See `Connection.reads_snapshot`: a request may come at any time."""
+        return True
+
     def publish(self, output: Output) -> None:
         """See `Connection.publish`."""
+        self._ticks += 1
         if self._write is not None:
             self._settle(self._write, output)
         if self._frames:
@@ -189,6 +196,9 @@ class ModbusConnection(Connection):
 
     def _go_on(self, output: Output) -> list[Input]:
         """Take requests in their order, up to the first write or as many as a tick allows."""
+        if self._ticks < 2 and not output.is_fresh:
+            # It came after the last tick, or while that was under way: the next one is asked for its snapshot.
+            return []
         if output.tick != self._tick:
             self._tick, self._left = output.tick, self._port.share
         while self._frames and self._write is None and self._left > 0:

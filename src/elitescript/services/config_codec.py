@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.modes import PowerTimes
@@ -14,8 +14,10 @@ from elitescript.kernel.options import RobotOptions
 from elitescript.messages.codec import Codec, to_text
 from elitescript.messages.events import Event, MotionStarted
 from elitescript.messages.motion import MoveML
-from elitescript.messages.outputs import Output
+from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.shapes import CodecError, Shape, check_list, shown
+
+Said = TypeVar("Said", Output, TickResult)
 
 
 def full_codec() -> Codec:
@@ -65,11 +67,8 @@ def output_text(shape: Shape[Output], output: Output) -> str:
     return to_text(shape.encode(without_points(output)))
 
 
-def without_points(output: Output) -> Output:
-    """An output as it is written.
-
-    A million points of a file are not sent to whoever hears that the arm begins to follow them.
-    """
+def without_points(output: Said) -> Said:
+    """Return an output as it is written: the event that the arm begins to follow a file does not carry its points."""
     if any(_has_points(event) for event in output.events):
         return replace(output, events=tuple(map(_without_points, output.events)))
     return output

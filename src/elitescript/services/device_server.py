@@ -70,9 +70,14 @@ class DeviceServer:
     # ---------------------------------------------------------------- the robot that is not there
 
     @property
-    def tick(self) -> int:
+    def present_tick(self) -> int:
         """The time is that of the world itself."""
         return 0
+
+    @property
+    def has_news(self) -> bool:
+        """There is no robot."""
+        return False
 
     def read(self, name: str, index: int) -> Value:
         """A level that was set before."""
@@ -346,7 +351,7 @@ class _Terminal(_End):
                 self._room += size
             case ChannelData(_, data):
                 self._server.credit(self._channel, len(data))
-                with contextlib.suppress(OSError):  # nobody reads it, as on a real line
+                with contextlib.suppress(OSError):  # no reader, as on a real line
                     os.write(self._fd, data)
 
     def close(self) -> None:

@@ -1,7 +1,11 @@
 """How the serving process reaches a robot: in this process, or in a child.
 
-Whichever it is, a tick is one call: inputs in, what the robot has to say out. The robot knows no clock; who calls
-decides how fast its time passes.
+Whichever it is, a tick is one call: inputs in, output out. The robot knows no clock: how fast its time passes is
+decided by the calls.
+
+A snapshot takes most of the time of a tick, so one is made only at ticks of which something reads it, and when the
+discrete state has changed. The snapshot of any output therefore tells the truth about levels, modes, tool and task;
+joints, poses and forces in it may be older, if nothing was to read them.
 """
 
 from __future__ import annotations
@@ -10,8 +14,8 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from elitescript.messages.inputs import Input
-from elitescript.messages.outputs import Output
-from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.outputs import Output, TickResult
+from elitescript.messages.snapshot import RobotDescription, Snapshot
 
 
 class TickedRobot(Protocol):
@@ -21,8 +25,14 @@ class TickedRobot(Protocol):
     def description(self) -> RobotDescription:
         """What never changes about it."""
 
-    def tick(self, inputs: Sequence[Input]) -> Output:
+    def tick(self, inputs: Sequence[Input]) -> TickResult:
         """Apply inputs in their order and go on by one tick."""
+
+    def snapshot(self) -> Snapshot:
+        """Return the machine as its ports show it after the last tick."""
+
+    def discrete_state(self) -> tuple[object, ...]:
+        """Return all that a snapshot shows and that does not change with time alone."""
 
 
 class RobotLink(Protocol):
@@ -42,8 +52,13 @@ class RobotLink(Protocol):
     async def open(self) -> None:
         """Bring the robot up."""
 
-    async def tick(self, inputs: Sequence[Input]) -> Output:
-        """Give the robot its inputs and return what it has to say after one tick."""
+    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+        """Run one tick.
+
+        Args:
+            inputs: for the robot, in order.
+            reads_snapshot: whether something reads more of its snapshot than the discrete state.
+        """
 
     async def close(self) -> None:
         """Let the robot go."""
@@ -56,10 +71,12 @@ class InProcessLink:
         robot: the robot.
     """
 
-    __slots__ = ("robot",)
+    __slots__ = ("_discrete_state", "_snapshot", "robot")
 
     def __init__(self, robot: TickedRobot) -> None:
         self.robot = robot
+        self._discrete_state: tuple[object, ...] = ()
+        self._snapshot: Snapshot
 
     @property
     def description(self) -> RobotDescription:
@@ -72,12 +89,16 @@ class InProcessLink:
     async def open(self) -> None:
         """Nothing has to be brought up."""
 
-    async def tick(self, inputs: Sequence[Input]) -> Output:
-        return self.robot.tick(inputs)
+    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+        return self.tick_now(inputs, reads_snapshot)
 
-    def tick_now(self, inputs: Sequence[Input]) -> Output:
+    def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
         """As `tick`, without waiting."""
-        return self.robot.tick(inputs)
+        robot = self.robot
+        result, discrete_state = robot.tick(inputs), robot.discrete_state()
+        if reads_snapshot or discrete_state != self._discrete_state:
+            self._discrete_state, self._snapshot = discrete_state, robot.snapshot()
+        return result.with_snapshot(self._snapshot)
 
     async def close(self) -> None:
         """Nothing is left behind."""

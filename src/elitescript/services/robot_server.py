@@ -1,7 +1,7 @@
 """One served robot: its ports, its clients, its time.
 
-A tick takes what clients and peers have sent since the last one, gives it to the robot, and passes what the robot says
-on to everybody. Nothing here depends on who asked or how the robot is reached.
+A tick takes what clients and peers have sent since the last one, gives it to the robot, and publishes its output.
+Nothing here depends on the protocol of a client or on how the robot is reached.
 """
 
 from __future__ import annotations
@@ -9,162 +9,118 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from math import inf
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input, Lag
 from elitescript.messages.outputs import Output
-from elitescript.messages.snapshot import Snapshot
-from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
+from elitescript.messages.timing import PERIOD_S
+from elitescript.protocol.connection import Connection
+from elitescript.protocol.table import services_of
 from elitescript.services.channels.broker import Broker
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.clients.binding import bind_one
 from elitescript.services.clients.input_queue import WAITING_MAX, InputQueue
 from elitescript.services.clients.listener import Listener
 from elitescript.services.clients.shares import Shares
-from elitescript.services.robot_link import RobotLink
+from elitescript.services.log import ServerLog
+from elitescript.services.robot_link import InProcessLink, RobotLink
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.table import SSH, services_of
-from elitescript.services.time.cycle import Cycle
-from elitescript.services.time.lockstep import TIMEOUT_S, Lockstep
+from elitescript.services.table import SSH
+from elitescript.services.time.lockstep import TIMEOUT_S, LockstepTime
+from elitescript.services.time.paced import PacedTime
 
 if TYPE_CHECKING:
-    from elitescript.devices.world import World
     from elitescript.services.served_devices import ServedDevices
     from elitescript.services.ssh.desk import SshDesk
 
 RTSI: Final = "rtsi"
-DEVICE: Final = "device"
-"""Kind of the notes that are words of virtual devices."""
 PENDING_MAX: Final = 10_000
 """Inputs that may wait while time stands still."""
-REPORT_TICKS: Final = 10 * TICKS_PER_S
-"""After so many ticks the log is told how many of them were late."""
-LATE_MANY: Final = REPORT_TICKS // 100
-"""So many of them are a problem."""
-BUSY_STEPS: Final = 64
-"""Ticks in lockstep after which everybody else is served."""
-
-
-_ALL_FIELDS: Final = attrgetter(*Snapshot.__dataclass_fields__)
-_OVERRUNS_AT: Final = list(Snapshot.__dataclass_fields__).index("overruns")
-
-
-@dataclass(frozen=True, slots=True)
-class LogLine:
-    """A line of the log of a `serve`: something about a client, a port or time."""
-
-    robot: str
-    kind: str
-    text: str
-    is_problem: bool
-    details: Mapping[str, Any] = field(default_factory=dict)
-
-
-Listen = Callable[["RobotServer", Event | LogLine], None]
 
 
 class RobotServer:
-    """One robot and everybody who talks to it.
+    """One robot with its ports and clients.
 
     Args:
-        name: tells it from the other robots of this `serve`.
         link: the way to the robot.
+        log: takes every event of the robot, and lines about clients, ports and time.
         is_lockstep: time waits for RTSI clients; see `services.time.lockstep`.
         lockstep_timeout_s: how long it waits for each of them, wall time, s.
-        listen: hears every event of the robot and every note; must not block.
         lines: what is on the robot's serial ports; see `environment.line_bindings`.
-        world: virtual devices beside the robot.
-        keeper: remembers what the robot keeps; nobody does if None.
+        devices: virtual devices beside the robot.
+        keeper: writes down what the robot keeps; nothing is written if None.
         policy: what programs may reach.
-        ssh_password: that SSH clients log in with; there is no SSH port if None.
+        ssh: the SSH port; there is none if None.
+
+    Attributes:
+        name: tells it from the other robots of this `serve`.
+        output: of the last tick.
     """
 
     __slots__ = (
         "_answered",
         "_by_urgency",
         "_comers",
-        "_cycle",
-        "_failure",
         "_followers",
-        "_inbox",
+        "_inputs",
         "_is_lockstep",
-        "_is_standing",
         "_is_under_way",
         "_keeper",
         "_lag_ticks",
-        "_listen",
-        "_lockstep",
         "_lockstep_timeout_s",
-        "_news",
+        "_log",
         "_overruns_before",
-        "_relief",
-        "_relieved_s",
         "_ssh",
         "_stepped",
         "_task",
-        "_world",
+        "_time",
         "broker",
+        "devices",
         "link",
         "listeners",
         "name",
         "output",
         "shares",
-        "waits_for",
     )
 
     def __init__(
         self,
-        name: str,
         link: RobotLink,
-        listen: Listen,
+        log: ServerLog,
         *,
         is_lockstep: bool = False,
         lockstep_timeout_s: float = TIMEOUT_S,
         lines: Mapping[str, str] | None = None,
-        world: World | None = None,
+        devices: ServedDevices | None = None,
         keeper: StateKeeper | None = None,
         policy: ConnectPolicy | None = None,
-        ssh_password: str | None = None,
+        ssh: SshDesk | None = None,
     ) -> None:
-        self.name = name
+        self.name = log.robot
         self.link = link
+        self.devices = devices
         self.listeners: dict[str, Listener] = {}
-        self._by_urgency: list[Listener] = []
-        self._ssh: SshDesk | None = None
-        if ssh_password is not None:
-            from elitescript.services.ssh.desk import SshDesk
-
-            self._ssh = SshDesk(self, ssh_password)
-        self.broker = Broker(self.post if self._ssh is None else self._post_from_lines, lines, policy)
         self.output: Output
         self.shares = Shares()
-        self.waits_for = ""
-        """Origin of the client that time waits for in lockstep."""
-        self._listen = listen
+        self._log = log
+        self._by_urgency: list[Listener] = []
+        self._ssh = ssh
+        self.broker = Broker(self.post if ssh is None else self._post_from_lines, lines, policy)
         self._is_lockstep = is_lockstep
         self._lockstep_timeout_s = lockstep_timeout_s
-        self._lockstep: Lockstep
-        self._is_standing = False
+        self._time: PacedTime | None = None
         self._is_under_way = False
         """Whether a tick has taken its inputs and has not given its output yet."""
         self._keeper = keeper
-        if keeper is not None:
-            keeper.tell = lambda text: self.note("state", text, is_problem=True)
         self._overruns_before = 0
         self._lag_ticks = 0
-        """That the robot was told last."""
-        self._failure: Exception | None = None
+        """The last that was an input of the robot."""
         # Time that waits for clients waits for what they ask, too.
-        self._inbox = InputQueue(inf) if is_lockstep else InputQueue()
-        self._relief: asyncio.TimerHandle | None = None
-        self._relieved_s = 0.0
-        self._news = asyncio.Event()
+        self._inputs = InputQueue(inf) if is_lockstep else InputQueue()
         self._stepped: list[asyncio.Future[Output]] = []
         """Wait for the tick that begins next."""
         self._answered: list[asyncio.Future[Output]] = []
@@ -172,59 +128,36 @@ class RobotServer:
         self._comers: list[Callable[[Output], bool]] = []
         """Follow from the tick that begins next."""
         self._followers: list[Callable[[Output], bool]] = []
-        self._cycle: Cycle | None = None
         self._task: asyncio.Task[None] | None = None
-        self._world: ServedDevices | None = None
-        if world is not None:
-            from elitescript.services.served_devices import beside
-
-            self._world = beside(self, world)
 
     # ---------------------------------------------------------------- what clients call
 
     def post(self, inputs: list[Input]) -> int:
         """Take inputs for the next tick that begins; return its number."""
-        self._inbox.post(inputs)
+        self._inputs.post(inputs)
         return self.output.tick + (2 if self._is_under_way else 1)
 
     def _post_from_lines(self, inputs: list[Input]) -> None:
-        """Take what channels have to say; what belongs to bridges of serial ports stays with them."""
+        """Take inputs from channels; what belongs to bridges of serial ports stays with them."""
         assert self._ssh is not None
         if kept := self._ssh.taps.incoming(inputs):
             self.post(kept)
 
     def waiting_of(self, origin: str) -> int:
-        """Inputs of a client that could not go in at the last tick."""
-        return self._inbox.waiting_of(origin)
+        """Return how many inputs of a client could not go in at the last tick."""
+        return self._inputs.waiting_of(origin)
 
     def wake(self) -> None:
-        """Something has changed that time may have waited for."""
-        if not self._is_standing or self._failure is not None:
-            return
-        tick_now = getattr(self.link, "tick_now", None)
-        found = self._lockstep.gate()
-        if tick_now is None or not found.is_open or not found.has_participants:
-            self._news.set()
-            return
-        # The shortest way from a client's answer to its next package: no turn of the event loop in between.
-        try:
-            self._pass_on(tick_now(self._taken()))
-        except Exception as error:
-            # It is not the client's: what passes time ends with it.
-            self._failure = error
-            self._news.set()
-            return
-        found = self._lockstep.gate()
-        self.waits_for = found.waits_for
-        if found.is_open:
-            self._news.set()
+        """Look again whether time may go on, if it waits for a client."""
+        if self._time is not None:
+            self._time.wake()
 
     def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
-        """A line for the log."""
-        self._listen(self, LogLine(self.name, kind, text, is_problem, details))
+        """Write a line of the log."""
+        self._log.note(kind, text, is_problem=is_problem, **details)
 
     async def next_output(self) -> Output:
-        """What the robot says at the next tick that begins: it has heard what was posted before."""
+        """Return the output of the next tick that begins, with its snapshot; it has taken what was posted before."""
         waiter: asyncio.Future[Output] = asyncio.get_running_loop().create_future()
         self._stepped.append(waiter)
         return await waiter
@@ -233,20 +166,31 @@ class RobotServer:
         """Call `take` with every output from the next tick that begins on, without a gap, until it returns False."""
         self._comers.append(take)
 
+    def connect(self, service: str, origin: str) -> Connection:
+        """Make a connection to a port, for a device in this process.
+
+        Raises:
+            UsageError: there is no such port.
+        """
+        listener = self.listeners.get(service)
+        if listener is None:
+            raise UsageError(f"service: the robot has the ports {', '.join(self.listeners)}, not {service!r}")
+        return listener.connect(origin)
+
     @property
-    def world(self) -> ServedDevices | None:
-        """The virtual devices beside the robot."""
-        return self._world
+    def waits_for(self) -> str:
+        """Origin of the client that time waits for in lockstep; empty if there is none."""
+        return "" if self._time is None else self._time.waits_for
 
     @property
     def overruns(self) -> int:
         """Ticks that began late."""
-        return 0 if self._cycle is None else self._cycle.overruns
+        return 0 if self._time is None else self._time.overruns
 
     @property
     def left_out(self) -> int:
         """Ticks that never were because the computer was away."""
-        return 0 if self._cycle is None else self._cycle.left_out
+        return 0 if self._time is None else self._time.left_out
 
     @property
     def ports(self) -> dict[str, int]:
@@ -294,11 +238,11 @@ class RobotServer:
             raise
 
     async def boot(self) -> None:
-        """Bring the robot up, with one tick, so that there is something to show."""
+        """Bring the robot up, with one tick, so that there is an output."""
         await self.link.open()
         self.output = await self.link.tick(())
-        if self._world is not None:
-            self._world.begin(self.output)
+        if self.devices is not None:
+            self.devices.begin(self.output, self.connect)
         self._carry_out(self.output)
 
     async def open(self) -> None:
@@ -307,12 +251,13 @@ class RobotServer:
             await listener.open()
         if self._ssh is not None:
             await self._ssh.open()
-        self._hear(self.output)
-        self._cycle = Cycle(on_left_out=self._left_out)
+        self._write_events(self.output)
         if self._is_lockstep:
-            self._lockstep = Lockstep(self.listeners[RTSI].clients, self._let_go, self._lockstep_timeout_s)
-        run = self._run_in_lockstep() if self._is_lockstep else self._run_paced()
-        self._task = asyncio.get_running_loop().create_task(run)
+            clients, timeout_s = self.listeners[RTSI].clients, self._lockstep_timeout_s
+            self._time = LockstepTime(self._log, self._note_left_out, clients, self._step_now, self._relieve, timeout_s)
+        else:
+            self._time = PacedTime(self._log, self._note_left_out)
+        self._task = asyncio.get_running_loop().create_task(self._run(self._time))
 
     @property
     def task(self) -> asyncio.Task[None]:
@@ -327,132 +272,96 @@ class RobotServer:
             self._task.cancel()
             with contextlib.suppress(asyncio.CancelledError, Exception):
                 await self._task
-        if self._relief is not None:
-            self._relief.cancel()
+        if self._time is not None:
+            self._time.close()
         for listener in self.listeners.values():
             await listener.close()
         if self._ssh is not None:
             await self._ssh.close()
-        if self._world is not None:
-            self._world.close_all()
+        if self.devices is not None:
+            self.devices.close_all()
         self.broker.close_all()
         for waiter in (*self._stepped, *self._answered):
             waiter.cancel()
-        if self._cycle is not None:
-            self._cycle.close()
         await self.link.close()
         if self._keeper is not None:
             await self._keeper.close()
 
     # ---------------------------------------------------------------- time
 
-    async def _run_paced(self) -> None:
-        cycle = self._cycle
-        assert cycle is not None
+    async def _run(self, time: PacedTime) -> None:
+        """Let time pass; never returns."""
         while True:
-            before = cycle.overruns
-            for _ in range(REPORT_TICKS):
-                await cycle.next()
-                output = await self.link.tick([*self._lag(cycle.lag_ticks), *self._taken()])
-                if cycle.overruns:
-                    output = replace(output, snapshot=_counted(output.snapshot, cycle.overruns))
-                await cycle.outlet()
-                self._pass_on(output)
-            self._tell_late(cycle, cycle.overruns - before)
+            await time.next()
+            lag = self._lag(time.lag_ticks)
+            output = await self.link.tick([*lag, *self._begin_tick()], self._reads_snapshot())
+            if self._has_readers:
+                await time.outlet()
+            self._end_tick(time.with_overruns(output))
+
+    async def step(self) -> None:
+        """Run one tick, whose output leaves as soon as it is there."""
+        self._end_tick(await self.link.tick(self._begin_tick(), self._reads_snapshot()))
+
+    def _step_now(self) -> bool:
+        """Do the same without waiting, if the robot is in this process; return whether it is."""
+        if not isinstance(self.link, InProcessLink):
+            return False
+        self._end_tick(self.link.tick_now(self._begin_tick(), self._reads_snapshot()))
+        return True
 
     def _lag(self, ticks: int) -> tuple[Lag, ...]:
-        """What tells the robot how far its time is behind, if that is new and its programs may wait for peers."""
+        """Return the input for how far robot time is behind, if that is new and programs may wait for peers."""
         if ticks == self._lag_ticks or (ticks and not self.broker.count):
             return ()
         self._lag_ticks = ticks
         return (Lag(self.name, ticks),)
 
-    def _tell_late(self, cycle: Cycle, late: int) -> None:
-        """Say how many ticks began late of the last `REPORT_TICKS`."""
-        worst_ms, cycle.worst_ns = cycle.worst_ns / 1e6, 0
-        if late:
-            text = f"{late} of {REPORT_TICKS} ticks began late, by {worst_ms:.1f} ms at most: the computer is busy"
-            self.note("late", text, is_problem=late >= LATE_MANY, ticks=late, worst_ms=worst_ms)
+    def _note_left_out(self, ticks: int) -> None:
+        is_playing = self.output.snapshot.robot.task_state is TaskState.PLAYING
+        text = (
+            f"the computer was away or too slow for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
+        )
+        self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
 
-    async def _run_in_lockstep(self) -> None:
-        cycle = self._cycle
-        assert cycle is not None
-        steps = 0
-        self._relieved_s = asyncio.get_running_loop().time()
-        self._relieve()
-        while True:
-            found = self._lockstep.gate()
-            self.waits_for = found.waits_for
-            if not found.has_participants:
-                await cycle.next()
-                if not self._lockstep.gate().has_participants:
-                    await self.step()
-                continue
-            cycle.restart()
-            if found.is_open:
-                await self.step()
-                steps += 1
-                if steps % BUSY_STEPS == 0:
-                    await asyncio.sleep(0)
-            else:
-                self._news.clear()
-                self._is_standing = True
-                try:
-                    await self._news.wait()
-                finally:
-                    self._is_standing = False
-                if self._failure is not None:
-                    raise self._failure
-
-    def _relieve(self) -> None:
-        """While no tick comes, clients are read on; if too much waits for a tick, only the one that time waits for."""
+    def _relieve(self, waits_for: str) -> None:
+        """While no tick comes, read clients on; if too much waits for a tick, only the one that time waits for."""
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
-                if len(self._inbox) < PENDING_MAX or client.origin == self.waits_for:
+                if len(self._inputs) < PENDING_MAX or client.origin == waits_for:
                     client.relieve()
         self._begin_reading()
-        loop = asyncio.get_running_loop()
-        before_s, self._relieved_s = self._relieved_s, loop.time()
-        if self._lockstep.watch(self.output.tick, self._relieved_s - before_s):
-            self._news.set()
-        self._relief = loop.call_later(PERIOD_S, self._relieve)
 
-    def _let_go(self, text: str, origin: str) -> None:
-        self.note("let_go", text, is_problem=True, origin=origin)
+    @property
+    def _has_readers(self) -> bool:
+        """Whether an output leaves this process: clients, or connections of programs, are open."""
+        return self.broker.count > 0 or any(listener.clients for listener in self._by_urgency)
 
-    async def step(self) -> None:
-        """One tick, whose output leaves as soon as it is there."""
-        self._pass_on(await self.link.tick(self._taken()))
-
-    def _taken(self) -> list[Input]:
-        """What the tick that begins now is given."""
+    def _begin_tick(self) -> list[Input]:
+        """Take what the tick that begins now is given."""
         self._is_under_way = True
         self._answered += self._stepped
         self._stepped.clear()
         self._followers += self._comers
         self._comers.clear()
-        if self._inbox.refused:
-            self._tell_refused()
-        inputs = self._inbox.take(self.link.room)
-        if self._world is None:
+        if self._inputs.refused:
+            self._note_refused()
+        inputs = self._inputs.take(self.link.room)
+        if self.devices is None:
             return inputs
-        beside = self._world.inputs(self.output.tick + 1)
+        beside = self.devices.inputs(self.output.tick + 1)
         return inputs + (beside if self._ssh is None else self._ssh.taps.incoming(beside))
 
-    def _tell_refused(self) -> None:
-        count, self._inbox.refused = self._inbox.refused, 0
-        text = f"{count} inputs were refused: {WAITING_MAX} wait for the robot already"
-        self.note("overfull", text, is_problem=True, count=count)
-
-    def _pass_on(self, output: Output) -> None:
-        """Give everybody what the robot has said."""
+    def _end_tick(self, output: Output) -> None:
+        """Publish the output of the tick."""
         self.output = output
+        self._log.tick = output.tick
         self._is_under_way = False
         for listener in self._by_urgency:
             if listener.clients:
                 listener.publish(output)
         self._carry_out(output)
-        self._hear(output)
+        self._write_events(output)
         if self._keeper is not None:
             self._keeper.take(output.snapshot.signals)
         if self._followers:
@@ -463,38 +372,39 @@ class RobotServer:
                 waiter.set_result(output)
         self._answered.clear()
 
-    def _carry_out(self, output: Output) -> None:
-        """Do what programs ask of their connections; virtual devices see the tick."""
-        if self._ssh is not None:
-            requests = self._ssh.taps.outgoing(output.requests)
-            if requests is not output.requests:
-                output = replace(output, requests=tuple(requests))
-        self.broker.carry_out(output.requests if self._world is None else self._world.take(output))
-
     def _begin_reading(self) -> None:
-        """Everybody has got the tick; now there is time for what clients send."""
+        """Let clients be read on: the output of the tick has left."""
         for listener in self.listeners.values():
             listener.begin_tick()
         overruns = self.overruns
         self.shares.begin_tick(is_late=overruns > self._overruns_before)
         self._overruns_before = overruns
 
-    def _hear(self, output: Output) -> None:
+    def _reads_snapshot(self) -> bool:
+        """Whether anything reads more of the snapshot of the tick that begins now than the discrete state.
+
+        Time that stands still leaves no later tick to read, so in lockstep every snapshot is new.
+        """
+        tick = self.output.tick + 1
+        if self._is_lockstep or self._answered or (self.devices is not None and self.devices.reads_snapshot(tick)):
+            return True
+        return any(listener.reads_snapshot(tick) for listener in self._by_urgency)
+
+    def _note_refused(self) -> None:
+        count, self._inputs.refused = self._inputs.refused, 0
+        text = f"{count} inputs were refused: {WAITING_MAX} wait for the robot already"
+        self.note("overfull", text, is_problem=True, count=count)
+
+    def _carry_out(self, output: Output) -> None:
+        """Do what programs ask of their connections; let virtual devices see the tick."""
+        if self._ssh is not None:
+            requests = self._ssh.taps.outgoing(output.requests)
+            if requests is not output.requests:
+                output = replace(output, requests=tuple(requests))
+        self.broker.carry_out(output.requests if self.devices is None else self.devices.take(output))
+
+    def _write_events(self, output: Output) -> None:
         for event in output.events:
-            self._listen(self, event)
+            self._log.event(event)
             if self._ssh is not None:
-                self._ssh.hear(event)
-
-    def _left_out(self, ticks: int) -> None:
-        is_playing = self.output.snapshot.robot.task_state is TaskState.PLAYING
-        text = (
-            f"the computer was away or too slow for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
-        )
-        self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
-
-
-def _counted(snapshot: Snapshot, overruns: int) -> Snapshot:
-    """A snapshot with that many overruns. `dataclasses.replace` takes some times as long."""
-    fields = list(_ALL_FIELDS(snapshot))
-    fields[_OVERRUNS_AT] = overruns
-    return Snapshot(*fields)
+                self._ssh.take_event(event)

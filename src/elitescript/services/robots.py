@@ -1,10 +1,11 @@
-"""Which way to a robot a `serve` takes: a jailed child, a child, or none at all."""
+"""Composition of a served robot: its link (a jailed child, a child, or none at all), and its server with all parts."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from elitescript.devices.memory import MemoryFiles
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
@@ -19,7 +20,15 @@ from elitescript.services.child.jail import Layer
 from elitescript.services.child.link import ChildLink
 from elitescript.services.journal.replay import RecordedRobot
 from elitescript.services.journal.writer import Journal
+from elitescript.services.log import Listen, ServerLog
 from elitescript.services.robot_link import InProcessLink, RobotLink
+from elitescript.services.robot_server import RobotServer
+from elitescript.services.state_keeper import StateKeeper
+
+if TYPE_CHECKING:
+    from elitescript.devices.world import World
+    from elitescript.services.served_devices import ServedDevices
+    from elitescript.services.ssh.desk import SshDesk
 
 
 def robot_link(
@@ -54,6 +63,43 @@ def robot_link(
     return _RecordedLink(RecordedRobot(config, files, record), record)
 
 
+def served_robot(
+    name: str,
+    link: RobotLink,
+    listen: Listen,
+    *,
+    world: World | None = None,
+    keeper: StateKeeper | None = None,
+    ssh_password: str | None = None,
+    **options: Any,
+) -> RobotServer:
+    """Return the server of one robot.
+
+    Args:
+        name: tells it from the other robots of this `serve`.
+        link: the way to the robot.
+        listen: takes every event of the robot, and every line about clients, ports and time; must not block.
+        world: virtual devices beside the robot.
+        keeper: writes down what the robot keeps; nothing is written if None.
+        ssh_password: that SSH clients log in with; there is no SSH port if None.
+        options: see `RobotServer`.
+    """
+    log = ServerLog(name, listen)
+    if keeper is not None:
+        keeper.tell = lambda text: log.note("state", text, is_problem=True)
+    devices: ServedDevices | None = None
+    if world is not None:
+        from elitescript.services.served_devices import ServedDevices
+
+        devices = ServedDevices(world, log)
+    ssh: SshDesk | None = None
+    if ssh_password is not None:
+        from elitescript.services.ssh.desk import SshDesk
+
+        ssh = SshDesk(log, ssh_password)
+    return RobotServer(link, log, devices=devices, keeper=keeper, ssh=ssh, **options)
+
+
 def numbered_path(path: Path, index: int) -> Path:
     """The file of one of several robots: `day.journal`, `day.1.journal`, `day.2.journal`, ..."""
     return path if index == 0 else path.with_name(f"{path.stem}.{index}{path.suffix}")
@@ -80,11 +126,9 @@ class _RecordedLink(InProcessLink):
         super().__init__(robot)
         self._journal = journal
 
-    async def tick(self, inputs: Sequence[Input]) -> Output:
-        return self.tick_now(inputs)
-
-    def tick_now(self, inputs: Sequence[Input]) -> Output:
-        output = self.robot.tick(inputs)
+    def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+        # The digests of the journal cover the snapshot of every tick, so it is there already.
+        output = super().tick_now(inputs, reads_snapshot=True)
         warning = self._journal.take_warning(output.tick)
         return replace(output, events=(*output.events, *warning)) if warning else output
 

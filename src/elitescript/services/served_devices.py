@@ -1,8 +1,8 @@
 """The virtual devices beside a served robot, in the robot's own time.
 
-They live in the serving process. Before each tick they are asked what happens in it, after each tick they are shown its
-signals. What programs ask of connections goes to them if they have the port or the line, else to the broker. Faults of
-channels and inputs are not here: the robot itself has them, so that a session can be replayed.
+They live in the serving process. Before each tick they give its inputs, after each tick they get its signals. What
+programs ask of connections goes to them if they have the port or the line, else to the broker. Faults of channels and
+inputs are not here: the robot itself has them, so that a session can be replayed.
 """
 
 from __future__ import annotations
@@ -10,15 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import Final, TypeVar
 
 from elitescript.devices.agenda import DeviceError
 from elitescript.devices.channels.faults import Fault
 from elitescript.devices.world import World
-from elitescript.errors import UsageError
-from elitescript.kernel.causes import WORLD
 from elitescript.messages.events import DeviceNoted, Event, SignalChanged
-from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelEvent, ChannelOpened, Do, Input
+from elitescript.messages.inputs import WORLD, ChannelClosed, ChannelCredit, ChannelEvent, ChannelOpened, Do, Input
 from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
 from elitescript.messages.outputs import (
     CHANNEL_WINDOW,
@@ -32,39 +30,21 @@ from elitescript.messages.outputs import (
 )
 from elitescript.messages.signals import Value
 from elitescript.protocol.connection import Connection
-
-if TYPE_CHECKING:
-    from elitescript.services.robot_server import RobotServer
+from elitescript.services.log import DEVICE, ServerLog
 
 CHANNELS_MAX: Final = 64
 """Channels that may lead to devices at a time."""
 UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
-"""Bytes that may be on their way to a device; who keeps to the window stays below it."""
+"""Bytes that may be on their way to a device; within the window of a channel there are fewer."""
 
 T = TypeVar("T")
-
-Say = Callable[[str, bool], None]
-"""Takes a text, and whether it is a problem."""
 
 Connect = Callable[[str, str], Connection]
 """Makes a connection from the name of a port and its origin."""
 
 
-def beside(station: RobotServer, world: World) -> ServedDevices:
-    """A world beside the robot of a station."""
-    from elitescript.services.robot_server import DEVICE
-
-    def connect(service: str, origin: str) -> Connection:
-        listener = station.listeners.get(service)
-        if listener is None:
-            raise UsageError(f"service: the robot has the ports {', '.join(station.listeners)}, not {service!r}")
-        return listener.connect(origin)
-
-    return ServedDevices(world, lambda text, is_problem: station.note(DEVICE, text, is_problem=is_problem), connect)
-
-
 class _Lead:
-    """A channel that leads to a device."""
+    """A channel between the robot and a device."""
 
     __slots__ = ("inner", "number", "unsent")
 
@@ -78,22 +58,21 @@ class _Lead:
 
 
 class ServedDevices:
-    """A world beside a served robot.
+    """Connects a served robot with virtual devices.
 
-    What the robot asks for is not trusted: it has a bounded number of channels, and of bytes on their way.
+    Requests of the robot are not trusted: it has a bounded number of channels, and of bytes on their way.
 
     Args:
         world: its devices.
-        say: takes what they have to say.
-        connect: makes connections to ports of the robot.
+        log: takes what they write.
     """
 
-    __slots__ = ("_by_inner", "_connect", "_inputs", "_leads", "_output", "_refusals", "_say", "_world")
+    __slots__ = ("_by_inner", "_connect", "_inputs", "_leads", "_log", "_output", "_refusals", "_world")
 
-    def __init__(self, world: World, say: Say, connect: Connect) -> None:
+    def __init__(self, world: World, log: ServerLog) -> None:
         self._world = world
-        self._connect = connect
-        self._say = say
+        self._log = log
+        self._connect: Connect
         self._inputs: list[Input] = []
         self._output: Output | None = None
         self._leads: dict[int, _Lead] = {}
@@ -103,15 +82,15 @@ class ServedDevices:
         self._refusals: list[Input] = []
         world.on_device_failure = self._failed
 
-    # ---------------------------------------------------------------- what the world asks
+    # ---------------------------------------------------------------- what the devices call
 
     @property
-    def tick(self) -> int:
+    def present_tick(self) -> int:
         """The last tick."""
         return 0 if self._output is None else self._output.tick
 
     def read(self, name: str, index: int) -> Value:
-        """A point of the last picture."""
+        """Return a point of the signal table, after the last tick."""
         assert self._output is not None
         return self._output.snapshot.signals[name][index]
 
@@ -126,6 +105,11 @@ class ServedDevices:
     def connect(self, service: str, origin: str) -> Connection:
         """A connection to a port of the robot."""
         return self._connect(service, origin)
+
+    @property
+    def has_news(self) -> bool:
+        """Whether something has happened in the last tick."""
+        return bool(self.output().events or self.output().replies)
 
     def output(self) -> Output:
         """The last tick."""
@@ -144,19 +128,29 @@ class ServedDevices:
     def _failed(self, error: DeviceError) -> None:
         self._say(f"{error}; the device is disconnected", True)
 
-    # ---------------------------------------------------------------- what the station asks
+    # ---------------------------------------------------------------- what the server calls
 
     def check_fault(self, fault: Fault) -> Fault:
         """See `World.check_fault`."""
         return self._world.check_fault(fault)
 
-    def begin(self, output: Output) -> None:
-        """The robot is up."""
+    def begin(self, output: Output, connect: Connect) -> None:
+        """Begin beside a robot that is up.
+
+        Args:
+            output: of its first tick.
+            connect: makes connections to its ports.
+        """
         self._output = output
+        self._connect = connect
         self._world.begin(self)
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """Whether a device that is connected to a port of the robot reads the snapshot of a tick."""
+        return self._world.reads_snapshot(tick)
+
     def inputs(self, tick: int) -> list[Input]:
-        """What happens in the tick that is about to run."""
+        """Return what happens in the tick that is about to run."""
         events, self._refusals = self._refusals, []
         nothing: Sequence[ChannelEvent] = ()
         for event in self._guarded(lambda: self._world.network.arrivals(tick), nothing):
@@ -172,7 +166,7 @@ class ServedDevices:
         return inputs + events
 
     def take(self, output: Output) -> list[ChannelRequest]:
-        """A tick has run: do what it asks of devices; return what it asks of others."""
+        """Carry out what a tick asks of devices; return what it asks of others."""
         others = [request for request in output.requests if not self._guarded(partial(self._take, request), True)]
         self._output = output
         for event in output.events:
@@ -182,12 +176,15 @@ class ServedDevices:
         return others
 
     def close_all(self) -> None:
-        """The robot has gone."""
+        """Close every channel: the robot has gone."""
         for lead in list(self._leads.values()):
             self._close(lead)
 
+    def _say(self, text: str, is_problem: bool) -> None:
+        self._log.note(DEVICE, text, is_problem=is_problem)
+
     def _take(self, request: ChannelRequest) -> bool:
-        """Whether a request is about a device; if so it is done."""
+        """Carry a request out if it is about a device; return whether it is."""
         network = self._world.network
         match request:
             case OpenChannel(number, _, address, port):
@@ -215,7 +212,7 @@ class ServedDevices:
         return True
 
     def _has_room(self, number: int) -> bool:
-        """Whether a channel may be opened; if not, the robot hears why."""
+        """Whether a channel may be opened; if not, the robot gets the reason."""
         if number not in self._leads and len(self._leads) < CHANNELS_MAX:
             return True
         why = f"channel {number} is in use" if number in self._leads else f"{CHANNELS_MAX} connections are open"

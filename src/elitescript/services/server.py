@@ -20,7 +20,7 @@ def is_loopback(host: str) -> bool:
 
 
 class ServeSession:
-    """All robots of one `serve`.
+    """Opens, runs and closes all robots of one `serve`.
 
     Args:
         stations: the robots.
@@ -91,7 +91,7 @@ class ServeSession:
         """Serve until `stop` is set.
 
         Raises:
-            Exception: whatever ended a robot's time.
+            Exception: what has ended a robot's time.
         """
         stopped = asyncio.get_running_loop().create_task(stop.wait())
         try:

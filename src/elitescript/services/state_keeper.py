@@ -1,7 +1,7 @@
 """Keeps a served robot's state file up to date, off the event loop: soon after a change, and at the end.
 
-A change is written at once if nothing was written for `INTERVAL_S`, otherwise when that time is over; so whoever kills
-the process loses what changed in that time at most.
+A change is written at once if nothing was written for `INTERVAL_S`, otherwise when that time is over; so a
+process that is killed loses what changed in that time at most.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ Levels = Mapping[str, tuple[Value, ...]]
 
 
 class StateKeeper:
-    """What writes one robot's state.
+    """Writes one robot's state.
 
     Args:
         file: its file, which is held until `close`.
-        tell: hears of writes that fail.
+        tell: called with the reason of a write that fails.
 
     Raises:
-        UsageError: somebody else uses the file.
+        UsageError: another process uses the file.
     """
 
     __slots__ = ("_ending", "_file", "_kept", "_saved", "_signals", "_task", "tell")
@@ -46,7 +46,7 @@ class StateKeeper:
         self._task: asyncio.Task[None] | None = None
 
     def load(self) -> dict[str, Value]:
-        """What is kept, by the names of `--set`.
+        """Return what is kept, by the names of `--set`.
 
         Raises:
             UsageError: see `StateFile.load`.

@@ -1,138 +1,20 @@
-"""The table of services: every port that a robot serves, one row each.
+"""The numbers of the ports that a robot serves, and of those that are open only when they are asked for.
 
-Options, the reference page, the pump and the `ready` line are derived from it.
+What a port is stands in `protocol.table`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 from elitescript.errors import UsageError
-from elitescript.messages.profile import Release
-from elitescript.messages.snapshot import RobotDescription
-from elitescript.protocol import modbus_port
-from elitescript.protocol.connection import Connection
-from elitescript.protocol.dashboard.connection import DashboardConnection
-from elitescript.protocol.interpreter import InterpreterConnection
-from elitescript.protocol.modbus_port import ModbusConnection, ModbusPort
-from elitescript.protocol.primary import connection as primary
-from elitescript.protocol.primary.connection import PrimaryConnection, PrimaryFeed, PrimaryPort
-from elitescript.protocol.primary.packets import ROBOT_STATE
-from elitescript.protocol.query import QueryConnection
-from elitescript.protocol.rtsi.connection import RtsiConnection
-from elitescript.protocol.rtsi.recipes import DATA_PACKAGE, RtsiPort
+from elitescript.protocol.table import SERVICES, Service
 
 PORTS_PER_INSTANCE: Final = 100
 """Ports of instance N lie this many times N higher."""
 PORT_MAX: Final = 65535
 INSTANCE_MAX: Final = 200
-
-Connect = Callable[[str], Connection]
-"""Makes the connection of one client from its origin."""
-
-
-class Service(NamedTuple):
-    """One port."""
-
-    name: str
-    """What `--port` calls it; origins begin with it."""
-    number: int
-    """Of instance 0."""
-    summary: str
-    evidence: str
-    open: Callable[[RobotDescription], Connect]
-    """Called once for each robot: makes what its clients share."""
-    is_sample: Callable[[bytes], bool]
-    """Whether a message is one of a stream, which a client that reads too slowly may miss."""
-    outlives_silence: bool
-    """Whether a client that has ended its own half of the connection still gets the stream."""
-    since: Release = (0, 0)
-    """Firmware that brought it; an older one leaves the port closed (*assumed*)."""
-    spare_number: int | None = None
-    """Of instance 0, where the system does not let this user have the other one."""
-
-
-def _open_primary(port: PrimaryPort, description: RobotDescription) -> Connect:
-    feed = PrimaryFeed(description, port)
-    return lambda origin: PrimaryConnection(origin, description, feed)
-
-
-def _open_rtsi(description: RobotDescription) -> Connect:
-    port = RtsiPort()
-    return lambda origin: RtsiConnection(origin, description, port)
-
-
-def _open_modbus(description: RobotDescription) -> Connect:
-    port = ModbusPort(description)
-    return lambda origin: ModbusConnection(origin, description, port)
-
-
-def _open_plain(kind: Callable[[str, RobotDescription], Connection], description: RobotDescription) -> Connect:
-    return lambda origin: kind(origin, description)
-
-
-def _is_robot_state(message: bytes) -> bool:
-    return message[4] == ROBOT_STATE
-
-
-def _is_data_package(message: bytes) -> bool:
-    return message[2] == DATA_PACKAGE
-
-
-def _is_never_a_sample(_message: bytes) -> bool:
-    return False
-
-
-def _primary_row(port: PrimaryPort) -> Service:
-    opener = partial(_open_primary, port)
-    return Service(port.name, port.number, port.summary, port.evidence, opener, _is_robot_state, outlives_silence=True)
-
-
-def _plain_row(
-    name: str,
-    number: int,
-    summary: str,
-    evidence: str,
-    kind: Callable[[str, RobotDescription], Connection],
-    since: Release = (0, 0),
-) -> Service:
-    opener = partial(_open_plain, kind)
-    return Service(name, number, summary, evidence, opener, _is_never_a_sample, outlives_silence=False, since=since)
-
-
-SERVICES: Final[tuple[Service, ...]] = (
-    _plain_row(
-        "dashboard",
-        29999,
-        "text commands: power, tasks, popups, state",
-        "vendor's client; documented",
-        DashboardConnection,
-    ),
-    *(_primary_row(port) for port in primary.PORTS),
-    Service(
-        "rtsi",
-        30004,
-        "typed variables both ways, up to 250 times a second",
-        "vendor's client; documented",
-        _open_rtsi,
-        _is_data_package,
-        outlives_silence=False,
-    ),
-    _plain_row("interpreter", 30020, "statements one at a time", "documented", InterpreterConnection, (2, 11)),
-    _plain_row("query", 40011, "single function calls and their values", "observed", QueryConnection, (2, 11)),
-    Service(
-        "modbus",
-        modbus_port.NUMBER,
-        f"Modbus TCP server; {modbus_port.SPARE_NUMBER} where ports below 1024 are not for everybody",
-        "documented",
-        _open_modbus,
-        _is_never_a_sample,
-        outlives_silence=False,
-        spare_number=modbus_port.SPARE_NUMBER,
-    ),
-)
 
 NAMES: Final[tuple[str, ...]] = tuple(row.name for row in SERVICES)
 
@@ -160,11 +42,6 @@ SSH: Final = Extra(
 
 def _rows(has_ssh: bool) -> tuple[Service | Extra, ...]:
     return (*SERVICES, SSH) if has_ssh else SERVICES
-
-
-def services_of(firmware: tuple[int, ...]) -> tuple[Service, ...]:
-    """The services that a firmware has."""
-    return tuple(row for row in SERVICES if firmware[:2] >= row.since)
 
 
 def port_numbers(instance: int, chosen: Mapping[str, int], *, robot: int = 0, has_ssh: bool = False) -> dict[str, int]:

@@ -116,7 +116,7 @@ class _Session:
         self.outcome.state = "running" if is_running else ""
 
     def _tick(self, *inputs: Input) -> Output:
-        self._last = output = self.kernel.tick(inputs)
+        self._last = output = self.kernel.tick_and_snapshot(inputs)
         for event in output.events:
             if isinstance(event, Alarm) and event.thread == CLIENT:
                 key = "error" if event.code.startswith("E") else "refused"

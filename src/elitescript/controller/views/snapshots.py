@@ -118,6 +118,30 @@ class SnapshotBuilder:
             is_guided_by_input=controller.yielding.is_guided_by_input,
         )
 
+    def discrete_state(self) -> tuple[object, ...]:
+        """Return all of the machine that a snapshot shows and that does not change with time alone.
+
+        Levels, modes, tool and payload. While it stays equal, an older snapshot tells the truth about these; joints,
+        poses, forces, temperatures and the program line are of its own tick.
+        """
+        controller = self._controller
+        signals, setup, yielding = controller.signals, controller.setup, controller.yielding
+        return (
+            signals.image,
+            signals.domain_image,
+            signals.tool_analog_mode,
+            tuple(signals.tool_pins),
+            setup.tcp_offset,
+            setup.payload,
+            setup.gravity,
+            controller.power.mode,
+            controller.safety.mode,
+            controller.safety.speed_scale,
+            controller.task.state,
+            yielding.is_guiding,
+            yielding.is_guided_by_input,
+        )
+
     def _load_of_now(self, mode: RobotMode) -> LoadState:
         controller = self._controller
         arm_state, setup, tick = controller.arm_state, controller.setup, controller.tick

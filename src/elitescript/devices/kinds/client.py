@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from elitescript.devices.agenda import Agenda
 from elitescript.devices.device import Device, check_number, check_text
@@ -12,19 +12,18 @@ from elitescript.devices.surroundings import RobotAccess
 from elitescript.errors import UsageError
 from elitescript.modbus.frames import pdu
 from elitescript.modbus.frames.tcp import TcpSplitter, tcp_frame
-from elitescript.protocol.connection import Connection, ProtocolError
+from elitescript.protocol.connection import Connection
+from elitescript.protocol.transport import MemoryTransport
 
 if TYPE_CHECKING:
+    from elitescript.messages.inputs import Input
     from elitescript.messages.outputs import Output
-
-STREAMS: Final = frozenset({"primary", "secondary", "realtime", "readonly", "rtsi"})
-"""Ports that send by themselves: while somebody is connected, every tick is due."""
 
 Then = Callable[[Sequence[int]], Any]
 
 
 class PortLink:
-    """A connection of a device to a port of the robot.
+    """A connection of a device to a port of the robot: bytes take one tick in each direction.
 
     Args:
         connection: the robot's side.
@@ -33,77 +32,71 @@ class PortLink:
         device: the other side.
     """
 
-    __slots__ = ("_agenda", "_connection", "_device", "_robot", "is_open", "is_stream")
+    __slots__ = ("_agenda", "_device", "_robot", "_transport")
 
     def __init__(self, connection: Connection, robot: RobotAccess, agenda: Agenda, device: TcpClient) -> None:
-        self._connection = connection
+        self._transport = MemoryTransport(connection)
         self._robot = robot
         self._agenda = agenda
         self._device = device
-        self.is_open = True
-        self.is_stream = device.service in STREAMS
         agenda.put(1, self._begin, device)
 
     @property
-    def wants_tick(self) -> bool:
-        """Whether something is to come of the tick that has run."""
-        return self.is_open and (self.is_stream or self._connection.is_expecting)
+    def is_open(self) -> bool:
+        """Whether neither side has closed."""
+        return self._transport.is_open
+
+    def next_tick(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that the device must get although nothing happens in it."""
+        return self._transport.next_tick(tick)
+
+    def reads_snapshot(self, tick: int) -> bool:
+        """See `Connection.reads_snapshot`."""
+        return self.is_open and self._transport.connection.reads_snapshot(tick)
 
     def send(self, data: bytes) -> None:
-        """Bytes for the robot, which has them in the next tick."""
+        """Send bytes to the robot, which has them in the next tick."""
         self._agenda.put(1, lambda: self._receive(data), self._device)
 
     def close(self) -> None:
-        """The device has closed."""
-        if self.is_open:
-            self.is_open = False
-            self._robot.post(self._connection.closed())
+        """Close from the device's side."""
+        self._robot.post(self._transport.end())
 
     def publish(self, output: Output) -> None:
-        """A tick has run."""
-        try:
-            self._connection.publish(output)
-            self._robot.post(self._connection.due())
-        except ProtocolError as error:
-            self._refused(error)
-        self._take()
+        """Give the device a tick that has run."""
+        self._passed_on(self._transport.publish(output))
 
     def _begin(self) -> None:
         self._device.stand()
-        self._take()
+        self._pass_on_data()
 
     def _receive(self, data: bytes) -> None:
-        if not self.is_open:
-            return
-        try:
-            self._robot.post(self._connection.receive(data, self._robot.output()))
-        except ProtocolError as error:
-            self._refused(error)
-        self._take()
-
-    def _refused(self, error: ProtocolError) -> None:
-        self._device.warn(f"sent what the {self._device.service} port of the robot cannot read: {error}")
-        self._end()
-
-    def _take(self) -> None:
-        messages = self._connection.take()
-        if messages:
-            self._agenda.put(1, lambda: self._device.hear(b"".join(messages)), self._device)
-        if self._connection.is_over:
-            self._end()
-
-    def _end(self) -> None:
         if self.is_open:
-            self.close()
+            self._transport.send(data)
+            self._passed_on(self._transport.take_in(self._robot.present_tick, self._robot.output()))
+
+    def _passed_on(self, inputs: list[Input]) -> None:
+        transport = self._transport
+        self._robot.post(inputs)
+        if transport.error and not transport.is_open:
+            service = self._device.service
+            self._device.warn(f"sent what the {service} port of the robot cannot read: {transport.error}")
+        self._pass_on_data()
+        if not transport.is_open:
             self._agenda.put(1, self._device.end, self._device)
+        elif transport.has_sent:
+            self._agenda.put(1, lambda: self._receive(b""), self._device)
+
+    def _pass_on_data(self) -> None:
+        if data := self._transport.receive():
+            self._agenda.put(1, lambda: self._device.hear(data), self._device)
 
 
 class TcpClient(Device):
     """A device that connects to one of the robot's own ports.
 
     Override `line_received`, or `received` for what is not made of lines. A text that a method returns is sent as a
-    line, bytes are sent as they are, and None sends nothing. Beside a `VirtualRobot` there are the ports `rtsi` and
-    `modbus`; beside a served robot all of them.
+    line, bytes are sent as they are, and None sends nothing.
 
     Attributes:
         service: name of the port, as `--port` calls it.

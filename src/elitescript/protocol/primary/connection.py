@@ -189,8 +189,14 @@ class PrimaryConnection(Connection):
     def is_busy(self) -> bool:
         return bool(self._ready) or len(self._raw) >= MAX_BYTES_PER_TICK
 
+    def reads_snapshot(self, tick: int) -> bool:
+        return tick >= self._next_state_at
+
     def publish(self, output: Output) -> None:
         self._note_tick(output)
+        if not self._is_greeted and not output.is_fresh:
+            # It came while the tick was under way: its first state is the one of the next tick.
+            self._next_state_at = output.tick + 1
         if self._feed.port.sends_messages:
             if self._feed.sends_version and not self._is_greeted:
                 self._waiting.put(version_note(output.tick, self.description, self._feed.terminator), output.tick)
@@ -217,6 +223,18 @@ class PrimaryConnection(Connection):
                 self._due.append(self._warning(self._burst.take(self.origin)))
         if self._burst.is_due(output.tick):
             self._due.append(self._warning(self._burst.take(self.origin)))
+
+    def next_tick(self, tick: int) -> int | None:
+        due = [self._next_state_at]
+        if self._raw or self._ready:
+            due.append(tick + 1)
+        if self._waiting:
+            due.append(self._next_note_at)
+        if self._heard_at is not None:
+            due.append(self._heard_at + SILENCE_TICKS)
+        if (report_tick := self._burst.report_tick) is not None:
+            due.append(report_tick)
+        return max(min(due), tick + 1)
 
     def due(self) -> list[Input]:
         due, self._due = self._due, []

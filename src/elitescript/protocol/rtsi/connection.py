@@ -100,6 +100,7 @@ class RtsiConnection(Connection):
         "_complaints",
         "_failure",
         "_first_tick",
+        "_fresh_before",
         "_held_back_until",
         "_inputs",
         "_is_started",
@@ -123,6 +124,8 @@ class RtsiConnection(Connection):
         self._first_tick = 0
         """Of the first package after the start: the one that knows the inputs that were sent before the start."""
         self._held_back_until = 0
+        self._fresh_before = 0
+        """Before this tick no package has an older snapshot."""
         self._complaints: dict[str, int] = {}
 
     @property
@@ -170,6 +173,10 @@ class RtsiConnection(Connection):
         del buffer[:at]
         return inputs
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """See `Connection.reads_snapshot`. A client that gets no packages may begin at any time."""
+        return not self._is_started or any(recipe.schedule.will_be_due(tick) for recipe in self._outputs)
+
     def publish(self, output: Output) -> None:
         """Queue the packages that are due at this tick.
 
@@ -178,6 +185,8 @@ class RtsiConnection(Connection):
         """
         if not self._is_started or output.tick == self._written_tick:
             return
+        if output.tick < self._fresh_before and not output.is_fresh:
+            return
         if self._first_tick:
             if output.snapshot.robot.tick < self._first_tick and output.tick < self._held_back_until:
                 return
@@ -185,6 +194,12 @@ class RtsiConnection(Connection):
         for recipe in self._outputs:
             if recipe.schedule.is_due(output.tick):
                 self.send(recipe.package(self._port.packages.body(recipe, output)))
+
+    def next_tick(self, tick: int) -> int | None:
+        """See `Connection.next_tick`."""
+        if not self._is_started:
+            return None
+        return min((recipe.schedule.next_tick(tick) for recipe in self._outputs), default=None)
 
     def posted(self, tick: int) -> None:
         """See `Connection.posted`."""
@@ -311,7 +326,11 @@ class RtsiConnection(Connection):
             for recipe in self._outputs:
                 recipe.schedule.reset()
             self._held_back_until = output.tick + HELD_BACK_TICKS
-            self.publish(output)
+            if output.is_fresh:
+                self.publish(output)
+            else:
+                # One that has connected just now: neither this tick nor one under way was asked for its snapshot.
+                self._fresh_before = output.tick + 2
         return []
 
     def _pause(self, _body: bytes, _output: Output) -> list[Input]:

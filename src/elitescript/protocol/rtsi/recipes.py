@@ -48,17 +48,32 @@ class RecipeSchedule:
         """The next tick is the first, at which a package is due."""
         self._start = None
 
+    def will_be_due(self, tick: int) -> bool:
+        """Whether `is_due` will say so of this tick."""
+        return self._start is None or tick < self._start or self._count(tick) > self._sent
+
     def is_due(self, tick: int) -> bool:
         """Whether a package is to be sent at this tick; says so once. Packages that were missed are not made up for."""
         if self._start is None or tick < self._start:
             self._start = tick
             self._sent = 0
             return True
-        count = (tick - self._start) * self._numerator // self._denominator
+        count = self._count(tick)
         if count <= self._sent:
             return False
         self._sent = count
         return True
+
+    def next_tick(self, tick: int) -> int:
+        """Return the first tick after `tick` at which a package is due."""
+        if self._start is None:
+            return tick + 1
+        return max(self._start + -(-(self._sent + 1) * self._denominator // self._numerator), tick + 1)
+
+    def _count(self, tick: int) -> int:
+        """Packages that are due after the first one, up to a tick."""
+        assert self._start is not None
+        return (tick - self._start) * self._numerator // self._denominator
 
 
 class OutputRecipe:

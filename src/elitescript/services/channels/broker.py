@@ -41,11 +41,11 @@ LEAVING_MAX: Final = 64
 """Channels that are closed and may still get rid of what was sent before; the oldest must go at once for one more."""
 READ_BYTES: Final = 16 * 1024
 UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
-"""Bytes that may wait for a peer; who keeps to the window stays below it."""
+"""Bytes that may wait for a peer; within the window of a channel there are fewer."""
 TIMEOUT_MAX_S: Final = 60.0
 LOOK_UPS_MAX: Final = 8
 """Names that are looked up at a time. A name server that is silent keeps each of them busy for longer than an attempt
-to connect, and nobody can hurry it."""
+to connect, and nothing can speed it up."""
 LINE_TIMEOUT_S: Final = 2.0
 """How long a connection may take that stands for a serial line."""
 LINGER_S: Final = 5.0
@@ -74,7 +74,7 @@ class Broker:
         self._lines = dict(lines or {})
         self._ports = SerialPorts(post)
         self._resolver: ThreadPoolExecutor | None = None
-        """Threads of its own: who else has something to do off the event loop does not wait for name servers."""
+        """Threads of its own: other work off the event loop does not wait for name servers."""
         self._look_ups: set[Future[list[Any]]] = set()
 
     @property
@@ -122,7 +122,7 @@ class Broker:
         elif request.kind != "tcp":
             why = f"there is no kind of channel called {request.kind[:40]!r}"
         elif len(request.address) > HOST_MAX:
-            # Looking it up would take seconds, of everybody.
+            # Looking it up would take seconds, of all robots.
             why = f"the address has {len(request.address)} characters; a host name has {HOST_MAX} at most"
         elif self.count >= CHANNELS_MAX:
             why = f"{CHANNELS_MAX} connections are open"

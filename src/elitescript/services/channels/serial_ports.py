@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 LINGER_S: Final = 5.0
 """How long a port that is closed has to get rid of what was sent before."""
 UNSENT_MAX: Final = 4 * CHANNEL_WINDOW
-"""Bytes that may wait for a port; who keeps to the window stays below it."""
+"""Bytes that may wait for a port; within the window of a channel there are fewer."""
 
 
 class SerialPorts:

@@ -19,18 +19,21 @@ from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.codec import from_text, to_text
 from elitescript.messages.inputs import Input
+from elitescript.messages.outputs import TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.services.child import frames
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
 from elitescript.services.child.remote_files import RemoteFiles
-from elitescript.services.config_codec import full_codec
+from elitescript.services.config_codec import full_codec, without_points
 
 
 def serve(line: frames.BlockingLine) -> None:
-    """Do what the parent says, until it goes."""
+    """Carry out the messages of the parent, until it goes."""
     codec = full_codec()
-    inputs_shape, writer = codec.shape(Input), OutputWriter(codec)
+    inputs_shape, result_shape, writer = codec.shape(Input), codec.shape(TickResult), OutputWriter(codec)
+    shown: tuple[object, ...] = ()
+    """Discrete state of the last snapshot that was sent."""
 
     def ask(question: list[Any]) -> list[Any]:
         line.send(frames.QUESTION, to_text(question))
@@ -39,9 +42,14 @@ def serve(line: frames.BlockingLine) -> None:
     kernel: Kernel | None = None
     while True:
         letter, text = line.receive()
-        if letter == frames.TICK and kernel is not None:
+        if letter in (frames.TICK, frames.TICK_UNREAD) and kernel is not None:
             inputs = () if text == frames.NO_INPUTS else [inputs_shape.decode(item) for item in from_text(text)]
-            line.send(*writer.message(kernel.tick(inputs)))
+            result, state = kernel.tick(inputs), kernel.discrete_state()
+            if letter == frames.TICK_UNREAD and state == shown:
+                line.send(frames.RESULT, to_text([kernel.line, result_shape.encode(without_points(result))]))
+            else:
+                shown = state
+                line.send(*writer.message(result.with_snapshot(kernel.snapshot())))
             continue
         data = from_text(text)
         if letter == frames.LOCK_IN:

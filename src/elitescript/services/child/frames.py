@@ -1,7 +1,7 @@
 """Messages between a serving process and its child: a length, a letter, and a JSON text but for `OUTPUT_CHANGES`.
 
 Length (4 bytes, big-endian) counts letter and content. What is longer than `DOWN_MAX` or `UP_MAX` ends the connection:
-nobody here says so much.
+no message of ours is so long.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from elitescript.messages.shapes import CodecError
 
 DOWN_MAX: Final = 32 * 1024 * 1024
 UP_MAX: Final = 8 * 1024 * 1024
-"""Less, because reading it takes the time of everybody who is served."""
+"""Less, because reading it takes the time of all clients."""
 READ_BYTES: Final = 1 << 16
 """Taken from a socket at once: more would be memory that the system has to find anew for every message."""
 _LENGTH: Final = struct.Struct(">I")
@@ -27,7 +27,10 @@ LOCK_IN: Final = "L"
 BEGIN: Final = "B"
 """A configuration: the child makes its robot and says `DESCRIBED`."""
 TICK: Final = "T"
-"""Inputs; the child says `OUTPUT`, later `OUTPUT_CHANGES`."""
+"""Inputs; the child answers with `OUTPUT`, later `OUTPUT_CHANGES`."""
+TICK_UNREAD: Final = "U"
+"""Inputs; nothing reads the snapshot of this tick, so the child answers as to `TICK` only if the discrete state has
+changed, else with `RESULT`."""
 NO_INPUTS: Final = b"[]"
 """The content of most of them."""
 ANSWER: Final = "A"
@@ -39,9 +42,11 @@ LOCKED_IN: Final = "L"
 DESCRIBED: Final = "D"
 """The robot's description."""
 OUTPUT: Final = "O"
-"""What the robot says after a tick."""
+"""The output of a tick."""
 OUTPUT_CHANGES: Final = "C"
 """The same, after the first one: what is new, in the form of `output_changes`."""
+RESULT: Final = "R"
+"""`[line, result]`: what a tick gives without its snapshot, and the line of the program."""
 QUESTION: Final = "Q"
 """Something about files, in the middle of a tick."""
 FAILED: Final = "F"
@@ -49,7 +54,7 @@ FAILED: Final = "F"
 
 
 def frame(letter: str, content: str | bytes, limit: int = DOWN_MAX) -> bytes:
-    """The bytes of one message.
+    """Return the bytes of one message.
 
     Raises:
         CodecError: it is too long.
@@ -76,10 +81,10 @@ class FrameReader:
         self._limit = limit
 
     def feed(self, data: bytes) -> Iterator[tuple[str, bytes]]:
-        """The messages that are complete now: letter and text.
+        """Return the messages that are complete now: letter and text.
 
         Raises:
-            CodecError: a length that is none.
+            CodecError: a length that no message has.
         """
         buffer = self._buffer
         buffer += data
@@ -98,7 +103,7 @@ class FrameReader:
 
 
 class BlockingLine:
-    """The child's end: one message at a time.
+    """Sends and receives one message at a time, for the child.
 
     Args:
         descriptor: of the connected socket.
@@ -118,7 +123,7 @@ class BlockingLine:
             data = data[os.write(self._descriptor, data) :]
 
     def receive(self) -> tuple[str, bytes]:
-        """The next message.
+        """Wait for the next message and return it.
 
         Raises:
             EOFError: the other end has gone.
@@ -131,7 +136,7 @@ class BlockingLine:
         return self._messages.pop(0)
 
     def receive_answer(self, letter: str) -> bytes:
-        """The text of the next message with that letter; others wait their turn."""
+        """Wait for the next message with that letter and return its text; others keep their order."""
         waiting: list[tuple[str, bytes]] = []
         try:
             while True:

@@ -1,15 +1,15 @@
-"""A process that runs what nobody trusts is locked in by its operating system, before any of that is compiled.
+"""Locks a process that runs untrusted programs in, by means of its operating system, before any of them is compiled.
 
 Every layer works by itself, so that a hole in one of them is not a way out:
 
     limits         memory, open files, no file may grow, no new processes, no core files
     capabilities   what a superuser may do is given up
-    privileges     none can be won; nobody of the same user can look into the process; it ends with its parent
+    privileges     none can be won; no process of the same user can look into this one; it ends with its parent
     files          Landlock: nothing but the interpreter's own modules can be read, nothing written; no TCP; no signals
                    or abstract sockets to others
     system calls   seccomp: an allow-list (`syscalls`)
 
-There is no limit on computing: who runs too long is noticed by whoever waits for the answer.
+There is no limit on computing: the parent notices a process that does not answer.
 
 Left open: the time of one processor core, whether a file exists, timing, and mistakes of the kernel.
 
@@ -53,7 +53,7 @@ _READ_FOLDER: Final = 1 << 3
 
 
 class Layer(NamedTuple):
-    """One layer of the jail, as it came out."""
+    """One layer of the jail, and whether it is there."""
 
     name: str
     is_active: bool

@@ -173,7 +173,7 @@ class OutputReader:
         if letter == frames.OUTPUT:
             data = from_text(content)
             if type(data) is list and len(data) == len(Output.__dataclass_fields__):
-                _check_said(data[1:4])
+                check_said(data[1:4])
             output = self._shape.decode(data)
             snapshot = output.snapshot
             self._data = data
@@ -195,7 +195,7 @@ class OutputReader:
             if at < len(content):
                 more = from_text(content[at:])
                 check_list(more, 5)
-                _check_said(more[:3])
+                check_said(more[:3])
                 events, requests, replies = [read(item) for read, item in zip(self._said, more, strict=False)]
                 _apply(more[3], self._snapshot, whole[4], values)
                 _apply(more[4], self._robot, whole[4][self._robot_index], robot_values)
@@ -249,10 +249,15 @@ def check_values(content: bytes) -> None:
         and content.count(b",") > VALUES_MAX
         and _TEXT.sub(b"", content).count(b",") > VALUES_MAX
     ):
-        raise CodecError(f"an output of more than {VALUES_MAX} values; reading it takes the time of everybody else")
+        raise CodecError(f"an output of more than {VALUES_MAX} values; reading it takes the time of other clients")
 
 
-def _check_said(said: list[Any]) -> None:
+def check_said(said: list[Any]) -> None:
+    """Refuse a tick with too many events, requests or replies.
+
+    Raises:
+        CodecError: it has.
+    """
     for items in said:
         if type(items) is list and len(items) > SAID_MAX:
             raise CodecError(f"an output with {len(items)} events, requests or replies; {SAID_MAX} are read")

@@ -1,4 +1,4 @@
-"""A child process as its parent sees it: started with nothing but one socket, watched, ended."""
+"""One child process: started with nothing but one socket, read, killed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from elitescript.messages.shapes import CodecError
 from elitescript.services.child.frames import QUESTION, READ_BYTES, UP_MAX, FrameReader, frame
 
 COMMAND: Final = (sys.executable, "-P", "-s", "-m", "elitescript.services.child")
-"""What a child is; the number of its socket is the last argument."""
+"""The command line; the number of the child's socket is the last argument."""
 HASH_SEED: Final = "0"
 """The order of a set of strings depends on it; every process that runs programs has the same."""
 LOG_MAX: Final = 1 << 16
@@ -28,10 +28,10 @@ LOG_MAX: Final = 1 << 16
 BACKLOG_MAX: Final = 64 * 1024 * 1024
 """Bytes that may wait for a child that does not read."""
 LOG_PAUSE_S: Final = 0.01
-"""Between two looks at its output: who floods it waits, and takes nobody's time."""
-BURIAL_S: Final = 2.0
+"""Between two reads of its output: one that floods it waits, and takes no time of others."""
+REAP_S: Final = 2.0
 GONE_S: Final = 0.005
-"""How long is waited at once for a killed process to be gone; then it is looked after again so often."""
+"""How long a killed process is waited for at once; then it is looked for again so often."""
 _SCHEDULER_CLOCK: Final = 2
 """Kind of clock that counts what the scheduler has given to a process, in user and system mode."""
 
@@ -42,7 +42,7 @@ _TRACE_LINE: Final = re.compile(r'^  File "([^"]*)", line (\d+) in ', re.MULTILI
 
 
 class ChildProcess:
-    """One child.
+    """Starts one child, and exchanges messages with it.
 
     Args:
         on_message: receives letter and text of every message.
@@ -125,19 +125,19 @@ class ChildProcess:
             self._loop.add_writer(self._socket, self._writable)
         self._backlog += data
         if len(self._backlog) > BACKLOG_MAX:
-            self._over("it does not read what it is told")
+            self._over("it does not read what it is sent")
 
     def worked_s(self) -> float | None:
-        """Processor time that it has used so far, s; None if this system does not tell."""
+        """Return the processor time that it has used so far, s; None if this system does not tell."""
         return processor_time_s(self._process.pid)
 
     def ask_where(self) -> None:
-        """Have it write to its output where it is."""
+        """Have it write to its output where its program is."""
         with suppress(ProcessLookupError):
             self._process.send_signal(signal.SIGUSR1)
 
     def where(self) -> tuple[str, int] | None:
-        """Name and line of the program text that it was in when asked; None if that is not known (yet)."""
+        """Return name and line of the program text that it was in when asked; None if that is not known (yet)."""
         for name, line in self._trace():
             # Texts of programs are the only ones that are no files.
             if not name.endswith(".py") and not name.startswith("<frozen") and len(line) < 8:
@@ -150,7 +150,7 @@ class ChildProcess:
         return any(_LANGUAGE in name for name, _ in self._trace())
 
     def _trace(self) -> list[tuple[str, str]]:
-        """File and line of every call that it was in when asked, the innermost first."""
+        """Return file and line of every call that it was in when asked, the innermost first."""
         _, found, trace = bytes(self._log).rpartition(_TRACE_BEGIN)
         return _TRACE_LINE.findall(trace.decode("utf-8", "replace")) if found else []
 
@@ -158,11 +158,11 @@ class ChildProcess:
         """End it at once; what it leaves behind is cleared away as soon as it is gone, which much memory delays."""
         self._release()
         self._process.kill()
-        self._bury()
+        self._reap()
 
     async def gone(self) -> None:
         """Return when a killed child is gone, which nothing but a fault of the computer can hold up for long."""
-        for _ in range(round(BURIAL_S / GONE_S)):
+        for _ in range(round(REAP_S / GONE_S)):
             if self._process.poll() is not None:
                 return
             await asyncio.sleep(GONE_S)
@@ -221,16 +221,16 @@ class ChildProcess:
         if not self._is_over:
             self._loop.add_reader(self._log_fd, self._log_readable)
 
-    def _bury(self) -> None:
+    def _reap(self) -> None:
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(GONE_S)
             return
         if not self._loop.is_closed():
-            self._loop.call_later(GONE_S, self._bury_later)
+            self._loop.call_later(GONE_S, self._reap_later)
 
-    def _bury_later(self) -> None:
+    def _reap_later(self) -> None:
         if self._process.poll() is None:
-            self._loop.call_later(GONE_S, self._bury_later)
+            self._loop.call_later(GONE_S, self._reap_later)
 
     def _over(self, reason: str) -> None:
         if self._is_over:
@@ -262,7 +262,7 @@ class ChildProcess:
 
 
 def processor_time_s(pid: int) -> float | None:
-    """Processor time of all threads of a process, s; None if it has gone, or this system does not tell.
+    """Return the processor time of all threads of a process, s; None if it has gone, or this system does not tell.
 
     Linux has a clock for every process, whose number is the complement of the process' with the kind of the clock in
     the lowest three bits (`clock_getcpuclockid(3)`).
@@ -276,7 +276,7 @@ def processor_time_s(pid: int) -> float | None:
 
 
 def child_environment() -> dict[str, str]:
-    """What a child may know of this process' environment: nothing but what Python needs to start."""
+    """Return the environment of a child: nothing but what Python needs to start."""
     environment = {"PYTHONHASHSEED": HASH_SEED, "PYTHONUTF8": "1"}
     package = Path(elitescript.__file__).resolve().parent
     if "site-packages" not in package.parts:

@@ -2,7 +2,7 @@
 
 A question is `[verb, argument, ...]`, its answer `["ok", value]` or `["error", kind, number, text, name]`. Files are
 read and written in pieces, where the script's own file object asks for them, so that what is seen, and when, is the
-same as with files of one's own. Who answers trusts no question.
+same as with files of one's own. No question is trusted.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class FileDesk:
             return ["error", "os", 22, str(error), ""]
 
     def close(self) -> None:
-        """Close what is open: who asked is gone."""
+        """Close what is open: the process that asked is gone."""
         for file in self._open.values():
             with suppress(OSError):
                 file.close()
@@ -84,7 +84,7 @@ class FileDesk:
         if not set(mode) <= set("rwxab+") or len(mode) > 3 or "b" not in mode:
             raise CodecError(f"no mode of a file: {mode[:10]!r}")
         file: Any = self._files.open(name[:NAME_MAX], mode, None, None)
-        # Who asks has a buffer; one more here would hide what other handles write.
+        # The asking side has a buffer; one more here would hide what other handles write.
         is_buffered = isinstance(file, BufferedRandom | BufferedReader | BufferedWriter)
         self._open[self._next] = file.detach() if is_buffered else file
         self._next += 1

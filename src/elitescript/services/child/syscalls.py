@@ -1,4 +1,4 @@
-"""What a jailed process may ask its kernel for, and the filter program that says so.
+"""The system calls that a jailed process may make, and the filter program that refuses all others.
 
 An allow-list: what is not named gets `EPERM`. It lets a Python process compute, read, write what is open already,
 tell the time, load its own modules and end. It has no row that makes a process, a thread, a socket or a file, sends a
@@ -104,7 +104,7 @@ CALLS: Final = (
     Syscall("set_robust_list", 273, 99),
     Syscall("rseq", 334, 293),
     Syscall("membarrier", 324, 283),
-    # Its own limits may be read, and nobody's may be set.
+    # Its own limits may be read, and none may be set.
     Syscall("prlimit64", 302, 261, (Check(0, "one_of", (0,)), Check(2, "one_of", (0,)))),
     Syscall("exit", 60, 93),
     Syscall("exit_group", 231, 94),
@@ -130,7 +130,7 @@ Instruction = tuple[int, int, int, int]
 
 
 def filter_program(machine: str) -> list[Instruction]:
-    """The program of the filter for one processor, `x86_64` or `aarch64`.
+    """Return the program of the filter for one processor, `x86_64` or `aarch64`.
 
     Raises:
         KeyError: the table does not know it.
@@ -153,7 +153,7 @@ def filter_program(machine: str) -> list[Instruction]:
 
 
 def _steps(check: Check) -> list[Instruction]:
-    """Go on behind these steps if the check holds, return a refusal if not."""
+    """Return steps that go on behind them if the check holds, and refuse the call if not."""
     low = _ARGUMENTS_AT + 8 * check.argument
     refuse = (_RETURN, 0, 0, _REFUSE)
     # The upper half of an argument of 32 bits is ignored by the kernel, but a pointer has one.
@@ -169,5 +169,5 @@ def _steps(check: Check) -> list[Instruction]:
 
 
 def packed(program: list[Instruction]) -> bytes:
-    """The program as an array of `struct sock_filter`."""
+    """Return the program as an array of `struct sock_filter`."""
     return b"".join(struct.pack("=HBBI", *step) for step in program)

@@ -41,7 +41,7 @@ def bind(host: str, number: int) -> socket.socket:
     """A socket that listens at a port; 0 is a free one.
 
     Raises:
-        OSError: somebody has it, or may not be had; the host is none of ours.
+        OSError: it is in use, or may not be had; the host is none of this computer.
     """
     found = socket.getaddrinfo(host, number, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
     family, kind, protocol, _, address = next((row for row in found if row[0] == socket.AF_INET), found[0])
@@ -52,7 +52,7 @@ def bind(host: str, number: int) -> socket.socket:
         else:
             bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         bound.bind(address)
-        # Of two who bind the same port at the same moment, only one may listen.
+        # Of two processes that bind the same port at the same moment, only one may listen.
         bound.listen(BACKLOG)
         bound.setblocking(False)
     except OSError:

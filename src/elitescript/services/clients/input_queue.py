@@ -1,7 +1,7 @@
 """What waits for the robot: as much of it goes in at a tick as the robot can do in one.
 
 What a client asks for keeps its order, and what one read of it has brought goes in together, so that no package of
-variables is torn apart. Between clients the inbox is fair: when more waits than fits, those who ask for little come
+variables is torn apart. Between clients the queue is fair: when more waits than fits, those who ask for little come
 first, and the others take turns. What peers of a program's connections send is not held up; it has windows of its own.
 """
 
@@ -32,7 +32,7 @@ WORK_NS: Final = 2_000_000
 DEBT_MAX_NS: Final = 100 * WORK_NS
 """What goes in beyond that is paid by the next ticks, this much at most."""
 WAITING_MAX: Final = 50_000
-"""Inputs that wait; who sends more than the robot does is slowed down long before."""
+"""Inputs that wait; a client that sends more than the robot does is slowed down long before."""
 PRICES_NS: Final[dict[type, int]] = {
     RunUnit: 500_000,
     Interpret: 250_000,
@@ -48,7 +48,7 @@ PRICES_NS: Final[dict[type, int]] = {
 PRICE_NS: Final = 10_000
 """Of every other input."""
 DEAR_NS: Final = 100_000
-"""What costs as much goes in by itself; who waits with less than this in all comes before the others."""
+"""What costs as much goes in by itself; clients that wait with less than this in all come before the others."""
 BYTE_PRICE_NS: Final = 50
 """Of every byte of a program, besides."""
 
@@ -56,7 +56,7 @@ CHANNEL_EVENTS: Final = (ChannelOpened, ChannelData, ChannelCredit, ChannelClose
 
 
 def price_ns(inputs: Iterable[Input]) -> int:
-    """What inputs cost the robot."""
+    """Return what inputs cost the robot, ns."""
     price = 0
     for item in inputs:
         price += PRICES_NS.get(type(item), PRICE_NS)
@@ -72,7 +72,7 @@ class InputQueue:
         work_ns: price of the inputs of one tick; what has begun to go in is not interrupted.
 
     Attributes:
-        refused: inputs that found no room since the last time anybody asked.
+        refused: inputs that found no room since this was last set to 0.
     """
 
     __slots__ = ("_count", "_debt_ns", "_held", "_new", "_work_ns", "refused")
@@ -90,7 +90,7 @@ class InputQueue:
         return self._count
 
     def waiting_of(self, client: str) -> int:
-        """How much of a client could not go in at the last tick."""
+        """Return how many inputs of a client could not go in at the last tick."""
         return sum(map(len, self._held[client])) if client in self._held else 0
 
     def post(self, inputs: list[Input]) -> None:
@@ -104,7 +104,7 @@ class InputQueue:
         self._count += len(inputs)
 
     def take(self, room: float | None = 1.0) -> list[Input]:
-        """What goes in at the next tick.
+        """Return what goes in at the next tick.
 
         Args:
             room: share of a tick's work that the robot can do, 0 to 1; None if it can do nothing at all just now.

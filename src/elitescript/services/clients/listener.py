@@ -1,7 +1,7 @@
-"""A port of a robot: it accepts clients at a pace that leaves everybody else their time.
+"""A port of a robot: it accepts clients at a pace that leaves the others their time.
 
 A client that finds no room is refused politely: its connection is accepted and ended at once. How many were refused,
-or were web browsers, is told once at the begin of a burst and once at its end.
+or were web browsers, is written once at the begin of a burst and once at its end.
 """
 
 from __future__ import annotations
@@ -15,26 +15,26 @@ from typing import Final
 
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.protocol.table import Connect, Service
 from elitescript.services.clients.liveness import watch_peer
 from elitescript.services.clients.tcp import Client, Hub
-from elitescript.services.table import Connect, Service
 
 CLIENTS_MAX: Final = 64
 """Of one service."""
 LEAVING_MAX: Final = 256
-"""Of one service, with those who are about to leave."""
+"""Of one service, with those that are about to leave."""
 ACCEPTS_PER_TICK: Final = 8
 """Of one service: two thousand a second, as long as there is time for it."""
 BURST_TICKS: Final = TICKS_PER_S
 """Without a refusal, after which a burst of them is over."""
 REPORT_TICKS: Final = 10 * TICKS_PER_S
-"""A burst that goes on is told again so often."""
+"""A burst that goes on is written again so often."""
 NO_ROOM_S: Final = 0.25
 """How long to wait when this process can have no more sockets."""
 
 
 class RefusalBurst:
-    """Refusals that come without a pause: the first is told, and how many there were at the end.
+    """Writes of refusals that come without a pause the first, and at the end how many there were.
 
     Args:
         hub: the robot.
@@ -55,7 +55,7 @@ class RefusalBurst:
         self._told = self._told_tick = self._last_tick = 0
 
     def add(self, why: str) -> None:
-        """Another one."""
+        """Count another one."""
         self.count += 1
         tick = self._hub.output.tick
         is_first = self._told == self.count - 1 and (not self._told or tick - self._last_tick >= BURST_TICKS)
@@ -64,7 +64,7 @@ class RefusalBurst:
             self._tell(why)
 
     def tell_due(self) -> None:
-        """Tell how many there were if the burst is over, or lasts long."""
+        """Write how many there were if the burst is over, or lasts long."""
         if self._told < self.count:
             tick = self._hub.output.tick
             if tick - self._last_tick >= BURST_TICKS or tick - self._told_tick >= REPORT_TICKS:
@@ -76,7 +76,7 @@ class RefusalBurst:
 
 
 class Listener:
-    """One service of one robot on one port.
+    """Accepts the clients of one service of one robot on one port.
 
     Args:
         service: its row of the table.
@@ -126,8 +126,12 @@ class Listener:
         """Accept clients from now on."""
         self._task = asyncio.get_running_loop().create_task(self._accept())
 
+    def reads_snapshot(self, tick: int) -> bool:
+        """Whether a client reads more of the snapshot of a tick than the discrete state."""
+        return any(client.connection.reads_snapshot(tick) for client in self.clients.values())
+
     def publish(self, output: Output) -> None:
-        """Give every client a tick."""
+        """Give every client the output of a tick."""
         for client in list(self.clients.values()):
             client.publish(output)
 
@@ -160,7 +164,7 @@ class Listener:
         self._bound.close()
 
     async def close(self) -> None:
-        """Accept nobody, and let everybody go."""
+        """Accept no clients any more, and end those that are connected."""
         if self._task is not None:
             self._task.cancel()
             with contextlib.suppress(asyncio.CancelledError):

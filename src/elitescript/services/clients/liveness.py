@@ -1,4 +1,4 @@
-"""Peers that have vanished without a word: the operating system is told to find out, and closes what leads to them.
+"""Has the operating system find peers that have vanished without a word, and close the connections to them.
 
 A computer that loses its power or its cable ends no connection. Then nothing comes any more, and what belongs to the
 client, such as its claims to RTSI inputs, would stay taken for ever. So every connection asks its peer for a sign of

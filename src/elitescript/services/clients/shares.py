@@ -1,13 +1,13 @@
-"""Who is read in a tick, and how much: the share of every client in the time of one robot.
+"""Which clients are read in a tick, and how much: the share of every client in the time of one robot.
 
 Reading takes time that all clients need, for what they send must be decoded, and what it asks for must be done. In
 every tick there is `READ_BUDGET_NS` for it. A client that takes little is read whenever it sends something. One that
 has used up its share waits, its bytes in its socket, until its turn comes: those who had sent no more than was read
 of them before the others, each in the order in which they came. What was spent beyond a tick is paid by the next
-ones, so that the robot and everybody else keep their time however many clients flood. While ticks begin late, because
+ones, so that the robot and other clients keep their time however many clients flood. While ticks begin late, because
 the computer has other work too, there is less of it.
 
-What inputs cost the robot itself is no matter of this module: see `inbox`.
+What inputs cost the robot itself is no matter of this module: see `input_queue`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LATE_READ_BUDGET_NS: Final = READ_BUDGET_NS // 10
 """The same while ticks begin late."""
 SHARE_NS: Final = 300_000
 """Of every tick, for what one client sends."""
-PATIENCE: Final = 4
+LIGHT_SHARES: Final = 4
 """Shares that a client may take which has sent no more than was read of it."""
 READ_MIN: Final = 128
 READ_MAX: Final = 4096
@@ -31,17 +31,17 @@ DEBT_MAX_TICKS: Final = 250
 
 
 class Waiting(Protocol):
-    """Somebody who waits for a turn."""
+    """A client or a listener that waits to be read."""
 
     expected_ns: int
-    """What the turn will cost, as far as can be known; 0 of somebody who has gone."""
+    """What reading it will cost, as far as can be known, ns; 0 if it has gone."""
 
     def go_on(self) -> None:
-        """It is its turn."""
+        """Read on now."""
 
 
 class Shares:
-    """The time for reading of one robot.
+    """Divides the time for reading of one robot.
 
     Attributes:
         robots: that one process serves; they share its time.
@@ -59,44 +59,45 @@ class Shares:
 
     @property
     def waiting(self) -> int:
-        """How many wait for their turn."""
+        """How many wait to be read."""
         return len(self._light) + len(self._heavy)
 
     def charge(self, spent_ns: int) -> None:
-        """Somebody has used so much time."""
+        """Count time that reading a client has used, ns."""
         self.spent_ns += spent_ns
 
     def is_used_up(self, own_ns: int, *, is_light: bool = False) -> bool:
-        """Whether who has used so much in this tick has to wait for its turn.
+        """Whether a client that has used so much in this tick has to wait.
 
         Args:
             own_ns: what it has used.
-            is_light: it has sent no more than was read of it. Who is not read is not seen to go either, and a package
-                that waits for the next tick is late: so it may take more, and late ticks are none of its making.
+            is_light: it has sent no more than was read of it. Of a client that is not read it is not seen either that
+                it goes, and a package that waits for the next tick is late: so it may take more, and late ticks are not
+                caused by it.
         """
         if is_light:
-            return own_ns > PATIENCE * SHARE_NS or self.spent_ns > PATIENCE * READ_BUDGET_NS
+            return own_ns > LIGHT_SHARES * SHARE_NS or self.spent_ns > LIGHT_SHARES * READ_BUDGET_NS
         return own_ns > SHARE_NS or self.spent_ns > self._tick_ns
 
     def size_for(self, ns_per_byte: float) -> int:
-        """Bytes to read at once from somebody whose bytes have cost so much."""
+        """Return the bytes to read at once from a client whose bytes have cost so much."""
         if self.spent_ns > self._tick_ns:
             return READ_MIN
         if ns_per_byte * READ_MAX <= SHARE_NS:
             return READ_MAX
         return max(int(SHARE_NS / ns_per_byte), READ_MIN)
 
-    def wait(self, who: Waiting, *, is_light: bool) -> None:
+    def wait(self, client: Waiting, *, is_light: bool) -> None:
         """Take a place in the queue.
 
         Args:
-            who: waits; must not wait already.
+            client: waits; must not wait already.
             is_light: it has sent no more than was read of it.
         """
-        (self._light if is_light else self._heavy).append(who)
+        (self._light if is_light else self._heavy).append(client)
 
     def begin_tick(self, *, is_late: bool = False) -> None:
-        """There is time for reading again: those whose turn it is go on.
+        """Begin the time for reading of a tick: those that wait first are read on.
 
         Args:
             is_late: the tick began late.
@@ -104,10 +105,10 @@ class Shares:
         self.spent_ns = min(max(self.spent_ns - self._tick_ns, 0), DEBT_MAX_TICKS * READ_BUDGET_NS)
         self._tick_ns = (LATE_READ_BUDGET_NS if is_late else READ_BUDGET_NS) // self.robots
         left_ns = self._tick_ns - self.spent_ns
-        # Whoever goes on may take a place again at once; that is a turn of a later tick.
+        # One that is read on may take a place again at once; it is read in a later tick then.
         turns = self.waiting
         while turns and left_ns > 0:
             turns -= 1
-            who = self._light.popleft() if self._light else self._heavy.popleft()
-            left_ns -= who.expected_ns
-            who.go_on()
+            client = self._light.popleft() if self._light else self._heavy.popleft()
+            left_ns -= client.expected_ns
+            client.go_on()

@@ -1,6 +1,6 @@
 """The pump of every TCP service: sockets on one side, sans-I/O connections on the other.
 
-What arrives is decoded at once, what a tick gives leaves at once; each message is one write. A client harms nobody:
+What arrives is decoded at once, what a tick gives leaves at once; each message is one write. A client harms no other:
 
 - of what it sends, as much is read in a tick as its share of time allows (`shares`); the rest stays in its socket.
   One whose connection has enough to work on (`is_busy`), or of whom `POSTED_MAX` inputs wait for the robot, is not
@@ -28,8 +28,8 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.browsers import FirstBytes
 from elitescript.protocol.connection import Connection, ProtocolError
+from elitescript.protocol.table import Service
 from elitescript.services.clients.shares import READ_MAX, SHARE_NS, Shares
-from elitescript.services.table import Service
 
 NS_PER_BYTE: Final = 250.0
 """What reading a byte of a client is taken to cost before any has been read."""
@@ -63,7 +63,7 @@ class Hub(Protocol):
         """A client that owes an input has sent something, has read, or goes: time may go on, if it waited."""
 
     def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
-        """Something worth a line in the log."""
+        """Write a line of the log."""
 
 
 class Client(asyncio.BufferedProtocol):
@@ -212,7 +212,7 @@ class Client(asyncio.BufferedProtocol):
         whole_ns, self._late_ns = spent_ns + self._late_ns, 0
         self._ns_per_byte = (self._ns_per_byte + whole_ns / size) / 2
         self._spent_ns += spent_ns
-        # Whoever has sent more than was read takes all that it gets.
+        # One that has sent more than was read takes all that it gets.
         self.expected_ns = whole_ns if size < self._size else max(whole_ns, SHARE_NS)
         self._hub.shares.charge(spent_ns)
 
@@ -327,14 +327,14 @@ class Client(asyncio.BufferedProtocol):
             self.read_on()
 
     def read_on(self) -> None:
-        """A tick has gone by: take a place among those who wait to be read."""
+        """Take a place among those that wait to be read: a tick has gone by."""
         if self._is_paused and not self._is_waiting and self._may_be_read():
             self._is_waiting = True
             self._hub.shares.wait(self, is_light=self._is_light)
         self._spent_ns = 0
 
     def go_on(self) -> None:
-        """It is its turn to be read."""
+        """Read on now."""
         self._is_waiting = False
         if self._left is not None:
             self._read_left(self._left)
@@ -367,7 +367,7 @@ class Client(asyncio.BufferedProtocol):
         connection, transport = self.connection, self._transport
         if transport is None:
             if self._left is not None:
-                # Nobody is there to hear it. Before the connection is made, what is queued is still to be sent.
+                # There is no peer any more. Before the connection is made, what is queued is still to be sent.
                 connection.take()
             return
         is_sample = self._service.is_sample

@@ -44,7 +44,7 @@ def runtime_folder() -> Path:
     """The folder of the addresses of this user's robots.
 
     Raises:
-        UsageError: it belongs to somebody else, or others may write to it.
+        UsageError: it belongs to another user, or others may write to it.
     """
     place = os.environ.get("XDG_RUNTIME_DIR") or os.environ.get("LOCALAPPDATA")
     if place:
@@ -100,7 +100,7 @@ class ControlChannel:
             self._path = self._path.with_stem(f"{self._path.stem}-{os.getpid()}")
         self._path.unlink(missing_ok=True)
         if _HAS_UNIX:
-            # Nobody else may connect, not even in the moment before the mode is set.
+            # No other user may connect, not even in the moment before the mode is set.
             mask = os.umask(0o177)
             try:
                 self._server = await asyncio.start_unix_server(self._serve, str(self._path), limit=LINE_MAX)
@@ -136,7 +136,7 @@ class ControlChannel:
                 writer.write(json.dumps(await self._answer(f"{origin}/{number}", line)).encode() + b"\n")
                 await writer.drain()
         except (ConnectionError, ValueError, asyncio.CancelledError):
-            # The client has gone, or sends a line without an end: nobody is there to be told.
+            # The client has gone, or sends a line without an end: there is no answer to give.
             pass
         finally:
             self._writers.discard(writer)
@@ -157,7 +157,7 @@ class ControlChannel:
                 raise UsageError("arguments are a list, values an object")
             station = self._station
             picture, description = station.output.snapshot, station.link.description
-            request = VerbRequest(origin, tuple(map(str, arguments)), values, picture, description, station.world)
+            request = VerbRequest(origin, tuple(map(str, arguments)), values, picture, description, station.devices)
             if asked.get("wait") is True and verb.name == PLAY:
                 return await self._play_to_the_end(verb, request)
             return await self._carry_out(verb, request)
@@ -183,6 +183,9 @@ class ControlChannel:
             return {"ok": True, "result": _clients(station)}
         if verb.order is None:
             assert verb.tell is not None
+            if verb.name == "state" and not station.output.is_fresh and not station.waits_for:
+                # Nothing has read where the arm is; the next tick shows it.
+                await station.next_output()
             result = verb.tell(request, station.output)
             if verb.name == "state":
                 result |= {"left_out": station.left_out, "waits_for": station.waits_for}
@@ -301,7 +304,7 @@ def ask(path: Path, verb: str, arguments: list[str], values: dict[str, Any], *, 
         waits: for the end of the task that `play` starts.
 
     Raises:
-        UsageError: nobody is there.
+        UsageError: no controller is served there.
     """
 
     async def exchange() -> dict[str, Any]:

@@ -95,7 +95,7 @@ def outcome_text(order: VerbAction, answers: Iterable[str]) -> str:
     """What to say after the robot's own answers to an order, in the order of its inputs.
 
     Raises:
-        UsageError: the robot refuses one of them; the first refusal is told.
+        UsageError: the robot refuses one of them; with the first refusal.
     """
     text = order.text
     for answer in answers:
@@ -320,7 +320,7 @@ _ROWS: Final = (
     Verb("speed", "0..1", "Speed slider as a fraction.", _speed),
     Verb("remote", "", "Switch to remote control.", _control("on")),
     Verb("local", "", "Switch to local control: clients may only look.", _control("off")),
-    Verb("ports", "", "Every port, and who is connected."),
+    Verb("ports", "", "Every port, and its clients."),
 )
 
 VERBS: Final[dict[str, Verb]] = {row.name: row for row in _ROWS}

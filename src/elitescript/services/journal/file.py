@@ -2,7 +2,7 @@
 
 Lines are written within about `LAG_S`, in the order in which they came, and a failure never leaves half a line behind
 where the system lets us take it back. A file that is renamed meanwhile goes on under its new name. One that is
-removed, or that somebody else writes to or cuts, ends the journal.
+removed, or that another process writes to or cuts, ends the journal.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ class JournalFile:
             raise OSError(errno.ENOENT, "the file was removed")
         if found.st_size != self._written:
             self._is_file = False
-            raise OSError(errno.EIO, "somebody else has changed the file")
+            raise OSError(errno.EIO, "another process has changed the file")
 
     def _sync(self) -> None:
         if self._is_file:
@@ -154,7 +154,7 @@ def write(descriptor: int, data: bytes) -> None:
 
 def _opened(path: Path) -> int:
     """A new file, or a device that is there."""
-    # Appending, so that what is written behind somebody else's cut shows in the size.
+    # Appending, so that what is written behind the cut of another process shows in the size.
     flags = os.O_WRONLY | os.O_APPEND | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
     try:
         if path.exists() and not path.is_char_device():

@@ -1,4 +1,4 @@
-"""A session that is written down as it happens, and one that happens again as it is written."""
+"""Robots with a journal: one whose session is written to it, and one that plays a session again."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.restart import restored_config
 from elitescript.messages.inputs import Input
-from elitescript.messages.outputs import Output
-from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.outputs import Output, TickResult
+from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.runtime.environment import Files
 from elitescript.services.child.remote_files import FileDesk, RemoteFiles
 from elitescript.services.config_codec import full_codec, output_text
@@ -21,7 +21,7 @@ from elitescript.services.journal.writer import Digest, Journal, JournalReader
 
 
 class RecordedRobot:
-    """A robot in this process whose session is written down. See `robot_link.Robot`.
+    """Runs a robot in this process whose session goes into a journal. See `robot_link.TickedRobot`.
 
     Args:
         config: of the robot.
@@ -29,25 +29,35 @@ class RecordedRobot:
         journal: where to write.
     """
 
-    __slots__ = ("_answers", "_desk", "_journal", "_kernel")
+    __slots__ = ("_answers", "_desk", "_journal", "_kernel", "_snapshot")
 
     def __init__(self, config: RobotOptions, files: Files, journal: Journal) -> None:
         self._journal = journal
         self._desk = FileDesk(files)
         self._answers: list[Any] = []
         self._kernel = Kernel(config, RequestEnvironment(RemoteFiles(self._ask)))
+        self._snapshot: Snapshot
 
     @property
     def description(self) -> RobotDescription:
         """What never changes about it."""
         return self._kernel.description
 
-    def tick(self, inputs: Sequence[Input]) -> Output:
-        """Apply inputs in their order and go on by one tick."""
-        output = self._kernel.tick(inputs)
-        self._journal.tick(output.tick, inputs, self._answers, output)
+    def tick(self, inputs: Sequence[Input]) -> TickResult:
+        """Apply inputs in their order and go on by one tick; the digests of the journal cover every snapshot."""
+        result = self._kernel.tick(inputs)
+        self._snapshot = self._kernel.snapshot()
+        self._journal.tick(result.tick, inputs, self._answers, result.with_snapshot(self._snapshot))
         self._answers.clear()
-        return output
+        return result
+
+    def snapshot(self) -> Snapshot:
+        """Return the machine as its ports show it after the last tick."""
+        return self._snapshot
+
+    def discrete_state(self) -> tuple[object, ...]:
+        """Return all that a snapshot shows and that does not change with time alone."""
+        return self._kernel.discrete_state()
 
     def _ask(self, question: list[Any]) -> list[Any]:
         answer = self._desk.answer(question)
@@ -56,7 +66,7 @@ class RecordedRobot:
 
 
 class Difference(NamedTuple):
-    """Where a replay and its journal part."""
+    """Where a replay and its journal differ."""
 
     tick: int
     text: str
@@ -70,7 +80,7 @@ class Replay:
         until_tick: the last tick to play; all if None.
 
     Attributes:
-        difference: where it came out otherwise than in the journal; None while it did not.
+        difference: where the replay differs from the journal; None while it does not.
         checked_ticks: ticks that came out the same.
         last_tick: the last one that was played; -1 before the first.
     """
@@ -101,12 +111,12 @@ class Replay:
         self.last_tick = reader.config.first_tick - 1
 
     def outputs(self, on_restart: Callable[[int, str], None] | None = None) -> Iterator[Output]:
-        """Play it: what clients heard, tick by tick; ends early where it differs.
+        """Return what clients got, tick by tick; ends early where it differs.
 
-        What they were told while there was no robot comes with its last picture.
+        Events that came while there was no robot have its last snapshot.
 
         Args:
-            on_restart: told of the tick and the reason when a new robot goes on.
+            on_restart: called with the tick and the reason when a new robot goes on.
 
         Raises:
             UsageError: a line of the journal that makes no sense.
@@ -159,7 +169,7 @@ class Replay:
         if self._until is not None:
             last = min(last, self._until)
         while self._kernel.next_tick <= last:
-            output = self._kernel.tick(inputs if self._kernel.next_tick == last else ())
+            output = self._kernel.tick_and_snapshot(inputs if self._kernel.next_tick == last else ())
             self._digest.add(output_text(self._output_shape, output).encode())
             self.last_tick, self._last = output.tick, output
             yield output

@@ -1,12 +1,14 @@
-"""What SSH clients of a robot find: its SSH port, the files behind it, its log, and bridges to its serial ports."""
+"""The SSH side of a robot: its SSH port, the files behind it, its log, and bridges to its serial ports."""
 
 from __future__ import annotations
 
 import socket
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from elitescript.messages.events import Event
 from elitescript.services.clients.binding import bind_one
+from elitescript.services.log import SSH as LOG_KIND
+from elitescript.services.log import ServerLog
 from elitescript.services.ssh.commands import DATA_PATH
 from elitescript.services.ssh.controller_history import ControllerHistory
 from elitescript.services.ssh.files import RobotFiles
@@ -15,26 +17,24 @@ from elitescript.services.ssh.serial_bridges import SerialBridges
 from elitescript.services.ssh.server import SshPort
 from elitescript.services.table import SSH
 
-if TYPE_CHECKING:
-    from elitescript.services.robot_server import RobotServer
-
-NOTE: Final = "ssh"
-"""Kind of the notes of the SSH port."""
 LOG_PATH: Final = DATA_PATH + "log/log_history.csv"
 
 
 class SshDesk:
-    """The SSH side of one robot.
+    """Keeps the SSH side of one robot together.
 
     Args:
-        station: the robot; it shows the desk what passes to and from its serial lines, and its events.
+        log: takes lines about problems.
         password: that clients log in with.
+
+    Attributes:
+        taps: what passes to and from the serial lines of the robot goes through them.
     """
 
-    __slots__ = ("_bound", "_bridges", "_history", "_password", "_port", "_station", "number", "taps")
+    __slots__ = ("_bound", "_bridges", "_history", "_log", "_password", "_port", "number", "taps")
 
-    def __init__(self, station: RobotServer, password: str) -> None:
-        self._station = station
+    def __init__(self, log: ServerLog, password: str) -> None:
+        self._log = log
         self._password = password
         self._history = ControllerHistory()
         self._bound: socket.socket | None = None
@@ -49,8 +49,8 @@ class SshDesk:
         """Of the host key; empty before `open`."""
         return "" if self._port is None else self._port.fingerprint
 
-    def hear(self, event: Event) -> None:
-        """Something has happened to the robot."""
+    def take_event(self, event: Event) -> None:
+        """Write an event of the robot into the log file that clients download."""
         self._history.take(event)
 
     def bind(self, host: str, number: int, spare: int | None) -> None:
@@ -62,7 +62,7 @@ class SshDesk:
         self._bound, said = bind_one(SSH.name, host, number, spare)
         self.number = self._bound.getsockname()[1]
         if said:
-            self._station.note("spare_port", said, is_problem=True, port=SSH.name, number=self.number)
+            self._log.note("spare_port", said, is_problem=True, port=SSH.name, number=self.number)
         self._bridges = SerialBridges(host, self.taps)
         self._port = SshPort(self._password, RobotFiles({LOG_PATH: self._history.text}), self._bridges, self._warn)
 
@@ -86,4 +86,4 @@ class SshDesk:
         self.release()
 
     def _warn(self, text: str) -> None:
-        self._station.note(NOTE, text, is_problem=True)
+        self._log.note(LOG_KIND, text, is_problem=True)

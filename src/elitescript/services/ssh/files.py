@@ -258,7 +258,7 @@ class RobotFiles:
         self._forget(file)
 
     def _forget(self, file: _File) -> None:
-        """Give back the bytes of a file that nobody can read any more."""
+        """Give back the bytes of a file that cannot be read any more."""
         if not file.is_linked and not file.handles:
             self._resize(file, 0)
 

@@ -7,7 +7,7 @@ time does not show it.
 The timers of an event loop have a resolution of 1 ms; on Linux a `timerfd` wakes us within 0.1 ms instead. A tick that
 begins late is counted; ticks that have been missed are made up for, one after the other, so that robot time and wall
 clock agree again. If more than `CATCH_UP_TICKS` have been missed, because the computer was away or ticks last longer
-than their period, all of them are *left out*: robot time stands still for so long, and whoever listens is told.
+than their period, all of them are *left out*: robot time stands still for so long, and the log says so.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ class Timer(Protocol):
 
 
 class Cycle:
-    """When the next tick is due.
+    """Says when the next tick is due, and counts those that begin late.
 
     Args:
-        alarm: what wakes it; the best there is if None.
+        timer: what wakes it; the best there is if None.
         on_left_out: called with the number of ticks that are left out.
-        outlet_alarm: what wakes it for the outlets; another one of the same kind if None.
+        outlet_timer: what wakes it for the outlets; another one of the same kind if None.
 
     Attributes:
         overruns: ticks that began late by a period or more.
@@ -57,16 +57,16 @@ class Cycle:
         worst_ns: the latest beginning of a tick since `worst_ns` was last set to 0.
     """
 
-    __slots__ = ("_alarm", "_due_ns", "_on_left_out", "_outlet_alarm", "lag_ticks", "left_out", "overruns", "worst_ns")
+    __slots__ = ("_due_ns", "_on_left_out", "_outlet_timer", "_timer", "lag_ticks", "left_out", "overruns", "worst_ns")
 
     def __init__(
         self,
-        alarm: Timer | None = None,
+        timer: Timer | None = None,
         on_left_out: Callable[[int], None] | None = None,
-        outlet_alarm: Timer | None = None,
+        outlet_timer: Timer | None = None,
     ) -> None:
-        self._alarm = alarm or best_alarm()
-        self._outlet_alarm = outlet_alarm or best_alarm()
+        self._timer = timer or best_timer()
+        self._outlet_timer = outlet_timer or best_timer()
         self._on_left_out = on_left_out
         self._due_ns = 0
         self.overruns = 0
@@ -75,14 +75,14 @@ class Cycle:
         self.worst_ns = 0
 
     def restart(self) -> None:
-        """The next tick is due a period from now; what was missed before is forgotten."""
+        """Make the next tick due a period from now; what was missed before is not made up for."""
         self._due_ns = 0
 
     async def next(self) -> None:
         """Return when the next tick is due; others are served before it in any case.
 
         Before a tick that begins late, whatever has arrived by the time that `lag_ticks` tells is read: of what arrives
-        later the tick knows nothing, and of what is not read nobody could tell when it came.
+        later the tick knows nothing, and of what is not read it is not known when it came.
         """
         now_ns = time.monotonic_ns()
         if self._due_ns == 0:
@@ -92,7 +92,7 @@ class Cycle:
             await asyncio.sleep(0)
             now_ns = time.monotonic_ns()
         else:
-            now_ns = await _until(self._due_ns, self._alarm)
+            now_ns = await _until(self._due_ns, self._timer)
         self._note(now_ns - self._due_ns, now_ns)
         if self.lag_ticks:
             # The loop looks for what has arrived in the first of these rounds, and hands it on in the second.
@@ -100,14 +100,14 @@ class Cycle:
             await asyncio.sleep(0)
 
     async def outlet(self) -> None:
-        """Return when what the present tick gives is to leave; at once if that was before, or no alarm is so exact."""
-        if self._outlet_alarm.is_exact:
-            await _until(self._due_ns + OUTLET_NS, self._outlet_alarm)
+        """Return when what the present tick gives is to leave; at once if that was before, or no timer is so exact."""
+        if self._outlet_timer.is_exact:
+            await _until(self._due_ns + OUTLET_NS, self._outlet_timer)
 
     def close(self) -> None:
         """No tick comes after this."""
-        self._alarm.close()
-        self._outlet_alarm.close()
+        self._timer.close()
+        self._outlet_timer.close()
 
     def _note(self, late_ns: int, now_ns: int) -> None:
         self.worst_ns = max(self.worst_ns, late_ns)
@@ -126,7 +126,7 @@ class Cycle:
 
 
 class LoopTimer:
-    """An alarm from the timers of the event loop."""
+    """Wakes by the timers of the event loop."""
 
     __slots__ = ("_timer",)
 
@@ -145,10 +145,10 @@ class LoopTimer:
 
 
 class TimerFdTimer:
-    """An alarm from a Linux timer that is a file.
+    """Wakes by a Linux timer that is a file.
 
-    It rings every period from the time at which it is first asked for, so that in a steady cycle it need not be set
-    again. When it rings and nobody waits it stops.
+    It expires every period from the time at which it is first asked for, so that in a steady cycle it need not be set
+    again. When it expires and there is no waiter it stops.
 
     Raises:
         OSError: there is none.
@@ -163,7 +163,7 @@ class TimerFdTimer:
         self._waiter: asyncio.Future[None] | None = None
         self._next_ns = 0
         self._fd, self._set = _open_timer()
-        self._loop.add_reader(self._fd, self._rung)
+        self._loop.add_reader(self._fd, self._expired)
 
     def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
         self._waiter = waiter
@@ -177,7 +177,7 @@ class TimerFdTimer:
             os.close(self._fd)
             self._fd = -1
 
-    def _rung(self) -> None:
+    def _expired(self) -> None:
         try:
             count = os.read(self._fd, 8)
         except BlockingIOError:
@@ -191,8 +191,8 @@ class TimerFdTimer:
             _wake(waiter)
 
 
-def best_alarm() -> Timer:
-    """The most exact alarm that this computer and the running event loop have."""
+def best_timer() -> Timer:
+    """Return the most exact timer that this computer and the running event loop have."""
     if sys.platform == "linux":
         try:
             return TimerFdTimer()
@@ -201,12 +201,12 @@ def best_alarm() -> Timer:
     return LoopTimer()
 
 
-async def _until(due_ns: int, alarm: Timer) -> int:
+async def _until(due_ns: int, timer: Timer) -> int:
     """Wait for a time of `time.monotonic_ns`; return what time it is then."""
     loop = asyncio.get_running_loop()
     while (now_ns := time.monotonic_ns()) < due_ns:
         waiter = loop.create_future()
-        alarm.wake_at(due_ns, waiter)
+        timer.wake_at(due_ns, waiter)
         await waiter
     return now_ns
 
@@ -217,7 +217,7 @@ def _wake(waiter: asyncio.Future[None]) -> None:
 
 
 def _open_timer() -> tuple[int, Callable[[int, int], Any]]:
-    """A timer on the clock of `time.monotonic_ns`, and what sets it to an absolute time and a period; 0 stops it."""
+    """Return a timer on the clock of `time.monotonic_ns`, and its setter: absolute time and period, ns; 0 stops it."""
     if sys.version_info >= (3, 13):
         fd = os.timerfd_create(time.CLOCK_MONOTONIC, flags=os.TFD_NONBLOCK | os.TFD_CLOEXEC)
         return fd, lambda due_ns, period_ns: os.timerfd_settime_ns(

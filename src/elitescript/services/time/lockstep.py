@@ -17,12 +17,16 @@ does time pass.
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
+from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.services.clients.tcp import Client
+from elitescript.services.log import ServerLog
+from elitescript.services.time.paced import PacedTime
 
 TIMEOUT_S: Final = 0.5
 """How long time waits for a client by default (*assumed*). The vendor's C++ client gives up its connection when it has
@@ -30,9 +34,11 @@ got no package for 1 s."""
 UNANSWERING_S: Final = 0.02
 """The same for a client that has sent inputs before and never answered a package by one (*assumed*)."""
 STEP_MAX_S: Final = 5 * PERIOD_S
-"""What counts of the time between two looks at the clients: while this process was stopped nobody could answer."""
+"""What counts of the time between two looks at the clients: while this process was stopped no client could answer."""
 REPORT_S: Final = 10.0
 """Wall time within which the log names the same client once."""
+BUSY_STEPS: Final = 64
+"""Ticks after which the event loop serves all others."""
 
 
 class Gate(NamedTuple):
@@ -49,7 +55,7 @@ _OPEN = Gate(True, True, "")
 
 
 class Lockstep:
-    """Which clients of one robot's RTSI port time waits for, and how long.
+    """Knows which clients of one robot's RTSI port time waits for, and how long.
 
     Args:
         clients: of the port, by origin; read at every call.
@@ -88,7 +94,7 @@ class Lockstep:
         """How often it was let go in that time."""
 
     def gate(self) -> Gate:
-        """Ask the clients."""
+        """Return whether time may go on now."""
         has_participants = False
         behind = ""
         for client in self._clients.values():
@@ -106,7 +112,7 @@ class Lockstep:
         return Gate(False, True, behind) if behind else _OPEN
 
     def watch(self, tick: int, elapsed_s: float) -> bool:
-        """Let clients go that time has waited for too long; whether one was.
+        """Let clients go that time has waited for too long; return whether there was one.
 
         Args:
             tick: the last one; time that has gone on since the last call has waited for no client.
@@ -161,7 +167,7 @@ class Lockstep:
         self._note(text, origin)
 
     def _tell(self, elapsed_s: float) -> None:
-        """Say how often a client was let go since the log named it last."""
+        """Write how often a client was let go since the log named it last."""
         for origin in list(self._quiet_s):
             self._quiet_s[origin] -= elapsed_s
             if self._quiet_s[origin] > 0.0:
@@ -169,3 +175,142 @@ class Lockstep:
             del self._quiet_s[origin]
             if count := self._let_go.pop(origin, 0):
                 self._note(f"{origin} was let go {count} times more within {REPORT_S:g} s", origin)
+
+
+class LockstepTime(PacedTime):
+    """Says when the next tick begins: when the RTSI clients that take part have answered.
+
+    Args:
+        log: takes the names of clients that are let go.
+        on_left_out: see `PacedTime`.
+        clients: of the RTSI port, by origin; read at every call.
+        step: runs a tick at once, if the robot is in this process; returns whether it is.
+        relieve: called once in a period while time may stand still, with the origin of the client that it waits for:
+            reads clients on.
+        timeout_s: see `Lockstep`.
+
+    Attributes:
+        is_standing: whether time waits for a client.
+    """
+
+    __slots__ = (
+        "_failure",
+        "_gate",
+        "_news",
+        "_relief",
+        "_relieve_clients",
+        "_relieved_s",
+        "_step",
+        "_steps",
+        "_waits_for",
+        "is_standing",
+    )
+
+    def __init__(
+        self,
+        log: ServerLog,
+        on_left_out: Callable[[int], None],
+        clients: Mapping[str, Client],
+        step: Callable[[], bool],
+        relieve: Callable[[str], None],
+        timeout_s: float = TIMEOUT_S,
+    ) -> None:
+        super().__init__(log, on_left_out)
+        self._gate = Lockstep(
+            clients, lambda text, origin: log.note("let_go", text, is_problem=True, origin=origin), timeout_s
+        )
+        self._step = step
+        self._relieve_clients = relieve
+        self._news = asyncio.Event()
+        self._failure: Exception | None = None
+        self._steps = 0
+        self._waits_for = ""
+        self.is_standing = False
+        loop = asyncio.get_running_loop()
+        self._relieved_s = loop.time()
+        self._relief = loop.call_soon(self._relieve)
+
+    @property
+    def lag_ticks(self) -> int:
+        """None: clients wait as the robot does."""
+        return 0
+
+    @property
+    def waits_for(self) -> str:
+        """See `PacedTime.waits_for`."""
+        return self._waits_for
+
+    async def next(self) -> None:
+        """Return when the next tick begins.
+
+        Raises:
+            Exception: what has ended the robot.
+        """
+        while True:
+            found = self._gate.gate()
+            self._waits_for = found.waits_for
+            if not found.has_participants:
+                await self._cycle.next()
+                if not self._gate.gate().has_participants:
+                    return
+                continue
+            self._cycle.restart()
+            if not found.is_open:
+                await self._stand()
+                continue
+            self._steps += 1
+            if self._steps % BUSY_STEPS == 0:
+                await asyncio.sleep(0)
+            return
+
+    async def outlet(self) -> None:
+        """Return at once: an output leaves as soon as it is there."""
+
+    def with_overruns(self, output: Output) -> Output:
+        """Return the output as it is: no tick is late."""
+        return output
+
+    def wake(self) -> None:
+        """Look again whether time may go on: a client has sent something, has read, or goes."""
+        if not self.is_standing or self._failure is not None:
+            return
+        found = self._gate.gate()
+        if not found.is_open or not found.has_participants:
+            self._news.set()
+            return
+        # The shortest way from a client's answer to its next package: no turn of the event loop in between.
+        try:
+            is_done = self._step()
+        except Exception as error:
+            # Not a failure of the client that has called: what passes time ends with it.
+            self._failure = error
+            is_done = False
+        if is_done:
+            found = self._gate.gate()
+            self._waits_for = found.waits_for
+        if not is_done or found.is_open:
+            self._news.set()
+
+    def close(self) -> None:
+        """See `PacedTime.close`."""
+        self._relief.cancel()
+        super().close()
+
+    async def _stand(self) -> None:
+        """Return when there is a reason to look at the clients again."""
+        self._news.clear()
+        self.is_standing = True
+        try:
+            await self._news.wait()
+        finally:
+            self.is_standing = False
+        if self._failure is not None:
+            raise self._failure
+
+    def _relieve(self) -> None:
+        self._relieve_clients(self._waits_for)
+        loop = asyncio.get_running_loop()
+        before_s, self._relieved_s = self._relieved_s, loop.time()
+        if self._gate.watch(self._log.tick, self._relieved_s - before_s):
+            self._news.set()
+        self._relief = loop.call_later(PERIOD_S, self._relieve)

@@ -1,4 +1,4 @@
-"""Ticks against the wall clock."""
+"""Ticks of a run against the wall clock: `--realtime`."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 from elitescript.messages.events import TextMessage
-from elitescript.services.child.output_buffer import DELAY_MAX_TICKS, OutputBuffer
+from elitescript.services.child.buffers import DELAY_MAX_TICKS, OutputBuffer
 from tests.protocol.snapshots import output
 
 

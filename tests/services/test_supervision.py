@@ -1,4 +1,4 @@
-"""How long a child may be silent over program text."""
+"""How long a child may take to compile a program text."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import compile_checked
 from elitescript.messages.profile import profile
 from elitescript.models.model import load_model
-from elitescript.services.child.hang_watchdog import compile_s
+from elitescript.services.child.supervision import compile_s
 
 LINE = "  movel([0.4, 0.012, 0.3, 3.14, 0, 0], a=1.2, v=0.25, r=0.0)\n"
 

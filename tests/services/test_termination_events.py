@@ -1,4 +1,4 @@
-"""What clients hear of a robot that was given up."""
+"""The events that clients get in the place of a robot that was replaced."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged
 from elitescript.messages.inputs import AddLog, Input, PlayTask, RunUnit
 from elitescript.messages.snapshot import Snapshot
-from elitescript.services.child.termination_events import HINT, last_words
+from elitescript.services.child.supervision import HINT, Failure, termination_events
 from tests.protocol.snapshots import output
 
 PROGRAM = RunUnit("primary#1", "program", "def job(a=1):\n  sum(range(10**12))\nend\n")
@@ -26,7 +26,7 @@ def picture(state: TaskState = TaskState.STOPPED, running: str = "", loaded: str
 
 def states(last: Snapshot | None, *lost: Input, where: tuple[str, int] | None = None) -> list[tuple[str, str]]:
     """States of the task and their programs, with `!` in the place of the alarm."""
-    events = last_words(9, "it hung", last, lost, where=where)
+    events = termination_events(9, Failure("it hung", where), last, lost)
     return [(event.state.name, event.name) if isinstance(event, TaskStateChanged) else ("!", "") for event in events]
 
 
@@ -68,10 +68,10 @@ def test_nothing_has_begun_with_a_secondary_program_or_elsewhere() -> None:
 
 
 def test_the_alarm_says_where_and_what_to_do() -> None:
-    (alarm,) = last_words(9, "it hung", picture(), (), where=HERE)
+    (alarm,) = termination_events(9, Failure("it hung", HERE), picture())
     assert isinstance(alarm, Alarm)
     assert (alarm.tick, alarm.code, alarm.line, alarm.text) == (9, "R132", 2, "the controller was restarted: it hung")
     assert alarm.details == {"program": "<primary#1>", "hint": HINT}
-    (alarm,) = last_words(9, "it is gone", picture(), ())
+    (alarm,) = termination_events(9, Failure("it is gone", None), picture(), last_line=7)
     assert isinstance(alarm, Alarm)
     assert (alarm.line, alarm.details) == (7, {})

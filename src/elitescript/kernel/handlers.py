@@ -1,0 +1,282 @@
+"""What each input does to a robot: one handler for each kind.
+
+They hold what only clients use: programs that come from outside, tasks, interpreter mode and queries.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+from elitescript.controller.refusals import refusal_text
+from elitescript.devices.channels.faults import Fault, fault_of, input_request, is_of_input
+from elitescript.errors import ScriptError, UsageError
+from elitescript.kernel.conversations import Conversations
+from elitescript.kernel.interpreter_logs import InterpreterLogs
+from elitescript.kernel.programs import Programs
+from elitescript.kernel.tasks import Tasks
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import Popup, TextMessage, Warned
+from elitescript.messages.inputs import (
+    RESTART,
+    WORLD,
+    AddFault,
+    AddLog,
+    ChannelClosed,
+    ChannelCredit,
+    ChannelData,
+    ChannelEvent,
+    ChannelOpened,
+    ClosePopup,
+    Do,
+    GetVariable,
+    Input,
+    Interpret,
+    InterpreterWord,
+    Lag,
+    LoadConfiguration,
+    LoadTask,
+    PlayTask,
+    Query,
+    Reboot,
+    RunUnit,
+    SetRemote,
+    SetVariable,
+    ShowPopup,
+    VariablesArrived,
+)
+from elitescript.messages.machine import (
+    AskSafety,
+    EndInputFaults,
+    MachineRequest,
+    PowerOff,
+    StopTask,
+    WritePortRegisters,
+)
+from elitescript.messages.outputs import Reply
+from elitescript.messages.signals import SIGNALS
+from elitescript.protocol.outcomes import done, refused
+from elitescript.runtime.connections.serial_line import close_lines
+from elitescript.runtime.environment import ProgramEnvironment
+
+if TYPE_CHECKING:
+    from elitescript.devices.channels.faulty_channels import FaultyChannels
+    from elitescript.kernel.kernel import Kernel
+
+_CAUSES: Final = {RESTART: "schedule"} | {f"{WORLD}:{by}": by for by in ("device", "wire", "schedule", "fault")}
+
+
+def cause_of(origin: str) -> str:
+    """Return `SignalChanged.by` for what an input of an origin changes: what the origin says, else `client`."""
+    return _CAUSES.get(origin, "client")
+
+
+class InputHandlers:
+    """Carries out the inputs of one robot.
+
+    Args:
+        robot: the robot.
+        environment: everything outside the programs that come from clients.
+        faulty: its network, if faults can be added to it.
+        has_logs: whether interpreter mode keeps its logs in the task folder.
+
+    Attributes:
+        programs: compiles and starts programs of clients.
+        tasks: what is loaded.
+        conversations: interpreter mode and the query port.
+        is_remote: whether clients may change the robot.
+    """
+
+    __slots__ = (
+        "_controller",
+        "_faulty",
+        "_host",
+        "_logs",
+        "_popup",
+        "_robot",
+        "conversations",
+        "is_remote",
+        "programs",
+        "tasks",
+    )
+
+    def __init__(
+        self, robot: Kernel, environment: ProgramEnvironment, faulty: FaultyChannels | None, *, has_logs: bool
+    ) -> None:
+        options = robot.options
+        self._robot = robot
+        self._controller = robot.controller
+        self._host = robot.host
+        self._popup = robot.popup
+        self._faulty = faulty
+        self.is_remote = options.remote
+        self._logs = InterpreterLogs(environment.files) if has_logs else None
+        self.conversations: Conversations = Conversations(self._host, self._reply, self._logs)
+        self.programs: Programs = Programs(
+            self._controller, self._host, robot.profile, robot.model, environment, is_strict=options.strict
+        )
+        self.tasks: Tasks = Tasks(self._controller, self._host, self.programs, environment, options.configuration)
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether something waits for the next tick."""
+        return (
+            self.conversations.is_waiting
+            or self.programs.is_waiting
+            or self.tasks.is_waiting
+            or (self._logs is not None and self._logs.is_waiting)
+        )
+
+    def run_tick(self, inputs: Sequence[Input]) -> None:
+        """Run a tick of the robot in which these inputs are carried out."""
+        tick, logs = self._controller.tick, self._logs
+        if logs is not None:
+            logs.begin_tick(tick)
+        self._controller.run_tick(lambda: self._take(inputs))
+        if logs is not None and (trouble := logs.end_tick()):
+            self._controller.emit(Warned(tick, trouble))
+
+    def _take(self, inputs: Sequence[Input]) -> None:
+        self.conversations.go_on()
+        self.programs.go_on()
+        if self._faulty is not None:
+            for event in self._faulty.arrivals(self._controller.tick):
+                self._robot.channel_event(event)
+        for item in inputs:
+            HANDLERS[type(item)](self, item)
+        if (late := self.tasks.due()) is not None:
+            self._reply(*late)
+
+    def _reply(self, origin: str, text: str) -> None:
+        self._robot.reply(Reply(origin, text))
+
+    # ---------------------------------------------------------------- the machine
+
+    def _do(self, item: Do) -> None:
+        why_not = self._attempt(item.request, cause_of(item.origin))
+        if why_not:
+            self._controller.emit(Warned(self._controller.tick, why_not))
+        if item.is_answered:
+            self._reply(item.origin, refused(why_not) if why_not else done(self._shown_after(item.request)))
+
+    def _attempt(self, request: MachineRequest, by: str) -> str:
+        """Do what is asked; return why it cannot be done, empty if it is."""
+        if isinstance(request, StopTask):
+            self.tasks.stop()
+            if self._controller.task_state is TaskState.STOPPED:
+                return ""
+        try:
+            _check_point(request)
+            self._controller.request_from(request, by)
+        except (ScriptError, UsageError) as error:
+            return refusal_text(request, error)
+        return ""
+
+    def _shown_after(self, request: MachineRequest) -> str:
+        """Return the registers that a request asks to be read right after it, as hexadecimal digits, four each."""
+        if not isinstance(request, WritePortRegisters) or not request.read_count:
+            return ""
+        firmware = self._robot.description.firmware
+        words = self._controller.port_registers(request.read_first, request.read_count, firmware)
+        return "".join(f"{word:04x}" for word in words)
+
+    def _set_remote(self, item: SetRemote) -> None:
+        self.is_remote = item.is_remote
+
+    def _reboot(self, _item: Reboot) -> None:
+        """Signals, TCP and payload stay, serial ports close; what the real controller forgets is *assumed*."""
+        self._controller.request(PowerOff())
+        self._controller.request(AskSafety("restart_safety", "the controller was started anew"))
+        close_lines(self._host.background.lines, self._host.connections)
+        self._popup.close()
+        self.tasks.forget()
+        self._host.background.close()
+
+    # ---------------------------------------------------------------- programs and messages
+
+    def _run_unit(self, item: RunUnit) -> None:
+        self.programs.run(item)
+
+    def _task_input(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> None:
+        if text := self.tasks.answer(item):
+            self._reply(item.origin, text)
+
+    def _arrived(self, item: VariablesArrived) -> None:
+        self._host.watchdogs.arrived(item.names, self._controller.tick)
+
+    def _lag(self, item: Lag) -> None:
+        self._host.set_lag(item.ticks)
+
+    def _show_popup(self, item: ShowPopup) -> None:
+        self._controller.emit(Popup(self._controller.tick, item.text, "", "info", False, False, "", 0))
+
+    def _close_popup(self, _item: ClosePopup) -> None:
+        self._popup.close()
+        self._host.confirm_popup()
+
+    def _add_log(self, item: AddLog) -> None:
+        tick = self._controller.tick
+        self._controller.emit(Warned(tick, item.text) if item.is_warning else TextMessage(tick, item.text, "", 0))
+
+    # ---------------------------------------------------------------- channels
+
+    def _add_fault(self, item: AddFault) -> None:
+        try:
+            if item.text:
+                self._disturb(fault_of(item.text))
+            else:
+                if self._faulty is not None:
+                    self._faulty.clear()
+                self._controller.request_from(EndInputFaults(), "fault")
+        except UsageError as error:
+            self._controller.emit(Warned(self._controller.tick, f"fault refused: {error}"))
+            self._reply(item.origin, refused(str(error)))
+        else:
+            self._reply(item.origin, done())
+
+    def _disturb(self, fault: Fault) -> None:
+        if is_of_input(fault):
+            self._controller.request_from(input_request(fault, self._controller.tick), "fault")
+        elif self._faulty is None:
+            raise UsageError("the network of this robot is not its own; add the fault to that network")
+        else:
+            self._faulty.add(fault)
+
+    def _channel(self, item: ChannelEvent) -> None:
+        events = (item,) if self._faulty is None else self._faulty.incoming(item)
+        for event in events:
+            self._robot.channel_event(event)
+
+
+def _check_point(request: object) -> None:
+    """Let a request pass that names no point of the signal table, or one that exists.
+
+    Raises:
+        UsageError: it names another one.
+    """
+    name, index = getattr(request, "name", None), getattr(request, "index", None)
+    if name is None or index is None:
+        return
+    row = SIGNALS.get(name)
+    if row is None or not 0 <= index < row.size:
+        raise UsageError(f"there is no signal {name}[{index}]")
+
+
+HANDLERS: Final[dict[type, Callable[[InputHandlers, Any], None]]] = {
+    Do: InputHandlers._do,
+    RunUnit: InputHandlers._run_unit,
+    **dict.fromkeys((LoadTask, LoadConfiguration, PlayTask, SetVariable, GetVariable), InputHandlers._task_input),
+    Interpret: lambda handlers, item: handlers.conversations.interpret(item),
+    InterpreterWord: lambda handlers, item: handlers.conversations.word(item),
+    Query: lambda handlers, item: handlers.conversations.query(item),
+    VariablesArrived: InputHandlers._arrived,
+    Lag: InputHandlers._lag,
+    ShowPopup: InputHandlers._show_popup,
+    ClosePopup: InputHandlers._close_popup,
+    AddFault: InputHandlers._add_fault,
+    AddLog: InputHandlers._add_log,
+    SetRemote: InputHandlers._set_remote,
+    Reboot: InputHandlers._reboot,
+    **dict.fromkeys((ChannelOpened, ChannelData, ChannelCredit, ChannelClosed), InputHandlers._channel),
+}
+"""Every kind of input and what handles it."""

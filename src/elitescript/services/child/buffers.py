@@ -1,0 +1,185 @@
+"""Buffers between a server and a child that is late, or not there: inputs on their way down, outputs on their way up.
+
+Inputs keep their order; as many go down in a tick as the child can do. Outputs leave one for each tick, though they
+come in uneven steps: while the child keeps up, the output of a tick leaves in that tick; once it has been late, its
+outputs leave a tick or two later, so that the next time does not show. When that has not been needed for a second, it
+is undone.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from elitescript.messages.events import Event
+from elitescript.messages.inputs import ChannelClosed, Input
+from elitescript.messages.outputs import (
+    ChannelRequest,
+    CloseChannel,
+    OpenChannel,
+    OpenLine,
+    Output,
+    Reply,
+    TickResult,
+)
+from elitescript.messages.snapshot import Snapshot
+from elitescript.messages.timing import TICKS_PER_S
+from elitescript.services.clients.input_queue import CHANNEL_EVENTS, WORK_NS, price_ns
+
+WAITING_MAX: Final = 50_000
+"""Inputs of clients that wait while there is no child; more are refused. A caller that heeds `room` stays below."""
+PORTION_NS: Final = 10 * WORK_NS
+"""Price of what a child gets in a tick; more than an input queue gives, so that only what has piled up is spread."""
+BEHIND_TICKS: Final = 3
+"""Ticks behind which no output is waited for."""
+BUSY_TICKS: Final = 10
+"""Ticks behind which a child gets hardly anything that is much work until it has caught up."""
+ROOM_MIN: Final = 0.05
+"""Share of a tick's work for clients that is left then, so that a child that never catches up can be given another
+program."""
+DELAY_MAX_TICKS: Final = 2
+"""Outputs that may wait; what comes beyond that is put together."""
+
+
+def room_for(late_ticks: int) -> float:
+    """Return the share of a tick's work for clients that a child can do, 0 to 1: less, the more ticks it is behind."""
+    return 1.0 if late_ticks <= BEHIND_TICKS else max(ROOM_MIN, 1.0 - late_ticks / BUSY_TICKS)
+
+
+class PendingInputs:
+    """Keeps inputs for a child, which may be replaced; nothing of its connections goes to the next one."""
+
+    __slots__ = ("_channels", "_inputs", "_refused")
+
+    def __init__(self) -> None:
+        self._inputs: list[Input] = []
+        self._channels: set[int] = set()
+        self._refused = 0
+
+    def __len__(self) -> int:
+        return len(self._inputs)
+
+    def add(self, inputs: Sequence[Input]) -> None:
+        """Take inputs; what comes of connections that the child does not have is left out."""
+        for item in inputs:
+            if isinstance(item, CHANNEL_EVENTS):
+                if item.channel not in self._channels:
+                    continue
+                if isinstance(item, ChannelClosed):
+                    self._channels.discard(item.channel)
+            elif len(self._inputs) >= WAITING_MAX:
+                self._refused += 1
+                continue
+            self._inputs.append(item)
+
+    def put_first(self, inputs: Iterable[Input]) -> None:
+        """Take inputs that come before all that wait; those of connections are left out."""
+        self._inputs[:0] = [item for item in inputs if not isinstance(item, CHANNEL_EVENTS)]
+
+    def portion(self) -> list[Input]:
+        """Return as much of what waits as a child can do in a tick."""
+        if price_ns(self._inputs) <= PORTION_NS:
+            portion, self._inputs = self._inputs, []
+            return portion
+        price, count = 0, 0
+        while count < len(self._inputs) and price < PORTION_NS:
+            price += price_ns((self._inputs[count],))
+            count += 1
+        portion = self._inputs[:count]
+        del self._inputs[:count]
+        return portion
+
+    def take_refused(self) -> int:
+        """Return how many inputs found no room since the last call."""
+        refused, self._refused = self._refused, 0
+        return refused
+
+    def note(self, requests: Iterable[ChannelRequest]) -> None:
+        """Note which connections the child opens and closes."""
+        for request in requests:
+            if isinstance(request, OpenChannel | OpenLine):
+                self._channels.add(request.channel)
+            elif isinstance(request, CloseChannel):
+                self._channels.discard(request.channel)
+
+    def end_connections(self) -> tuple[ChannelRequest, ...]:
+        """Return what closes the connections of a child that is gone."""
+        requests = tuple(CloseChannel(channel) for channel in sorted(self._channels))
+        self._channels.clear()
+        self._inputs = [item for item in self._inputs if not isinstance(item, CHANNEL_EVENTS)]
+        return requests
+
+
+class OutputBuffer:
+    """Keeps outputs until their tick.
+
+    Attributes:
+        newest: the last snapshot that has come in.
+    """
+
+    __slots__ = ("_events", "_fewest", "_is_flushed", "_requests", "_shown", "_ticks", "_waiting", "newest")
+
+    def __init__(self) -> None:
+        self._waiting: deque[Output | TickResult] = deque()
+        self._events: list[Event] = []
+        self._requests: list[ChannelRequest] = []
+        self._shown: Snapshot | None = None
+        self._fewest = DELAY_MAX_TICKS
+        self._ticks = 0
+        self._is_flushed = False
+        self.newest: Snapshot | None = None
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no output waits: the next tick would have none of its own."""
+        return not self._waiting
+
+    def add(self, output: Output | TickResult) -> None:
+        """Take an output that has come in, with a snapshot or without."""
+        self._waiting.append(output)
+        if isinstance(output, Output):
+            self.newest = output.snapshot
+
+    def add_own(self, *events: Event, requests: tuple[ChannelRequest, ...] = ()) -> None:
+        """Add what the child has not said; it leaves after what waits already, with the next tick."""
+        self._events += events
+        self._requests += requests
+
+    def flush(self) -> None:
+        """Let everything that waits leave with the next tick."""
+        self._is_flushed = True
+
+    def take(self, tick: int) -> Output:
+        """Return what leaves in a tick; there must have been a snapshot."""
+        count = min(len(self._waiting), 1 + self._surplus())
+        taken = [self._waiting.popleft() for _ in range(count)]
+        events: list[Event] = []
+        requests: list[ChannelRequest] = []
+        replies: list[Reply] = []
+        for output in taken:
+            if isinstance(output, Output):
+                self._shown = output.snapshot
+            events += output.events
+            requests += output.requests
+            replies += output.replies
+        assert self._shown is not None, "there is no snapshot yet"
+        events += self._events
+        requests += self._requests
+        self._events.clear()
+        self._requests.clear()
+        return Output(tick, tuple(events), tuple(requests), tuple(replies), self._shown)
+
+    def _surplus(self) -> int:
+        """Return how many outputs need not wait any longer."""
+        left = max(len(self._waiting) - 1, 0)
+        if self._is_flushed:
+            self._is_flushed = False
+            return left
+        surplus = max(left - DELAY_MAX_TICKS, 0)
+        self._fewest = min(self._fewest, left if self._waiting else 0)
+        self._ticks += 1
+        if self._ticks >= TICKS_PER_S:
+            surplus = max(surplus, 1 if self._fewest else 0)
+            self._ticks, self._fewest = 0, DELAY_MAX_TICKS
+        return surplus

@@ -1,0 +1,237 @@
+"""One robot in one child process: the messages down, and those up, of which nothing is trusted.
+
+What arrives is decoded, checked and handed on in the order of the ticks. Whatever makes no sense ends the transport;
+nothing more of the child is read then. See `frames` for the messages.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from elitescript.errors import UsageError
+from elitescript.kernel import RobotOptions
+from elitescript.messages.codec import Codec, from_text, to_text
+from elitescript.messages.inputs import Input, Interpret, LoadTask, PlayTask, Query, RunUnit
+from elitescript.messages.outputs import Output, TickResult
+from elitescript.messages.shapes import CodecError, check_list
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.services.child import frames, output_changes
+from elitescript.services.child.jail import Layer
+from elitescript.services.child.output_changes import OutputReader
+from elitescript.services.child.process import ChildProcess
+from elitescript.services.child.remote_files import FileDesk
+
+READING_MAX_S: Final = 0.25
+READING_KEPT: Final = 0.99
+"""Time that the outputs of the last hundred ticks or so may take to be read: more than half of it."""
+FAILURE_MAX: Final = 8000
+"""Characters of the reason that a child gives for its end."""
+
+
+@dataclass(slots=True)
+class SentTick:
+    """A tick that has not been answered yet."""
+
+    number: int
+    inputs: Sequence[Input]
+    has_snapshot: bool
+    """Whether its snapshot is asked for."""
+    text: str
+    """The inputs as JSON text."""
+    size: int = 0
+    """Bytes of program text that came with it, or were read in it to load a task."""
+    answers: list[Any] = field(default_factory=list)
+    """To questions about files."""
+    asking_since_s: float = 0.0
+    """When the first question about files came in it."""
+
+
+class ChildTransport:
+    """The way to one child process, from its start to its end.
+
+    Args:
+        codec: of everything that is sent.
+        desk: answers questions about files.
+        on_output: takes a tick that was sent, and what it has given.
+        on_question: called when a question about files was answered, with the tick that it was asked in; None if that
+            was before the first one.
+        on_change: called after each message, and when the child has ended.
+        is_jailed: lock the child in.
+        memory_max: bytes of address space of the child.
+
+    Attributes:
+        description: of the robot, once there is one.
+        end_reason: why nothing more comes; empty while the child lives.
+        failure: the reason that the child itself has given for its end.
+        is_begun: whether the child was asked to make a robot.
+        layers: of the jail; None until the child has locked itself in.
+        line: of the program, at the last tick that was answered.
+        unanswered: ticks that were sent and not answered yet, the oldest first.
+
+    Raises:
+        UsageError: no process can be started.
+    """
+
+    __slots__ = (
+        "_child",
+        "_codec",
+        "_desk",
+        "_input_shape",
+        "_on_change",
+        "_on_output",
+        "_on_question",
+        "_reader",
+        "_reading_s",
+        "_result_shape",
+        "description",
+        "end_reason",
+        "failure",
+        "is_begun",
+        "layers",
+        "line",
+        "unanswered",
+    )
+
+    def __init__(
+        self,
+        codec: Codec,
+        desk: FileDesk,
+        on_output: Callable[[SentTick, Output | TickResult], None],
+        on_question: Callable[[SentTick | None], None],
+        on_change: Callable[[], None],
+        *,
+        is_jailed: bool,
+        memory_max: int,
+    ) -> None:
+        self._codec = codec
+        self._desk = desk
+        self._on_output = on_output
+        self._on_question = on_question
+        self._on_change = on_change
+        self._input_shape = codec.shape(Input)
+        self._result_shape = codec.shape(TickResult)
+        self._reader = OutputReader(codec)
+        self._reading_s = 0.0
+        self.description: RobotDescription | None = None
+        self.end_reason = self.failure = ""
+        self.is_begun = False
+        self.layers: tuple[Layer, ...] | None = None
+        self.line = 0
+        self.unanswered: deque[SentTick] = deque()
+        try:
+            self._child = ChildProcess(self._message, self.end)
+        except (OSError, ValueError, AttributeError) as error:
+            raise UsageError(f"no process for the robot can be started: {error}; use --in-process") from error
+        self._child.send(frames.LOCK_IN, to_text([is_jailed, memory_max]))
+
+    @property
+    def process(self) -> ChildProcess:
+        """The process."""
+        return self._child
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether the child can be asked to make a robot, or for a tick."""
+        return self.layers is not None and not self.end_reason
+
+    # ---------------------------------------------------------------- down
+
+    def begin(self, config: RobotOptions) -> None:
+        """Have the child make its robot."""
+        self.is_begun = True
+        self._child.send(frames.BEGIN, to_text(self._codec.shape(RobotOptions).encode(config)))
+
+    def send_tick(self, number: int, inputs: Sequence[Input], *, has_snapshot: bool) -> None:
+        """Send a tick with its inputs, and whether its snapshot is asked for."""
+        text = to_text([self._input_shape.encode(item) for item in inputs])
+        size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
+        self.unanswered.append(SentTick(number, inputs, has_snapshot, text, size))
+        self._child.send(frames.TICK if has_snapshot else frames.TICK_UNREAD, text)
+
+    # ---------------------------------------------------------------- up
+
+    def output_text(self) -> bytes:
+        """Return the last output with a snapshot, whole, as JSON text."""
+        return self._reader.text().encode()
+
+    def end(self, reason: str) -> None:
+        """Read nothing more of the child."""
+        self.end_reason = self.end_reason or reason
+        self._on_change()
+
+    def _message(self, letter: str, text: bytes) -> None:
+        if self.end_reason:
+            return
+        try:
+            self._take(letter, text)
+        except CodecError as error:
+            self.end(f"what it says makes no sense: {error}")
+        except Exception as error:
+            # No message of a child may end this process, whatever we have not thought of.
+            self.end(f"what it says makes no sense: {type(error).__name__}: {error}")
+        self._on_change()
+
+    def _take(self, letter: str, text: bytes) -> None:
+        if letter in (frames.OUTPUT, frames.OUTPUT_CHANGES, frames.RESULT):
+            self._take_output(letter, text)
+        elif letter == frames.QUESTION:
+            self._take_question(text)
+        elif letter == frames.LOCKED_IN and self.layers is None:
+            output_changes.check_values(text)
+            self.layers = tuple(Layer(str(name), active is True, str(why)) for name, active, why in from_text(text))
+        elif letter == frames.DESCRIBED and self.is_begun and self.description is None:
+            output_changes.check_values(text)
+            self.description = self._codec.shape(RobotDescription).decode(from_text(text))
+        elif letter == frames.FAILED:
+            output_changes.check_values(text)
+            kind, why = (str(part)[:FAILURE_MAX] for part in from_text(text))
+            self.failure = why if kind == "usage" else f"a mistake of ours, please report it:\n{why}"
+            self.end("it has ended")
+        else:
+            raise CodecError(f"a message {letter!r} that was not asked for")
+
+    def _take_output(self, letter: str, text: bytes) -> None:
+        if not self.unanswered:
+            raise CodecError("an output that was not asked for")
+        began_s = time.thread_time()
+        output = self._read_result(text) if letter == frames.RESULT else self._reader.read(letter, text)
+        self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
+        if self._reading_s > READING_MAX_S:
+            raise CodecError("it says so much that reading it takes the time of other clients")
+        sent = self.unanswered.popleft()
+        if output.tick != sent.number:
+            raise CodecError(f"the output of tick {output.tick} instead of {sent.number}")
+        if isinstance(output, Output):
+            self.line = output.snapshot.robot.line
+        elif sent.has_snapshot:
+            raise CodecError(f"the output of tick {output.tick} lacks the snapshot that was asked for")
+        self._on_output(sent, output)
+
+    def _read_result(self, text: bytes) -> TickResult:
+        """Read what a tick gives without its snapshot."""
+        output_changes.check_values(text)
+        data = from_text(text)
+        check_list(data, 2)
+        line, said = data
+        check_list(said, 4)
+        output_changes.check_said(said[1:])
+        if type(line) is not int:
+            raise CodecError("a line is a number")
+        self.line = line
+        return self._result_shape.decode(said)
+
+    def _take_question(self, text: bytes) -> None:
+        answer = self._desk.answer(from_text(text))
+        answer_text = to_text(answer)
+        sent = self.unanswered[0] if self.unanswered else None
+        if sent is not None:
+            sent.answers.append(answer)
+            if any(isinstance(item, LoadTask | PlayTask) for item in sent.inputs):
+                sent.size += len(answer_text)
+            sent.asking_since_s = sent.asking_since_s or time.monotonic()
+        self._on_question(sent)
+        self._child.send(frames.ANSWER, answer_text)

@@ -1,0 +1,100 @@
+"""The time of a served robot that goes by the wall clock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from operator import attrgetter
+from typing import Final
+
+from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot import Snapshot
+from elitescript.messages.timing import TICKS_PER_S
+from elitescript.services.log import ServerLog
+from elitescript.services.time.cycle import Cycle
+
+REPORT_TICKS: Final = 10 * TICKS_PER_S
+"""After so many ticks the log says how many of them were late."""
+LATE_MANY: Final = REPORT_TICKS // 100
+"""So many of them are a problem."""
+
+_ALL_FIELDS: Final = attrgetter(*Snapshot.__dataclass_fields__)
+_OVERRUNS_AT: Final = list(Snapshot.__dataclass_fields__).index("overruns")
+
+
+class PacedTime:
+    """Says when the next tick begins, and when its output leaves; see `cycle`.
+
+    Args:
+        log: takes how many ticks were late.
+        on_left_out: called with the number of ticks that are left out.
+    """
+
+    __slots__ = ("_counted", "_cycle", "_log", "_overruns_before", "_plain", "_ticks")
+
+    def __init__(self, log: ServerLog, on_left_out: Callable[[int], None]) -> None:
+        self._log = log
+        self._cycle = Cycle(on_left_out=on_left_out)
+        self._ticks = self._overruns_before = 0
+        """Since the last report, and before it."""
+        self._plain: Snapshot | None = None
+        self._counted: Snapshot | None = None
+        """The snapshot of the last output as the robot made it, and with the count of late ticks."""
+
+    @property
+    def overruns(self) -> int:
+        """Ticks that began late."""
+        return self._cycle.overruns
+
+    @property
+    def left_out(self) -> int:
+        """Ticks that never were because the computer was away."""
+        return self._cycle.left_out
+
+    @property
+    def lag_ticks(self) -> int:
+        """Whole periods by which the present tick began late."""
+        return self._cycle.lag_ticks
+
+    @property
+    def waits_for(self) -> str:
+        """Origin of the client that time waits for; empty if there is none."""
+        return ""
+
+    async def next(self) -> None:
+        """Return when the next tick begins."""
+        if self._ticks >= REPORT_TICKS:
+            self._report(self._cycle.overruns - self._overruns_before)
+            self._ticks, self._overruns_before = 0, self._cycle.overruns
+        self._ticks += 1
+        await self._cycle.next()
+
+    async def outlet(self) -> None:
+        """Return when the output of the present tick leaves."""
+        await self._cycle.outlet()
+
+    def with_overruns(self, output: Output) -> Output:
+        """Return an output whose snapshot has the count of late ticks; the very same while nothing has changed."""
+        snapshot, overruns = output.snapshot, self._cycle.overruns
+        if not overruns:
+            return output
+        if self._counted is None or snapshot is not self._plain or self._counted.overruns != overruns:
+            # `dataclasses.replace` takes some times as long.
+            fields = list(_ALL_FIELDS(snapshot))
+            fields[_OVERRUNS_AT] = overruns
+            self._plain, self._counted = snapshot, Snapshot(*fields)
+        return replace(output, snapshot=self._counted)
+
+    def wake(self) -> None:
+        """Look again whether time may go on: it waits for no client."""
+
+    def close(self) -> None:
+        """No tick comes after this."""
+        self._cycle.close()
+
+    def _report(self, late: int) -> None:
+        """Write how many ticks began late of the last `REPORT_TICKS`."""
+        worst_ms, self._cycle.worst_ns = self._cycle.worst_ns / 1e6, 0
+        if late:
+            text = f"{late} of {REPORT_TICKS} ticks began late, by {worst_ms:.1f} ms at most: the computer is busy"
+            self._log.note("late", text, is_problem=late >= LATE_MANY, ticks=late, worst_ms=worst_ms)
