@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 import tomllib
 from array import array
+from collections.abc import Callable
 from pathlib import Path
+from types import FrameType
 from typing import get_args
 
 import pytest
@@ -56,6 +59,7 @@ class TestImports:
         assert set(contracts["pure"]["source_modules"]) == pure
 
 
+<<<<<<< HEAD
 class TestCycles:
     """No module and no package imports itself by way of others.
 
@@ -127,6 +131,103 @@ def cycles(graph: dict[str, set[str]]) -> list[set[str]]:
         if node not in numbers:
             visit(node)
     return found
+=======
+class TestPage:
+    """ARCHITECTURE.md against the code: packages, places of facts, walks."""
+
+    TEXT = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    LINES_MAX = 180
+    """Three screens."""
+
+    @classmethod
+    def section(cls, title: str) -> str:
+        return cls.TEXT.partition(f"\n## {title}")[2].partition("\n## ")[0]
+
+    @classmethod
+    def rows(cls, title: str) -> list[list[str]]:
+        lines = [line for line in cls.section(title).splitlines() if line.startswith("|")]
+        return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in lines[2:]]
+
+    @staticmethod
+    def imported() -> dict[str, set[str]]:
+        """Packages of ours that each package imports, whether at the top, in a function or for types."""
+        found: dict[str, set[str]] = {}
+        for path in MODULES:
+            package = path.relative_to(SOURCE).parts[0].removesuffix(".py")
+            names = found.setdefault(package, set())
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("elitescript."):
+                    names.add(str(node.module).split(".")[1])
+        return {package: names - {package} for package, names in found.items() if not package.startswith("__")}
+
+    def test_it_fits_on_three_screens(self):
+        assert len(self.TEXT.splitlines()) <= self.LINES_MAX
+
+    def test_every_package_knows_what_the_table_says(self):
+        imported = self.imported()
+        table = {row[0].strip("`"): row[2] for row in self.rows("Packages")}
+        assert set(table) == set(imported)
+        order = list(table)
+        for package, cell in table.items():
+            if cell == "all below":
+                assert imported[package] <= set(order[: order.index(package)]), package
+            elif cell != "all":
+                listed = set() if cell == "nothing" else {name.strip(" `") for name in cell.split(",")}
+                assert imported[package] == listed, package
+
+    def test_every_fact_has_one_row_and_its_places_exist(self):
+        rows = self.rows("One fact, one place")
+        facts = [row[0] for row in rows]
+        assert len(facts) == len(set(facts))
+        places = re.findall(r"`([\w/<>]+(?:\.\w+|/))`", "".join(row[1] for row in rows))
+        assert len(places) >= len(rows)
+        missing = [
+            place
+            for place in places
+            if "<" not in place and not (SOURCE / place).exists() and not (ROOT / place).exists()
+        ]
+        assert missing == []
+
+    def walk(self, title: str) -> list[str]:
+        return re.findall(r"^([a-z_/]+\.py) ", self.section(title), re.MULTILINE)
+
+    @staticmethod
+    def files_called(action: Callable[[], object]) -> list[str]:
+        """Files of ours in the order of the calls into them; one entry for calls in a row."""
+        found: list[str] = []
+
+        def note(frame: FrameType, event: str, _argument: object) -> None:
+            path = frame.f_code.co_filename
+            if event == "call" and path.startswith(f"{SOURCE}/"):
+                file = path[len(f"{SOURCE}/") :]
+                if found[-1:] != [file]:
+                    found.append(file)
+
+        before = sys.getprofile()
+        sys.setprofile(note)
+        try:
+            action()
+        finally:
+            sys.setprofile(before)
+        return found
+
+    @staticmethod
+    def not_reached(walk: list[str], called: list[str]) -> str:
+        """First file of a walk that no call enters after the files before it; empty if all are entered in order."""
+        rest = iter(called)
+        return next((file for file in walk if file not in rest), "")
+
+    def test_the_walk_of_a_move_is_the_real_one(self):
+        from elitescript.robot import VirtualRobot
+
+        robot = VirtualRobot()
+        text = "def walk():\n    movej([0, -1.5, -1.6, -1.5, 1.5, 0], a=1, v=1)\nend\n"
+        called = self.files_called(lambda: robot.run(text, trace=True))
+        walk = self.walk("Walk 1")
+        assert len(walk) > 10
+        assert self.not_reached(walk, called) == ""
+        assert self.not_reached(walk[::-1], called) != ""
+>>>>>>> arch
 
 
 class TestFiles:
