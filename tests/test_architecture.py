@@ -59,7 +59,6 @@ class TestImports:
         assert set(contracts["pure"]["source_modules"]) == pure
 
 
-<<<<<<< HEAD
 class TestCycles:
     """No module and no package imports itself by way of others.
 
@@ -131,7 +130,8 @@ def cycles(graph: dict[str, set[str]]) -> list[set[str]]:
         if node not in numbers:
             visit(node)
     return found
-=======
+
+
 class TestPage:
     """ARCHITECTURE.md against the code: packages, places of facts, walks."""
 
@@ -227,7 +227,6 @@ class TestPage:
         assert len(walk) > 10
         assert self.not_reached(walk, called) == ""
         assert self.not_reached(walk[::-1], called) != ""
->>>>>>> arch
 
 
 class TestFiles:

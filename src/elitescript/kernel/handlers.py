@@ -13,6 +13,7 @@ from elitescript.controller.refusals import refusal_text
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.conversations import Conversations
 from elitescript.kernel.interpreter_logs import InterpreterLogs
+from elitescript.kernel.parts import RobotParts
 from elitescript.kernel.programs import Programs
 from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
@@ -64,7 +65,6 @@ from elitescript.runtime.environment import ProgramEnvironment
 
 if TYPE_CHECKING:
     from elitescript.devices.channels.faulty_channels import FaultyChannels
-    from elitescript.kernel.kernel import Kernel
 
 _CAUSES: Final = {RESTART: "schedule"} | {f"{WORLD}:{by}": by for by in ("device", "wire", "schedule", "fault")}
 
@@ -78,9 +78,10 @@ class InputHandlers:
     """Carries out the inputs of one robot.
 
     Args:
-        robot: the robot.
+        parts: of the robot.
         environment: everything outside the programs that come from clients.
         faulty: its network, if faults can be added to it.
+        reply: takes what clients are answered in this tick.
         has_logs: whether interpreter mode keeps its logs in the task folder.
 
     Attributes:
@@ -96,7 +97,8 @@ class InputHandlers:
         "_host",
         "_logs",
         "_popup",
-        "_robot",
+        "_profile",
+        "_reply_to",
         "conversations",
         "is_remote",
         "programs",
@@ -104,19 +106,22 @@ class InputHandlers:
     )
 
     def __init__(
-        self, robot: Kernel, environment: ProgramEnvironment, faulty: FaultyChannels | None, *, has_logs: bool
+        self,
+        parts: RobotParts,
+        environment: ProgramEnvironment,
+        faulty: FaultyChannels | None,
+        reply: Callable[[Reply], None],
+        *,
+        has_logs: bool,
     ) -> None:
-        options = robot.options
-        self._robot = robot
-        self._controller = robot.controller
-        self._host = robot.host
-        self._popup = robot.popup
+        options, model, self._profile, self._controller, self._host, self._popup = parts
+        self._reply_to = reply
         self._faulty = faulty
         self.is_remote = options.remote
         self._logs = InterpreterLogs(environment.files) if has_logs else None
         self.conversations: Conversations = Conversations(self._host, self._reply, self._logs)
         self.programs: Programs = Programs(
-            self._controller, self._host, robot.profile, robot.model, environment, is_strict=options.strict
+            self._controller, self._host, self._profile, model, environment, is_strict=options.strict
         )
         self.tasks: Tasks = Tasks(self._controller, self._host, self.programs, environment, options.configuration)
 
@@ -144,14 +149,14 @@ class InputHandlers:
         self.programs.go_on()
         if self._faulty is not None:
             for event in self._faulty.arrivals(self._controller.tick):
-                self._robot.channel_event(event)
+                self.channel_event(event)
         for item in inputs:
             HANDLERS[type(item)](self, item)
         if (late := self.tasks.due()) is not None:
             self._reply(*late)
 
     def _reply(self, origin: str, outcome: Outcome) -> None:
-        self._robot.reply(Reply(origin, outcome))
+        self._reply_to(Reply(origin, outcome))
 
     # ---------------------------------------------------------------- the machine
 
@@ -179,7 +184,7 @@ class InputHandlers:
         """Return the outcome of a request that was carried out, with the registers that it asks to be read after it."""
         if not isinstance(request, WritePortRegisters) or not request.read_count:
             return Done()
-        image = self._controller.port_image(self._robot.description.firmware)
+        image = self._controller.port_image(self._profile.version)
         return RegistersRead(tuple(image.registers(request.read_first, request.read_count)))
 
     def _set_remote(self, item: SetRemote) -> None:
@@ -255,7 +260,12 @@ class InputHandlers:
     def _channel(self, item: ChannelEvent) -> None:
         events = (item,) if self._faulty is None else self._faulty.incoming(item)
         for event in events:
-            self._robot.channel_event(event)
+            self.channel_event(event)
+
+    def channel_event(self, event: ChannelEvent) -> None:
+        """Take what has happened on a channel, for the task or the program that has opened it."""
+        if not self.tasks.channel_event(event):
+            self._host.channel_event(event)
 
 
 def _check_point(request: object) -> None:

@@ -21,6 +21,7 @@ from elitescript.controller.views.warning_limit import WarningLimit
 from elitescript.errors import UsageError
 from elitescript.kernel.arm import model_of
 from elitescript.kernel.options import RobotOptions
+from elitescript.kernel.parts import PopupWindow, RobotParts
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import DeviceNoted, Event, Popup, TaskStateChanged, Warned
 from elitescript.messages.machine import DisturbInput
@@ -43,36 +44,6 @@ if TYPE_CHECKING:
     from elitescript.messages.snapshot import RobotDescription, Snapshot
     from elitescript.protocol.connection import Connection
     from elitescript.protocol.table import Connect
-
-
-class PopupWindow:
-    """The message window of the pendant.
-
-    Args:
-        confirms: whether a popup that blocks is confirmed at once, which leaves nothing to show.
-
-    Attributes:
-        text: what is shown; empty while the window is closed.
-    """
-
-    __slots__ = ("_confirms", "_is_blocking", "text")
-
-    def __init__(self, confirms: bool) -> None:
-        self._confirms = confirms
-        self._is_blocking = False
-        self.text = ""
-
-    def take(self, event: Event) -> None:
-        """Follow an event: a popup opens the window; the end of a program closes one that no thread waits for."""
-        if isinstance(event, Popup):
-            if not (event.is_blocking and self._confirms):
-                self.text, self._is_blocking = event.text, event.is_blocking
-        elif isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED and self._is_blocking:
-            self.close()
-
-    def close(self) -> None:
-        """Close the window."""
-        self.text, self._is_blocking = "", False
 
 
 class Kernel:
@@ -211,7 +182,8 @@ class Kernel:
     def _made_handlers(self, has_logs: bool) -> InputHandlers:
         from elitescript.kernel.handlers import InputHandlers
 
-        return InputHandlers(self, self._environment, self._faulty, has_logs=has_logs)
+        parts = RobotParts(self.options, self.model, self.profile, self.controller, self.host, self.popup)
+        return InputHandlers(parts, self._environment, self._faulty, self._replies.append, has_logs=has_logs)
 
     @property
     def handlers(self) -> InputHandlers:
@@ -373,10 +345,6 @@ class Kernel:
         """Script line of the main thread; 0 while no program runs."""
         return self.controller.task.program.line
 
-    def reply(self, reply: Reply) -> None:
-        """Answer a client, in the output of the tick."""
-        self._replies.append(reply)
-
     # ---------------------------------------------------------------- what is beside the robot
 
     def read(self, name: str, index: int) -> Value:
@@ -397,8 +365,10 @@ class Kernel:
 
     def channel_event(self, event: ChannelEvent) -> None:
         """Take what has happened on a channel, for the task or the program that has opened it."""
-        if self._handlers is None or not self._handlers.tasks.channel_event(event):
+        if self._handlers is None:
             self.host.channel_event(event)
+        else:
+            self._handlers.channel_event(event)
 
     # ---------------------------------------------------------------- events
 
