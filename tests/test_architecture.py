@@ -169,7 +169,7 @@ class TestPage:
         assert set(table) == set(imported)
         order = list(table)
         for package, cell in table.items():
-            if cell == "all below":
+            if cell == "all rows above":
                 assert imported[package] <= set(order[: order.index(package)]), package
             elif cell != "all":
                 listed = set() if cell == "nothing" else {name.strip(" `") for name in cell.split(",")}
