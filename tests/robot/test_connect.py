@@ -403,6 +403,19 @@ class TestPorts:
         assert [(number, pdu) for number, _, pdu in answers] == [(1, b"\6\1\0\0\x2a"), (2, b"\3\2\0\x2a")]
         assert robot.run("textmsg(read_port_register(256))").log == ["42"]
 
+    def test_modbus_clients_share_the_robot(self):
+        robot = VirtualRobot()
+        first, second = robot.connect("modbus"), robot.connect("modbus")
+        for value in range(1, 30):
+            request = modbus_client.frame(value, modbus_client.write(6, 256, value))
+            first.send(request)
+            assert first.expect(request) == request
+            second.send(modbus_client.frame(value, modbus_client.read(3, 256, 1)))
+            robot.advance(TICK_S)
+            ((_, _, pdu),) = modbus_client.frames(second.receive())
+            assert modbus_client.words(pdu) == [value]
+            first, second = second, first
+
     def test_rtsi_in_lockstep(self):
         """Each package answers the inputs that were sent before it, as for a client that time waits for."""
         robot = VirtualRobot()

@@ -1,4 +1,4 @@
-"""What common clients do, in their order: a real robot behind real sockets, small clients of our own."""
+"""Clients that come and go without a goodbye, on real sockets; see tests/robot/test_client_sequences.py for others."""
 
 from __future__ import annotations
 
@@ -7,16 +7,10 @@ import struct
 from typing import Any
 
 from elitescript.controller.modes import AT_ONCE
-from elitescript.devices.memory import MemoryEnvironment
 from elitescript.kernel import Kernel, RobotOptions
 from tests.protocol import primary_client, rtsi_client
-from tests.services.served import Peer, Scene, run, serving
+from tests.services.served import run, serving
 
-FILES = {
-    "wait_program.task": b"<task/>",
-    "wait_program.script": b"def wait_program():\n  while True:\n    sleep(0.1)\n  end\nend\n",
-    "default.configuration": b"",
-}
 CONTROL = """
 def control():
   def listen():
@@ -46,23 +40,7 @@ end
 
 
 def robot(**changes: Any) -> Any:
-    return Kernel(RobotOptions(power_times=AT_ONCE, **changes), MemoryEnvironment(FILES))
-
-
-async def shell(scene: Scene) -> Peer:
-    peer = await scene.connect("dashboard")
-    await peer.reader.readuntil(b"NAME.\r\n")
-    return peer
-
-
-async def ask(peer: Peer, command: str) -> str:
-    peer.send(command.encode() + b"\n")
-    return (await peer.line()).removesuffix("\r\n")
-
-
-async def until(peer: Peer, command: str, reply: str) -> None:
-    while await ask(peer, command) != reply:
-        await asyncio.sleep(0)
+    return Kernel(RobotOptions(power_times=AT_ONCE, **changes))
 
 
 def parameters(state: bytes) -> dict[str, Any]:
@@ -84,77 +62,15 @@ def test_primary_clients_connect_again_and_again_without_a_goodbye() -> None:
     run(test())
 
 
-def test_a_bad_program_is_answered_by_an_exception_of_the_script() -> None:
-    async def test() -> None:
-        async with serving(robot(power_on=True)) as scene:
-            peer = await scene.connect("primary")
-            await peer.primary(16)
-            peer.send(b'def hello():\n\ttextmsg("hello world")\nend\n')
-            peer.send(b"def exFunc():\n\t1abcd\nend\n")
-            while (message := primary_client.robot_message(await peer.primary(20)))["kind"] != 10:
-                pass
-            assert message["line"] == 2
-            assert "SyntaxError" in message["text"]
-
-    run(test())
-
-
-def test_an_rtsi_client_sets_an_output_and_sees_it() -> None:
+def test_the_next_rtsi_client_gets_the_inputs_of_one_that_was_reset() -> None:
     async def test() -> None:
         async with serving(robot()) as scene:
             for _ in range(3):
                 peer = await scene.connect("rtsi")
-                peer.send(rtsi_client.message("V", b"\0\1"))
-                assert await peer.rtsi() == ("V", b"\1")
-                peer.send(rtsi_client.message("v"))
-                assert len((await peer.rtsi("v"))[1]) == 16
                 peer.send(rtsi_client.input_recipe(rtsi_client.STANDARD_INPUTS))
-                ident, types = rtsi_client.set_up((await peer.rtsi("I"))[1])
+                ident, _ = rtsi_client.set_up((await peer.rtsi("I"))[1])
                 assert ident == 1
-                peer.send(rtsi_client.output_recipe(250.0, rtsi_client.STANDARD_OUTPUTS))
-                _, kinds = rtsi_client.set_up((await peer.rtsi("O"))[1])
-                peer.send(rtsi_client.message("S"))
-                assert await peer.rtsi("S") == ("S", b"\1")
-                where = rtsi_client.STANDARD_OUTPUTS.index("actual_digital_output_bits")
-                for level in (0, 1, 0):
-                    values = dict.fromkeys(rtsi_client.STANDARD_INPUTS, 0)
-                    values |= {"standard_digital_output_mask": 1, "standard_digital_output": level}
-                    values["external_force_torque"] = (0.0,) * 6
-                    peer.send(rtsi_client.package(ident, types, values.values()))
-                    for _ in range(4):
-                        _, body = await peer.rtsi("U")
-                    assert rtsi_client.values(body, kinds)[where] & 1 == level
-                # The next one wants the same inputs while the ashes of this one are warm.
                 peer.reset()
-
-    run(test())
-
-
-def test_a_dashboard_client_runs_a_task() -> None:
-    async def test() -> None:
-        async with serving(robot(power_on=True)) as scene:
-            peer = await shell(scene)
-            assert await ask(peer, "closeSafetyDialog") == "closing safety dialog"
-            assert await ask(peer, "task -p wait_program.task") == "Loaded task: wait_program.task"
-            await until(peer, "task", "Relative path:wait_program.task")
-            assert await ask(peer, "robotControl -off") == "Powering off"
-            await until(peer, "robotMode", "robotMode: POWER_OFF")
-            assert await ask(peer, "robotControl -on") == "Powering on"
-            await until(peer, "robotMode", "robotMode: IDLE")
-            assert (await ask(peer, "brakeRelease")).startswith("Brake ")
-            await until(peer, "robotMode", "robotMode: RUNNING")
-            for _ in range(2):
-                assert await ask(peer, "play") == "Starting task"
-                await until(peer, "task -s", "Task is running")
-                assert await ask(peer, "pause") == "Pausing task"
-                await until(peer, "task -s", "Task is paused")
-            assert await ask(peer, "stop") == "Stopping task"
-            await until(peer, "task -s", "Task is stopped")
-            assert await ask(peer, "robotControl -off") == "Powering off"
-            assert await ask(peer, "stop") == "Stopping task"
-            assert await ask(peer, "log -a Testing Log:") == "Log has been added."
-            assert (await ask(peer, "configuration -p default.configuration")).startswith("Loading Configuration :")
-            await until(peer, "configuration", "configuration: Relative path:default.configuration")
 
     run(test())
 

@@ -31,18 +31,6 @@ async def ask(peer: Any, pdu: bytes) -> bytes:
     return await answer(peer)
 
 
-def test_clients_share_the_robot() -> None:
-    async def test() -> None:
-        async with site() as scene:
-            first, second = await scene.connect("modbus"), await scene.connect("modbus")
-            for value in range(1, 30):
-                assert await ask(first, client.write(6, 256, value)) == client.write(6, 256, value)
-                assert client.words(await ask(second, client.read(3, 256, 1))) == [value]
-                first, second = second, first
-
-    run(test())
-
-
 def test_a_client_that_ends_its_half_is_answered() -> None:
     async def test() -> None:
         async with site() as scene:
