@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import get_type_hints
 
 import pytest
+from numpy import int64
 
 from elitescript import VirtualRobot
 from elitescript.controller.modes import PowerTimes
@@ -99,6 +100,7 @@ def test_values_are_held_in_one_form():
         float,
         (0.0, -1.0, 1.0, 0.0, 1.0, 0.0),
     )
+    assert type(RobotOptions(seed=int64(3)).seed) is int
     moment = datetime(1970, 1, 1, 1, 0, 30, tzinfo=timezone(timedelta(hours=1)))
     assert RobotOptions(epoch_s=moment).epoch_s == 30.0
 
