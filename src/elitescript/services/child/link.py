@@ -172,6 +172,7 @@ class ChildLink:
             if self._description is None:
                 transport.process.kill()
         if self._description is None:
+            await transport.process.gone()
             reason = transport.failure or transport.end_reason or "it does not answer"
             raise ElitescriptError(f"the robot's process did not come up: {reason}\n{transport.process.log}".rstrip())
 
