@@ -223,6 +223,22 @@ class TestPage:
         assert self.not_reached(walk, called) == ""
         assert self.not_reached(walk[::-1], called) != ""
 
+    def test_the_walk_of_a_program_on_a_port_is_the_real_one(self):
+        from elitescript.kernel import Kernel, RobotOptions
+        from tests.services.served import run, serving
+
+        async def served() -> None:
+            async with serving(Kernel(RobotOptions(power_on=True))) as scene:
+                client = await scene.connect("primary")
+                client.send(b'def walk():\n  textmsg("first line")\nend\n')
+                await scene.until(lambda: any(getattr(said, "text", "") == "first line" for said in scene.said))
+
+        called = self.files_called(lambda: run(served()))
+        walk = self.walk("Walk 2")
+        assert len(walk) > 5
+        assert self.not_reached(walk, called) == ""
+        assert self.not_reached(walk[::-1], called) != ""
+
 
 class TestFiles:
     def test_no_module_is_a_drawer_for_everything(self):
