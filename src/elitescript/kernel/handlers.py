@@ -16,7 +16,7 @@ from elitescript.kernel.interpreter_logs import InterpreterLogs
 from elitescript.kernel.programs import Programs
 from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Popup, TextMessage, Warned
+from elitescript.messages.events import Event, Popup, TextMessage, Warned
 from elitescript.messages.inputs import (
     RESTART,
     WORLD,
@@ -53,7 +53,7 @@ from elitescript.messages.machine import (
     StopTask,
     WritePortRegisters,
 )
-from elitescript.messages.outputs import Reply
+from elitescript.messages.outputs import ChannelRequest, Reply, TickResult
 from elitescript.messages.signals import SIGNALS
 from elitescript.protocol.outcomes import done, refused
 from elitescript.runtime.connections.serial_line import close_lines
@@ -85,6 +85,7 @@ class InputHandlers:
         tasks: what is loaded.
         conversations: interpreter mode and the query port.
         is_remote: whether clients may change the robot.
+        replies: to clients, in the tick.
     """
 
     __slots__ = (
@@ -97,6 +98,7 @@ class InputHandlers:
         "conversations",
         "is_remote",
         "programs",
+        "replies",
         "tasks",
     )
 
@@ -110,6 +112,7 @@ class InputHandlers:
         self._popup = robot.popup
         self._faulty = faulty
         self.is_remote = options.remote
+        self.replies: list[Reply] = []
         self._logs = InterpreterLogs(environment.files) if has_logs else None
         self.conversations: Conversations = Conversations(self._host, self._reply, self._logs)
         self.programs: Programs = Programs(
@@ -136,6 +139,12 @@ class InputHandlers:
         if logs is not None and (trouble := logs.end_tick()):
             self._controller.emit(Warned(tick, trouble))
 
+    def result(self, events: Sequence[Event], requests: tuple[ChannelRequest, ...]) -> TickResult:
+        """Return what has happened in the tick, with the replies to clients."""
+        result = TickResult(self._controller.tick, tuple(events), requests, tuple(self.replies))
+        self.replies.clear()
+        return result
+
     def _take(self, inputs: Sequence[Input]) -> None:
         self.conversations.go_on()
         self.programs.go_on()
@@ -148,7 +157,7 @@ class InputHandlers:
             self._reply(*late)
 
     def _reply(self, origin: str, text: str) -> None:
-        self._robot.reply(Reply(origin, text))
+        self.replies.append(Reply(origin, text))
 
     # ---------------------------------------------------------------- the machine
 

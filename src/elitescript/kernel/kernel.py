@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from elitescript.kernel.handlers import InputHandlers
     from elitescript.messages.inputs import ChannelEvent, Input
     from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
-    from elitescript.messages.outputs import Output, Reply, TickResult
+    from elitescript.messages.outputs import Output, TickResult
     from elitescript.messages.snapshot import RobotDescription, Snapshot
     from elitescript.protocol.connection import Connection
     from elitescript.protocol.table import Connect
@@ -113,7 +113,6 @@ class Kernel:
         "_output",
         "_ports",
         "_posted",
-        "_replies",
         "_requests",
         "_snapshots",
         "controller",
@@ -144,7 +143,6 @@ class Kernel:
         self._on_end = on_end
         self._limit = WarningLimit()
         self._events: list[Event] = []
-        self._replies: list[Reply] = []
         self._posted: list[Input] = []
         self._output: Output | None = None
         self._has_run = False
@@ -322,7 +320,7 @@ class Kernel:
     @property
     def has_news(self) -> bool:
         """Whether there are events or replies that are in no output yet."""
-        return bool(self._events or self._replies)
+        return bool(self._events or (self._handlers is not None and self._handlers.replies))
 
     def output(self) -> Output:
         """Return what ports give to clients.
@@ -343,12 +341,9 @@ class Kernel:
         return Output(before, (), (), (), replace(snapshot, robot=robot))
 
     def _result(self) -> TickResult:
-        from elitescript.messages.outputs import TickResult
-
         requests = () if self._requests is None else self._requests.take()
-        result = TickResult(self.controller.tick, tuple(self._events), requests, tuple(self._replies))
+        result = self.handlers.result(self._events, requests)
         self._events.clear()
-        self._replies.clear()
         return result
 
     def snapshot(self) -> Snapshot:
@@ -375,10 +370,6 @@ class Kernel:
     def line(self) -> int:
         """Script line of the main thread; 0 while no program runs."""
         return self.controller.line
-
-    def reply(self, reply: Reply) -> None:
-        """Answer a client, in the output of the tick."""
-        self._replies.append(reply)
 
     # ---------------------------------------------------------------- what is beside the robot
 
