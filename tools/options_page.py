@@ -7,7 +7,7 @@ from textwrap import fill
 from typing import Any, Final
 
 from elitescript.kernel.option_signature import described
-from elitescript.kernel.options import KEYWORDS, OPTIONS, ROBOT_SECTION, RobotOptions, Section, Switch
+from elitescript.kernel.options import IN_VIRTUAL_TIME, KEYWORDS, OPTIONS, ROBOT_SECTION, RobotOptions, Section, Switch
 from tools.markdown import COMMAND, NOTICE, cell
 
 _TYPES: Final = {
@@ -49,6 +49,8 @@ def options_page() -> str:
         if option.kind is None:
             continue
         default = option.default_text or _shown(row.default)
+        if row.name in IN_VIRTUAL_TIME:
+            default += f"; of `VirtualRobot`, {_shown(IN_VIRTUAL_TIME[row.name])}"
         if isinstance(option.kind, Section):
             sections.append(
                 f"| `[{row.name}]` | | {cell(str(option.kind))} of Python, a section of a world file | {cell(default)} "

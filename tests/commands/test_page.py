@@ -16,7 +16,7 @@ def command_called(name: str) -> Command:
 
 def test_a_page_tells_signature_arguments_units_result_and_source() -> None:
     page = describe(command_called("get_inverse_kin"))
-    assert page.startswith("get_inverse_kin(p, qnear='', tcp='active tcp')\n\nJoint positions that bring")
+    assert page.startswith("get_inverse_kin(p, qnear='', tcp='active tcp')\n\nReturn joint positions that bring")
     for part in (
         "qnear (list[float] of 6 [rad], default '')",
         "Also written qNear.",

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import get_type_hints
 
 import pytest
+from numpy import int64
 
 from elitescript import VirtualRobot
 from elitescript.controller.modes import PowerTimes
@@ -99,6 +100,7 @@ def test_values_are_held_in_one_form():
         float,
         (0.0, -1.0, 1.0, 0.0, 1.0, 0.0),
     )
+    assert type(RobotOptions(seed=int64(3)).seed) is int
     moment = datetime(1970, 1, 1, 1, 0, 30, tzinfo=timezone(timedelta(hours=1)))
     assert RobotOptions(epoch_s=moment).epoch_s == 30.0
 
@@ -165,8 +167,11 @@ def test_a_misspelt_keyword_is_refused_as_by_any_function():
 def test_the_signature_names_every_option_with_its_default():
     shown = inspect.signature(VirtualRobot).parameters
     assert not [name for name, row in shown.items() if row.kind is row.VAR_KEYWORD]
-    in_virtual_time = {**BY_HAND, "power_on": True, "confirms_popups": True}
-    assert {name: row.default for name, row in shown.items() if name in BY_HAND} == in_virtual_time
+    assert {name: row.default for name, row in shown.items() if name in BY_HAND} == {
+        **BY_HAND,
+        "power_on": True,
+        "confirms_popups": True,
+    }
     assert shown["task_dir"].default is None
     assert (str(shown["joints"].annotation), shown["joints"].kind.name) == ("Six | None", "KEYWORD_ONLY")
 

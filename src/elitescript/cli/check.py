@@ -114,7 +114,7 @@ def _explain(code: str) -> int:
 
 
 def _texts(names: Iterable[str]) -> Iterator[_Text]:
-    """The texts that the command line names, each once; folders with everything in them, by name."""
+    """Yield the texts that the command line names, each once; folders with everything in them, by name."""
     seen: set[str] = set()
     for name in names:
         if name == STANDARD_INPUT:
@@ -133,7 +133,7 @@ def _texts(names: Iterable[str]) -> Iterator[_Text]:
 
 
 def _programs(folder: Path) -> Iterator[Path]:
-    """The programs of a folder and of those in it; hidden folders are left out."""
+    """Yield the programs of a folder and of those in it; hidden folders are left out."""
     for home, folders, files in os.walk(folder, onerror=_refuse):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for name in sorted(files):
@@ -188,7 +188,7 @@ def _check(text: _Text, robot: RobotOptions, arm: ArmFacts | None, *, is_fixed: 
 
 
 def _damaged(name: str, data: bytes) -> CheckedFile:
-    """A file that is no text."""
+    """Return a file that is no text."""
     try:
         SourceFile.from_bytes(name, data)
     except ProgramError as error:

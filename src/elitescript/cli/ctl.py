@@ -51,7 +51,7 @@ def ctl(options: argparse.Namespace) -> int:
 
 
 def shown(answer: dict[str, Any]) -> list[str]:
-    """Lines for people."""
+    """Return lines for people."""
     if "result" not in answer:
         return [str(answer.get("text", "done"))]
     result: dict[str, Any] = answer["result"]
@@ -66,7 +66,7 @@ def shown(answer: dict[str, Any]) -> list[str]:
 
 
 def help_text() -> str:
-    """All verbs."""
+    """Return all verbs."""
     width = max(len(verb.usage) for verb in VERBS.values())
     lines = []
     for verb in VERBS.values():

@@ -113,7 +113,7 @@ def _watch(process: int, told: int, traced: int, name: str) -> None:
 
 
 def _where(process: int, traced: int) -> str:
-    """What the process is doing, in words."""
+    """Return what the process is doing, in words."""
     os.kill(process, signal.SIGUSR1)
     trace, until_s = b"", time.monotonic() + TRACE_S
     while (left_s := until_s - time.monotonic()) > 0 and select.select([traced], [], [], left_s)[0]:

@@ -72,7 +72,7 @@ def _run_here(arguments: list[str]) -> int:
 
 
 def _has_screen(options: argparse.Namespace) -> bool:
-    """Whether a command has colours or a status line: pipes and files need nothing of that."""
+    """Return whether a command has colours or a status line: pipes and files need nothing of that."""
     color = getattr(options, "color", None)
     return color == "always" or (color is not None and (sys.stdout.isatty() or sys.stderr.isatty()))
 
@@ -122,7 +122,7 @@ def _needs_another_process(arguments: list[str]) -> bool:
 
 
 def _is_watched(arguments: list[str]) -> bool:
-    """Whether another process is to watch over the call."""
+    """Return whether another process is to watch over the call."""
     return arguments[0] in ("run", "plot") and (can_watch() or _names_max_wall(arguments))
 
 

@@ -59,7 +59,7 @@ def replay(options: argparse.Namespace) -> int:
 
 
 def _hints(reader: JournalReader) -> list[str]:
-    """What may keep this process from doing the same as the one that wrote the journal."""
+    """Return what may keep this process from doing the same as the one that wrote the journal."""
     theirs = {
         "elitescript": (reader.header.get("version"), __version__),
         "Python": (reader.header.get("python"), platform.python_version()),

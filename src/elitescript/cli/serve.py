@@ -140,7 +140,7 @@ async def _serve(
 
 
 def make_link(options: argparse.Namespace, config: RobotOptions, index: int) -> RobotLink:
-    """The way to a robot."""
+    """Return the way to a robot."""
     return robot_link(
         config,
         task_dir=None if options.task_dir is None else Path(options.task_dir),
@@ -152,7 +152,7 @@ def make_link(options: argparse.Namespace, config: RobotOptions, index: int) -> 
 
 
 def _keepers(path: str | None, count: int, held: contextlib.ExitStack) -> list[StateKeeper | None]:
-    """What remembers for each robot; `held` lets the files go in the end.
+    """Return what remembers for each robot; `held` lets the files go in the end.
 
     Raises:
         UsageError: somebody else uses a file.
@@ -167,19 +167,19 @@ def _keepers(path: str | None, count: int, held: contextlib.ExitStack) -> list[S
 
 
 def _remembering(config: RobotOptions, keeper: StateKeeper | None) -> RobotOptions:
-    """A robot that begins with what is kept; what the command line sets counts more."""
+    """Return a robot that begins with what is kept; what the command line sets counts more."""
     if keeper is None:
         return config
     return replace(config, signals=tuple({**keeper.load(), **dict(config.signals)}.items()))
 
 
 def is_in_process(options: argparse.Namespace) -> bool:
-    """Whether the robots are in this process: asked for, needed for lockstep, or the only way on this system."""
+    """Return whether the robots are in this process: asked for, needed for lockstep, or the only way on this system."""
     return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
 
 
 def _lockstep_timeout_s(options: argparse.Namespace) -> float:
-    """How long robot time waits for a client in lockstep, s.
+    """Return how long robot time waits for a client in lockstep, s.
 
     Raises:
         UsageError: the time makes no sense, or there is no lockstep.
@@ -210,7 +210,7 @@ def _check_world_place(options: argparse.Namespace) -> None:
 
 
 def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list[World | None]]:
-    """The robots that the options ask for, and what is beside each.
+    """Return the robots that the options ask for, and what is beside each.
 
     Raises:
         UsageError: an option that makes no sense.
@@ -255,7 +255,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list
 
 
 def line_bindings(texts: list[str], robots: int) -> dict[str, str]:
-    """What is on the robot's serial ports.
+    """Return what is on the robot's serial ports.
 
     Raises:
         UsageError: a binding that makes no sense, or several robots that would share a port.
@@ -266,7 +266,7 @@ def line_bindings(texts: list[str], robots: int) -> dict[str, str]:
 
 
 def chosen_ports(texts: list[str], names: tuple[str, ...] = NAMES) -> dict[str, int]:
-    """Ports by name from `NAME=NUMBER`; `all` means those of `names`.
+    """Return ports by name from `NAME=NUMBER`; `all` means those of `names`.
 
     Raises:
         UsageError: not of this form.
@@ -321,7 +321,7 @@ def _check_host(options: argparse.Namespace) -> None:
 
 
 def _why_not_jailed(options: argparse.Namespace) -> str:
-    """Why programs are not locked in; empty if they are."""
+    """Return why programs are not locked in; empty if they are."""
     if is_in_process(options):
         return "the robots are in this process"
     if options.no_jail:
@@ -359,7 +359,7 @@ def _threadsafe(stop: asyncio.Event) -> Callable[[], None]:
 
 
 def told_to_programs(count: int) -> str:
-    """The line in the place of lines that were left out."""
+    """Return the line in the place of lines that were left out."""
     text = f"{count} lines are missing here: they came faster than they could be printed"
     record = {"type": "serve", "what": "missing", "level": "problem", "text": text, "count": count}
     return jsonlines.line(record) + "\n"

@@ -53,7 +53,7 @@ def check_presets(presets: Iterable[str], program: str) -> None:
 
 
 def parse_joints(text: str) -> Six:
-    """Six joint positions in rad, separated by commas.
+    """Return six joint positions in rad, separated by commas.
 
     Raises:
         UsageError: not six numbers.
@@ -66,7 +66,7 @@ def parse_joints(text: str) -> Six:
 
 
 def parse_epoch(text: str) -> float:
-    """A time as seconds since 1970, given as such or in ISO 8601 (UTC unless it names a zone).
+    """Return a time as seconds since 1970, given as such or in ISO 8601 (UTC unless it names a zone).
 
     Raises:
         UsageError: neither.
@@ -92,7 +92,7 @@ _UNITS: Final = {"": 1, "b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "kib": 1 
 
 
 def parse_size(text: str, option: str) -> int:
-    """A number of bytes, with a unit or without: `5000`, `100MB`, `1.5 GiB`.
+    """Return a number of bytes, with a unit or without: `5000`, `100MB`, `1.5 GiB`.
 
     Raises:
         UsageError: not of this form.

@@ -25,7 +25,7 @@ class Login(NamedTuple):
 
 
 def ssh_login(options: argparse.Namespace) -> Login | None:
-    """The login that the options ask for; None without `--ssh`.
+    """Return the login that the options ask for; None without `--ssh`.
 
     Raises:
         UsageError: the extra is missing, or the password is none.
@@ -48,7 +48,7 @@ def ssh_login(options: argparse.Namespace) -> Login | None:
 
 
 def has_extra() -> bool:
-    """Whether the extra `ssh` is installed."""
+    """Return whether the extra `ssh` is installed."""
     from importlib.util import find_spec
 
     return find_spec("asyncssh") is not None

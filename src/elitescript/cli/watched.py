@@ -43,7 +43,7 @@ HINT: Final = "do not nest iterators (map, filter, zip, itertools) or objects hu
 
 
 def can_watch() -> bool:
-    """Whether this system lets a process be watched without a limit of its time."""
+    """Return whether this system lets a process be watched without a limit of its time."""
     return sys.platform == "linux"
 
 
@@ -83,7 +83,7 @@ def run_watched(command: list[str], environment: dict[str, str], max_wall_s: flo
 
 
 def place_in_trace(trace: bytes) -> tuple[str, int] | None:
-    """Name and line of the program text that a trace of `faulthandler` was in; None if it was in none."""
+    """Return the name and line of the program text that a trace of `faulthandler` was in; None if it was in none."""
     for row in trace.decode("utf-8", "replace").splitlines():
         file, quote, rest = row.strip().removeprefix('File "').partition('", line ')
         # Texts of programs are the only ones that are no files of Python.

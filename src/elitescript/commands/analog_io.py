@@ -22,7 +22,7 @@ _Domain = Annotated[int, Choice(0, 1)]
 
 @command(family="io", manual="3.3")
 def get_standard_analog_in(robot: Robot, n: Annotated[int, signal_index("standard_analog_in")]) -> _Level:
-    """Level of an analog input of the control box.
+    """Return the level of an analog input of the control box.
 
     Args:
         n: index of the input.
@@ -35,7 +35,7 @@ def get_standard_analog_in(robot: Robot, n: Annotated[int, signal_index("standar
 
 @command(family="io", manual="3.4")
 def get_standard_analog_out(robot: Robot, n: Annotated[int, signal_index("standard_analog_out")]) -> _Level:
-    """Level that an analog output of the control box is set to.
+    """Return the level that an analog output of the control box is set to.
 
     Args:
         n: index of the output.
@@ -91,7 +91,7 @@ def set_standard_analog_output_domain(
 
 @command(family="io", manual="3.7")
 def get_tool_analog_in(robot: Robot) -> _Level:
-    """Level of the tool's analog input.
+    """Return the level of the tool's analog input.
 
     Returns:
         A (0.004 to 0.020) or V (0 to 10), as the input's domain says.
@@ -101,7 +101,7 @@ def get_tool_analog_in(robot: Robot) -> _Level:
 
 @command(family="io", manual="3.8")
 def get_tool_analog_out(robot: Robot) -> _Level:
-    """Level that the tool's analog output is set to.
+    """Return the level that the tool's analog output is set to.
 
     Returns:
         A (0.004 to 0.020) or V (0 to 10), as the output's domain says.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @command(family="io", manual="3.1")
 def get_configurable_digital_in(robot: Robot, n: Annotated[int, signal_index("configurable_digital_in")]) -> Bool:
-    """Level of a configurable input.
+    """Return the level of a configurable input.
 
     Args:
         n: index of the input.
@@ -27,7 +27,7 @@ def get_configurable_digital_in(robot: Robot, n: Annotated[int, signal_index("co
 
 @command(family="io", manual="3.2")
 def get_configurable_digital_out(robot: Robot, n: Annotated[int, signal_index("configurable_digital_out")]) -> Bool:
-    """Level that a configurable output is set to.
+    """Return the level that a configurable output is set to.
 
     Args:
         n: index of the output.
@@ -40,7 +40,7 @@ def get_configurable_digital_out(robot: Robot, n: Annotated[int, signal_index("c
 
 @command(family="io", manual="3.5")
 def get_standard_digital_in(robot: Robot, n: Annotated[int, signal_index("standard_digital_in")]) -> Bool:
-    """Level of a standard input.
+    """Return the level of a standard input.
 
     Args:
         n: index of the input. A MINI control box has only 0 to 7 (*assumed*: the simulated one has them all).
@@ -53,7 +53,7 @@ def get_standard_digital_in(robot: Robot, n: Annotated[int, signal_index("standa
 
 @command(family="io", manual="3.6")
 def get_standard_digital_out(robot: Robot, n: Annotated[int, signal_index("standard_digital_out")]) -> Bool:
-    """Level that a standard output is set to.
+    """Return the level that a standard output is set to.
 
     Args:
         n: index of the output. A MINI control box has only 0 to 7 (*assumed*: the simulated one has them all).

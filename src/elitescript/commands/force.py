@@ -102,7 +102,7 @@ def zero_ftsensor(robot: Robot) -> None:
 
 @command(family="force", since="2.14", manual="2.14: 4.5")
 def force(robot: Robot) -> Annotated[float, Number("N")]:
-    """Size of the external force at the TCP.
+    """Return the size of the external force at the TCP.
 
     Returns:
         Euclidean norm of the first three elements of `get_tcp_force(True)`.

@@ -32,7 +32,7 @@ def _flange_target(machine: Machine, p: Six, tcp: Six | None) -> Transform:
 def _nearest(
     machine: Machine, T_base_flange: Transform, qnear: Six | None
 ) -> tuple[Solution | None, tuple[Solution, ...]]:
-    """The solution to take, and all that there are."""
+    """Return the solution to take, and all that there are."""
     q_near = machine.joints().q_actual if qnear is None else qnear
     candidates = solutions(machine.arm, T_base_flange, q_near[5])
     return nearest(candidates, q_near, machine.joint_ranges), candidates
@@ -40,7 +40,7 @@ def _nearest(
 
 @command(family="math", manual="2.2.1")
 def get_inverse_kin(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: OptionalTcp = None) -> JointPositions:
-    """Joint positions that bring the TCP to a pose.
+    """Return joint positions that bring the TCP to a pose.
 
     Of all solutions and their full turns inside the joint limits it is the one with the least sum of squared joint
     differences to `qnear` (*assumed*: the manual says nearest).
@@ -77,7 +77,7 @@ def get_inverse_kin(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: Op
 
 @command(family="math", manual="2.2.2")
 def get_inverse_kin_has_solution(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: OptionalTcp = None) -> Bool:
-    """Whether `get_inverse_kin` would find joint positions.
+    """Return whether `get_inverse_kin` would find joint positions.
 
     Args:
         p: pose of the TCP in the base frame.
@@ -95,7 +95,7 @@ def get_inverse_kin_has_solution(robot: Robot, p: Pose, qnear: OptionalJoints = 
 def get_all_inverse_kin(
     robot: Robot, p: Pose, tcp: OptionalTcp = None
 ) -> Annotated[tuple[Six, ...], Vector(Vector(Number(), 6, "rad"), None, "rad")]:
-    """All joint positions that bring the TCP to a pose, without full turns; joint limits do not count.
+    """Return all joint positions that bring the TCP to a pose, without full turns; joint limits do not count.
 
     Args:
         p: pose of the TCP in the base frame.
@@ -110,7 +110,7 @@ def get_all_inverse_kin(
 
 @command(family="math", manual="2.2.3")
 def get_forward_kin(robot: Robot, q: OptionalJoints = None, tcp: OptionalTcp = None) -> Pose:
-    """Pose of the TCP that joint positions give.
+    """Return the pose of the TCP that joint positions give.
 
     Args:
         q: joint positions; without them the present ones.

@@ -14,7 +14,7 @@ _AnyList = Vector(Anything(), None)
 
 @command(family="math", manual="2.2.4")
 def binary_list_to_integer(l: Annotated[tuple[bool, ...], Vector(Boolean(), None)]) -> Whole:  # noqa: E741
-    """Whole number whose bits are given.
+    """Return the whole number whose bits are given.
 
     Of more than 32 bits only the first 32 count; from 32 bits on the last one is the sign (for exactly 32 *assumed*).
 
@@ -32,7 +32,7 @@ def binary_list_to_integer(l: Annotated[tuple[bool, ...], Vector(Boolean(), None
 def integer_to_binary_list(
     x: Annotated[int, Integer(-(2**31), 2**32 - 1)],
 ) -> Annotated[tuple[bool, ...], Vector(Boolean(), 32)]:
-    """The 32 bits of a whole number.
+    """Return the 32 bits of a whole number.
 
     Args:
         x: the number: signed 32 bits, or unsigned 32 bits (*assumed*: the manual gives no range).
@@ -52,7 +52,7 @@ alias("integer_to_bit_list", of="integer_to_binary_list", since="2.13")
 
 @command(family="math", manual="2.2.6")
 def get_list_length(v: Annotated[tuple[Any, ...], _AnyList]) -> Whole:
-    """Number of elements of a list.
+    """Return the number of elements of a list.
 
     Args:
         v: the list.
@@ -65,7 +65,7 @@ def get_list_length(v: Annotated[tuple[Any, ...], _AnyList]) -> Whole:
 
 @command(family="math", manual="2.2.7")
 def length(v: Annotated[Any, Either(Text(), _AnyList)]) -> Whole:
-    """Number of elements of a list or of characters of a text.
+    """Return the number of elements of a list or of characters of a text.
 
     Args:
         v: the list or text.

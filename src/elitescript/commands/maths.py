@@ -20,7 +20,7 @@ _Numbers = Annotated[tuple[float, ...], Vector(Number(), None)]
 
 @command(family="math", manual="2.2.8")
 def acos(f: _SineOrCosine) -> Radians:
-    """Arc cosine.
+    """Return arc cosine.
 
     Args:
         f: the cosine.
@@ -33,7 +33,7 @@ def acos(f: _SineOrCosine) -> Radians:
 
 @command(family="math", manual="2.2.9")
 def asin(f: _SineOrCosine) -> Radians:
-    """Arc sine.
+    """Return arc sine.
 
     Args:
         f: the sine.
@@ -46,7 +46,7 @@ def asin(f: _SineOrCosine) -> Radians:
 
 @command(family="math", manual="2.2.10")
 def atan(f: Real) -> Radians:
-    """Arc tangent.
+    """Return arc tangent.
 
     Args:
         f: the tangent.
@@ -59,7 +59,7 @@ def atan(f: Real) -> Radians:
 
 @command(family="math", manual="2.2.11")
 def atan2(x: Real, y: Real) -> Radians:
-    """Angle whose tangent is x/y, in the right quadrant; the arguments of Python's `math.atan2`, in its order.
+    """Return the angle whose tangent is x/y, in the right quadrant; arguments as in Python's `math.atan2`.
 
     Args:
         x: numerator, the sine times some length.
@@ -73,7 +73,7 @@ def atan2(x: Real, y: Real) -> Radians:
 
 @command(family="math", manual="2.2.12")
 def cos(f: Radians) -> Real:
-    """Cosine.
+    """Return the cosine.
 
     Args:
         f: the angle.
@@ -86,7 +86,7 @@ def cos(f: Radians) -> Real:
 
 @command(family="math", manual="2.2.13")
 def sin(f: Radians) -> Real:
-    """Sine.
+    """Return the sine.
 
     Args:
         f: the angle.
@@ -99,7 +99,7 @@ def sin(f: Radians) -> Real:
 
 @command(family="math", manual="2.2.14")
 def tan(f: Radians) -> Real:
-    """Tangent.
+    """Return the tangent.
 
     Args:
         f: the angle.
@@ -112,7 +112,7 @@ def tan(f: Radians) -> Real:
 
 @command(family="math", manual="2.2.15")
 def d2r(d: _Degrees) -> Radians:
-    """Degrees to radians.
+    """Return degrees to radians.
 
     Args:
         d: angle in degrees.
@@ -125,7 +125,7 @@ def d2r(d: _Degrees) -> Radians:
 
 @command(family="math", manual="2.2.16")
 def r2d(r: Radians) -> _Degrees:
-    """Radians to degrees.
+    """Return radians to degrees.
 
     Args:
         r: angle in radians.
@@ -141,7 +141,7 @@ def r2d(r: Radians) -> _Degrees:
 
 @command(family="math", manual="2.2.17")
 def ceil(f: Real) -> Whole:
-    """Smallest whole number that is not below a number.
+    """Return the smallest whole number that is not below a number.
 
     Args:
         f: the number.
@@ -154,7 +154,7 @@ def ceil(f: Real) -> Whole:
 
 @command(family="math", manual="2.2.18")
 def floor(f: Real) -> Whole:
-    """Largest whole number that is not above a number.
+    """Return the largest whole number that is not above a number.
 
     Args:
         f: the number.
@@ -167,7 +167,7 @@ def floor(f: Real) -> Whole:
 
 @command(family="math", manual="2.2.19")
 def log(b: _Positive, f: _Positive) -> Real:
-    """Logarithm of `f` to the base `b`. The base comes first, unlike in Python.
+    """Return the logarithm of `f` to the base `b`. The base comes first, unlike in Python.
 
     Args:
         b: base.
@@ -187,7 +187,7 @@ def log(b: _Positive, f: _Positive) -> Real:
 
 @command(family="math", manual="2.2.20")
 def sqrt(f: Annotated[float, Number("", 0.0)]) -> Real:
-    """Square root.
+    """Return the square root.
 
     Args:
         f: the number.
@@ -226,7 +226,7 @@ def pow(base: Real, exponent: Real) -> Real:
 
 @command(family="math", manual="2.2.22")
 def norm(a: Annotated[Any, Either(Number(), Vector(Number(), None))]) -> Real:
-    """Absolute value of a number, Euclidean length of a list or pose.
+    """Return absolute value of a number, Euclidean length of a list or pose.
 
     Of a pose all six numbers count, m and rad mixed.
 
@@ -265,7 +265,7 @@ def normalize(v: _Numbers) -> _Numbers:
 
 @command(family="math", manual="2.2.33")
 def random(robot: Robot) -> Real:
-    """A pseudo-random number; the seed of the run decides the sequence.
+    """Return a pseudo-random number; the seed of the run decides the sequence.
 
     Returns:
         A number from 0 to 1, without 1.

@@ -112,7 +112,7 @@ def micro_line_set_pcs(robot: Robot, micro_line_index: Whole, part_coordinate_sy
 def get_micro_line_values_by_index(
     robot: Robot, micro_line_index: Whole, pos_type: Annotated[int, Choice(0, 1)], line_index: Whole
 ) -> Annotated[Six, Vector(Number(), 6)]:
-    """One point of a loaded file, as `moveml` would reach it.
+    """Return one point of a loaded file, as `moveml` would reach it.
 
     Poses are those of the active TCP in the base frame, with the part frame worked in (*assumed*). Joint positions of
     a pose are the nearest to where the arm is (*assumed*).

@@ -25,7 +25,7 @@ _Register = Annotated[int, Integer(0, 511)]
 
 @command(family="modbus", manual="4.1.9")
 def read_port_bit(robot: Robot, address: _Coil) -> Bool:
-    """A coil of the controller's own MODBUS server.
+    """Return a coil of the controller's own MODBUS server.
 
     Args:
         address: number of the coil.
@@ -38,7 +38,7 @@ def read_port_bit(robot: Robot, address: _Coil) -> Bool:
 
 @command(family="modbus", manual="4.1.10")
 def read_port_register(robot: Robot, address: _Register, is_signed: Bool = False) -> Whole:
-    """A register of the controller's own MODBUS server.
+    """Return a register of the controller's own MODBUS server.
 
     Args:
         address: number of the register.

@@ -146,7 +146,7 @@ def modbus_add_rw_signal(
 def modbus_get_signal_status(
     robot: Robot, signal_name: Str, is_secondary_program: Bool = False
 ) -> Annotated[Any, Either(Boolean(), Integer(), Vector(Integer(), None))]:
-    """Value of a signal: what was read last, zeros before; of an output that was set, what it was set to (*assumed*).
+    """Return the value of a signal: the last one read, zeros before; of an output, the last one set (*assumed*).
 
     Args:
         signal_name: name of the signal.
@@ -298,7 +298,7 @@ def modbus_set_signal_watchdog(
 def modbus_get_error(
     robot: Robot, signal_name: Str, error_source: Annotated[int, Integer(0, 2)] = 0
 ) -> Annotated[tuple[int, ...], Vector(Integer(), None)]:
-    """What is wrong with a signal.
+    """Return what is wrong with a signal.
 
     Args:
         signal_name: name of the signal.
@@ -319,7 +319,7 @@ def modbus_get_error(
 
 @command(family="modbus", since="2.14", manual="2.14: 6.1.16")
 def modbus_get_time_since_signal_invalid(robot: Robot, signal_name: Str) -> Seconds:
-    """Time since a faulty signal worked the last time; since it was added if it never did (*assumed*).
+    """Return the time since a faulty signal worked the last time; since it was added if it never did (*assumed*).
 
     Args:
         signal_name: name of the signal.

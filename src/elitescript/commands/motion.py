@@ -37,7 +37,7 @@ def blend_radius(robot: Robot, r: float) -> float:
 
 
 def negative_radius_text(r: float) -> str:
-    """What is said about a blend radius below 0, before and during the run."""
+    """Return what is said about a blend radius below 0, before and during the run."""
     return f"r = {r:g} m is taken for 0: the arm stops at the waypoint"
 
 

@@ -98,7 +98,7 @@ def movep(robot: Robot, pose: Pose, a: ToolAcceleration = 1.2, v: ToolSpeed = 0.
 
 @command(family="observed", evidence="observed", spellings={"x_vec": "x_axis", "y_vec": "y_axis"})
 def cal_rpy_frame(origin: _PointOrPose, x_axis: _PointOrPose, y_axis: _PointOrPose) -> Pose:
-    """Frame through three points, as generated welding programs call it.
+    """Return the frame through three points, as generated welding programs call it.
 
     Args:
         origin: position or pose of the origin in the base frame; of a pose only the position counts, here and below.
@@ -138,7 +138,7 @@ def pin_thread(robot: Robot, thread_id: Whole = 0, core: Whole = 0) -> None:
 
 @command(family="observed", evidence="observed")
 def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")]:
-    """Devices of the serial ports that are enabled.
+    """Return devices of the serial ports that are enabled.
 
     A post-processor knows the name; what it returns is *assumed*.
 
@@ -150,7 +150,7 @@ def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")
 
 @command(family="observed", evidence="observed")
 def get_target_tcp_pose_along_path(robot: Robot) -> Pose:
-    """Commanded pose of the TCP without the path offset; `get_target_tcp_pose` is the one with it.
+    """Return commanded pose of the TCP without the path offset; `get_target_tcp_pose` is the one with it.
 
     Returns:
         [x, y, z, Rx, Ry, Rz] in the base frame.

@@ -63,7 +63,7 @@ def path_offset_set(robot: Robot, offset: Pose, type: _Frame) -> None:
 
 @command(family="observed", evidence="observed")
 def path_offset_get(robot: Robot, type: _Frame) -> Pose:
-    """Offset that the arm has at present, whatever it is on its way to.
+    """Return the offset that the arm has at present, whatever it is on its way to.
 
     Args:
         type: axes along which it is given: 1 base, 2 TCP, 3 motion, see `path_offset_set`.

@@ -35,7 +35,7 @@ def set_tcp(robot: Robot, pose: TcpOffset) -> None:
 
 @command(family="motion", manual="2.1.33")
 def get_tcp_offset(robot: Robot) -> TcpOffset:
-    """The active TCP.
+    """Return the active TCP.
 
     Returns:
         Transform from the flange to the TCP, [x, y, z, Rx, Ry, Rz].
@@ -77,7 +77,7 @@ def set_payload(
 
 @command(family="motion", manual="2.1.17")
 def get_target_payload_cog(robot: Robot) -> CentreOfGravity:
-    """Centre of gravity of the payload that is set.
+    """Return the centre of gravity of the payload that is set.
 
     Returns:
         [CoGx, CoGy, CoGz] in the flange frame.
@@ -87,7 +87,7 @@ def get_target_payload_cog(robot: Robot) -> CentreOfGravity:
 
 @command(family="motion", manual="2.1.18")
 def get_target_payload_mass(robot: Robot) -> Annotated[float, Number("kg")]:
-    """Mass of the payload that is set.
+    """Return the mass of the payload that is set.
 
     Returns:
         The mass.

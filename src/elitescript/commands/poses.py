@@ -17,7 +17,7 @@ _Angles = Annotated[tuple[float, float, float], Vector(Number(), 3, "rad")]
 
 @command(family="math", manual="2.2.24")
 def point_dist(p_from: Frame, p_to: Frame) -> Annotated[float, Number("m")]:
-    """Distance of the positions of two poses; orientations do not count.
+    """Return the distance of the positions of two poses; orientations do not count.
 
     Args:
         p_from: first pose.
@@ -31,7 +31,7 @@ def point_dist(p_from: Frame, p_to: Frame) -> Annotated[float, Number("m")]:
 
 @command(family="math", manual="2.2.25")
 def pose_add(p_1: Frame, p_2: Frame) -> Frame:
-    """Sum of the positions, product of the orientations: p_1.P + p_2.P and R(p_1) R(p_2).
+    """Return the sum of the positions, product of the orientations: p_1.P + p_2.P and R(p_1) R(p_2).
 
     Args:
         p_1: first pose.
@@ -45,7 +45,7 @@ def pose_add(p_1: Frame, p_2: Frame) -> Frame:
 
 @command(family="math", manual="2.2.26")
 def pose_dist(p_from: Frame, p_to: Frame) -> Real:
-    """Root of the sum of the six squared differences of two poses, m and rad mixed.
+    """Return the root of the sum of the six squared differences of two poses, m and rad mixed.
 
     Angles are subtracted as they stand; only this gives the result that the manual prints.
 
@@ -61,7 +61,7 @@ def pose_dist(p_from: Frame, p_to: Frame) -> Real:
 
 @command(family="math", manual="2.2.27")
 def pose_inv(p_from: Frame) -> Frame:
-    """Inverse of a pose: where the reference frame is, seen from the frame `p_from`.
+    """Return the inverse of a pose: where the reference frame is, seen from the frame `p_from`.
 
     Args:
         p_from: the pose.
@@ -74,7 +74,7 @@ def pose_inv(p_from: Frame) -> Frame:
 
 @command(family="math", manual="2.2.28")
 def pose_sub(p_to: Frame, p_from: Frame) -> Frame:
-    """Difference of the positions with the rotation between the orientations: R(p_from)^-1 R(p_to).
+    """Return the difference of the positions with the rotation between the orientations: R(p_from)^-1 R(p_to).
 
     The difference of the positions stays in the axes in which they are given.
 
@@ -117,7 +117,7 @@ def rotvec2rpy(rotation_vector: _Angles) -> _Angles:
 
 @command(family="math", manual="2.2.31")
 def rpy2rotvec(rpy_vector: _Angles) -> _Angles:
-    """Rotation vector of roll-pitch-yaw angles.
+    """Return the rotation vector of roll-pitch-yaw angles.
 
     Args:
         rpy_vector: [roll, pitch, yaw].
@@ -130,7 +130,7 @@ def rpy2rotvec(rpy_vector: _Angles) -> _Angles:
 
 @command(family="math", manual="2.2.32")
 def interpolate_pose(p_from: Frame, p_to: Frame, alpha: Real) -> Frame:
-    """Pose on the straight line from one pose to another, turning about one fixed axis.
+    """Return the pose on the straight line from one pose to another, turning about one fixed axis.
 
     Args:
         p_from: pose at 0.

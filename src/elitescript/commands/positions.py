@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @command(family="motion", manual="2.1.4")
 def get_actual_joint_positions(robot: Robot) -> JointPositions:
-    """Measured joint positions.
+    """Return measured joint positions.
 
     They are the target positions, unless the plant of the simulated robot has a lag or noise; then they are behind the
     target while the arm moves, as those of a real arm.
@@ -30,7 +30,7 @@ def get_actual_joint_positions(robot: Robot) -> JointPositions:
 
 @command(family="motion", manual="2.1.5")
 def get_actual_joint_speeds(robot: Robot) -> JointSpeeds:
-    """Measured joint speeds.
+    """Return measured joint speeds.
 
     Returns:
         [base, shoulder, elbow, wrist1, wrist2, wrist3].
@@ -40,7 +40,7 @@ def get_actual_joint_speeds(robot: Robot) -> JointSpeeds:
 
 @command(family="motion", manual="2.1.6")
 def get_actual_tcp_pose(robot: Robot) -> Pose:
-    """Pose of the TCP in the base frame, from the measured joint positions and the active TCP offset.
+    """Return the pose of the TCP in the base frame, from the measured joint positions and the active TCP offset.
 
     Returns:
         [x, y, z, Rx, Ry, Rz], roll-pitch-yaw.
@@ -50,7 +50,7 @@ def get_actual_tcp_pose(robot: Robot) -> Pose:
 
 @command(family="motion", manual="2.1.7")
 def get_actual_tcp_speed(robot: Robot) -> TcpSpeed:
-    """Measured velocity of the TCP.
+    """Return measured velocity of the TCP.
 
     Returns:
         [Vx, Vy, Vz, RVx, RVy, RVz]: linear velocity, then the angular velocity vector, both in the base frame
@@ -61,7 +61,7 @@ def get_actual_tcp_speed(robot: Robot) -> TcpSpeed:
 
 @command(family="motion", manual="2.1.8")
 def get_controller_temperature(robot: Robot) -> Annotated[float, Number("degC")]:
-    """Temperature of the mainboard in the control box; it rises with the load of the joints (*assumed*).
+    """Return the temperature of the mainboard in the control box; it rises with the load of the joints (*assumed*).
 
     Returns:
         The temperature.
@@ -71,7 +71,7 @@ def get_controller_temperature(robot: Robot) -> Annotated[float, Number("degC")]
 
 @command(family="motion", manual="2.1.9")
 def get_joint_temperatures(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "degC")]:
-    """Temperatures of the joints; they rise with torque and speed over some 20 minutes (*assumed*).
+    """Return temperatures of the joints; they rise with torque and speed over some 20 minutes (*assumed*).
 
     Returns:
         [base, shoulder, elbow, wrist1, wrist2, wrist3].
@@ -81,7 +81,7 @@ def get_joint_temperatures(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "
 
 @command(family="motion", manual="2.1.10")
 def get_joint_torques(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "Nm")]:
-    """Torques of the joints, without what the arm needs to carry and move itself.
+    """Return torques of the joints, without what the arm needs to carry and move itself.
 
     The payload is not part of the arm (*assumed*; the manual speaks of the robot itself): what remains is the torque
     that carries and moves the payload set by `set_payload`, and it is zero while none is set. Friction, if the plant
@@ -96,7 +96,7 @@ def get_joint_torques(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "Nm")]
 
 @command(family="motion", manual="2.1.11")
 def get_target_joint_positions(robot: Robot) -> JointPositions:
-    """Commanded joint positions.
+    """Return commanded joint positions.
 
     Returns:
         [base, shoulder, elbow, wrist1, wrist2, wrist3].
@@ -106,7 +106,7 @@ def get_target_joint_positions(robot: Robot) -> JointPositions:
 
 @command(family="motion", manual="2.1.12")
 def get_target_joint_speeds(robot: Robot) -> JointSpeeds:
-    """Commanded joint speeds.
+    """Return commanded joint speeds.
 
     Returns:
         [base, shoulder, elbow, wrist1, wrist2, wrist3].
@@ -116,7 +116,7 @@ def get_target_joint_speeds(robot: Robot) -> JointSpeeds:
 
 @command(family="motion", manual="2.1.13")
 def get_target_tcp_pose(robot: Robot) -> Pose:
-    """Pose of the TCP in the base frame, from the commanded joint positions and the active TCP offset.
+    """Return the pose of the TCP in the base frame, from the commanded joint positions and the active TCP offset.
 
     Returns:
         [x, y, z, Rx, Ry, Rz], roll-pitch-yaw.
@@ -126,7 +126,7 @@ def get_target_tcp_pose(robot: Robot) -> Pose:
 
 @command(family="motion", manual="2.1.14")
 def get_target_tcp_speed(robot: Robot) -> TcpSpeed:
-    """Commanded velocity of the TCP.
+    """Return commanded velocity of the TCP.
 
     Returns:
         [Vx, Vy, Vz, RVx, RVy, RVz], as `get_actual_tcp_speed`.
@@ -136,7 +136,7 @@ def get_target_tcp_speed(robot: Robot) -> TcpSpeed:
 
 @command(family="motion", manual="2.1.31")
 def get_actual_tool_flange_pose(robot: Robot) -> Pose:
-    """Measured pose of the flange in the base frame; the TCP offset does not count.
+    """Return measured pose of the flange in the base frame; the TCP offset does not count.
 
     Returns:
         [x, y, z, Rx, Ry, Rz], roll-pitch-yaw.
@@ -146,7 +146,7 @@ def get_actual_tool_flange_pose(robot: Robot) -> Pose:
 
 @command(family="motion", manual="2.1.32")
 def get_target_waypoint(robot: Robot) -> Pose:
-    """Pose of the waypoint that the arm moves to.
+    """Return the pose of the waypoint that the arm moves to.
 
     Returns:
         [x, y, z, Rx, Ry, Rz] in the base frame; at standstill the last waypoint, before the first move the target

@@ -22,7 +22,7 @@ _FloatAddress = Annotated[int, signal_index("input_float_register")]
 
 @command(family="registers", manual="3.58")
 def read_input_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
-    """Value of a boolean input register.
+    """Return the value of a boolean input register.
 
     Args:
         address: number of the register.
@@ -35,7 +35,7 @@ def read_input_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
 
 @command(family="registers", manual="3.59")
 def read_input_float_register(robot: Robot, address: _FloatAddress) -> Real:
-    """Value of a float input register.
+    """Return the value of a float input register.
 
     Args:
         address: number of the register.
@@ -48,7 +48,7 @@ def read_input_float_register(robot: Robot, address: _FloatAddress) -> Real:
 
 @command(family="registers", manual="3.60")
 def read_input_integer_register(robot: Robot, address: _IntAddress) -> Whole:
-    """Value of an integer input register.
+    """Return the value of an integer input register.
 
     Args:
         address: number of the register.
@@ -61,7 +61,7 @@ def read_input_integer_register(robot: Robot, address: _IntAddress) -> Whole:
 
 @command(family="registers", manual="3.61")
 def read_output_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
-    """Value of a boolean output register.
+    """Return the value of a boolean output register.
 
     Args:
         address: number of the register.
@@ -74,7 +74,7 @@ def read_output_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
 
 @command(family="registers", manual="3.62")
 def read_output_float_register(robot: Robot, address: _FloatAddress) -> Real:
-    """Value of a float output register.
+    """Return the value of a float output register.
 
     Args:
         address: number of the register.
@@ -87,7 +87,7 @@ def read_output_float_register(robot: Robot, address: _FloatAddress) -> Real:
 
 @command(family="registers", manual="3.63")
 def read_output_integer_register(robot: Robot, address: _IntAddress) -> Whole:
-    """Value of an integer output register.
+    """Return the value of an integer output register.
 
     Args:
         address: number of the register.

@@ -23,7 +23,7 @@ def is_within_safety_limits(
     ciPair: Annotated[tuple[int, ...] | None, Optionally(Vector(Choice(0, 1), 4))] = None,
     q: OptionalJoints = None,
 ) -> Bool:
-    """Whether a pose or joint positions respect joint limits, safety planes and tool limits and can be reached.
+    """Return whether a pose or joint positions respect joint limits, safety planes and tool limits and can be reached.
 
     The limits of the present mode count: in reduced mode the reduced ones. A plane without a pair of inputs is always
     tested; that a pair switches its planes on while both of its inputs are high is *assumed*.

@@ -43,7 +43,7 @@ _ByteCount = Annotated[int, Integer(0, unit="byte")]
 
 
 def cabinet_device(robot: Robot, port: str) -> str:
-    """The port of the control box that a program names.
+    """Return the port of the control box that a program names.
 
     Raises:
         ArgumentRangeError: the firmware does not have it.
@@ -55,7 +55,7 @@ def cabinet_device(robot: Robot, port: str) -> str:
 
 
 def _octets(data: Any) -> bytes:
-    """What goes over the line for a value: of numbers the low 8 bits."""
+    """Return what goes over the line for a value: of numbers the low 8 bits."""
     if isinstance(data, str):
         return data.encode("utf-8", "replace")
     if isinstance(data, bytes):
@@ -69,7 +69,7 @@ def _received(data: bytes, is_number: bool) -> list[int] | bytes:
 
 @command(family="serial", manual="3.29")
 def tool_serial_is_open(robot: Robot) -> Bool:
-    """Whether the serial port of the tool is enabled.
+    """Return whether the serial port of the tool is enabled.
 
     Returns:
         True if it is.
@@ -141,7 +141,7 @@ def tool_serial_write(robot: Robot, write_data: _Data) -> _ByteCount:
 
 @command(family="serial", manual="3.41")
 def tool_serial_mode(robot: Robot) -> Str:
-    """Mode of the serial port of the tool.
+    """Return the mode of the serial port of the tool.
 
     Returns:
         `"MODBUS-RTU"`, `"RS485"`, or `"CLOSE"` when the port is off.
@@ -228,7 +228,7 @@ def serial_write(robot: Robot, data: _Data, port: CabinetPort = CABINET_PORT) ->
 
 @command(family="serial", manual="3.46")
 def serial_is_open(robot: Robot, port: CabinetPort = CABINET_PORT) -> Bool:
-    """Whether the serial port of the control box is enabled.
+    """Return whether the serial port of the control box is enabled.
 
     Args:
         port: device; `/dev/ttyS2` on B1 and MINI boxes.
@@ -241,7 +241,7 @@ def serial_is_open(robot: Robot, port: CabinetPort = CABINET_PORT) -> Bool:
 
 @command(family="serial", manual="3.47")
 def serial_mode(robot: Robot, port: CabinetPort = CABINET_PORT) -> Str:
-    """Mode of the serial port of the control box.
+    """Return the mode of the serial port of the control box.
 
     Args:
         port: device; `/dev/ttyS2` on B1 and MINI boxes.

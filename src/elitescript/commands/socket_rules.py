@@ -21,7 +21,7 @@ _SEARCHED_MAX: Final = 16_384
 
 
 def integers(number: int) -> Rule:
-    """Signed integers of 32 bits in network byte order; those that are complete when time is up."""
+    """Return signed integers of 32 bits in network byte order; those that are complete when time is up."""
 
     def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
         count = min(number, len(data) // _INT_SIZE)
@@ -35,7 +35,7 @@ def integers(number: int) -> Rule:
 
 
 def octets(number: int) -> Rule:
-    """Bytes; those that there are when time is up."""
+    """Return bytes; those that there are when time is up."""
 
     def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
         if len(data) < number and not is_last:

@@ -66,7 +66,7 @@ def socket_close(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> None:
 
 @command(family="socket", since="2.14", manual="2.14: 7.1.3")
 def socket_is_connected(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> Bool:
-    """Whether a connection stands.
+    """Return whether a connection stands.
 
     Args:
         socket_name: name of the connection; empty for the usual one.
@@ -276,12 +276,12 @@ def _send(robot: Robot, words: str, socket_name: str) -> bool:
 
 
 def _counted(values: list[Any], number: int, missing: Any) -> tuple[Any, ...]:
-    """The number of values, the values, and what stands for those that are missing."""
+    """Return the number of values, the values, and what stands for those that are missing."""
     return (len(values), *values, *[missing] * (number - len(values)))
 
 
 def _mark(words: str, argument: str) -> bytes:
-    """A mark as it is sent.
+    """Return a mark as it is sent.
 
     Raises:
         ArgumentRangeError: it is longer than what can be read at once.
@@ -295,7 +295,7 @@ def _mark(words: str, argument: str) -> bytes:
 
 
 def _written(value: Any) -> str:
-    """A value as it is sent.
+    """Return a value as it is sent.
 
     Raises:
         ArgumentTypeError: not a value of a built-in type.

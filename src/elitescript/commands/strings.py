@@ -48,7 +48,7 @@ class _Printable(Quantity):
 
 @command(family="string", manual="6.3.1")
 def str_at(src: Str, index: _Position) -> Str:
-    """One character of a text.
+    """Return one character of a text.
 
     Args:
         src: the text.
@@ -69,7 +69,7 @@ def str_at(src: Str, index: _Position) -> Str:
 
 @command(family="string", manual="6.3.2")
 def str_cat(object1: Annotated[Any, _Printable()], object2: Annotated[Any, _Printable()]) -> Str:
-    """Two values as one text, nothing between them; written as `to_str` does.
+    """Return two values as one text, nothing between them; written as `to_str` does.
 
     Args:
         object1: first value.
@@ -86,7 +86,7 @@ def str_cat(object1: Annotated[Any, _Printable()], object2: Annotated[Any, _Prin
 
 @command(family="string", manual="6.3.3")
 def str_empty(str: Str) -> Bool:
-    """Whether a text is empty.
+    """Return whether a text is empty.
 
     Args:
         str: the text.
@@ -99,7 +99,7 @@ def str_empty(str: Str) -> Bool:
 
 @command(family="string", manual="6.3.4")
 def str_find(src: Str, target: Str, start_from: _Position = 0) -> Whole:
-    """Position of the first occurrence of a text in another.
+    """Return the position of the first occurrence of a text in another.
 
     Args:
         src: text to look in.
@@ -114,7 +114,7 @@ def str_find(src: Str, target: Str, start_from: _Position = 0) -> Whole:
 
 @command(family="string", manual="6.3.5")
 def str_len(str: Str) -> Whole:
-    """Number of characters of a text.
+    """Return the number of characters of a text.
 
     Args:
         str: the text.
@@ -127,7 +127,7 @@ def str_len(str: Str) -> Whole:
 
 @command(family="string", manual="6.3.6")
 def str_sub(src: Str, index: _Position, len: Annotated[int | None, Optionally(Integer(0), None)] = None) -> Str:
-    """Part of a text.
+    """Return the part of a text.
 
     Args:
         src: the text.
@@ -147,7 +147,7 @@ def str_sub(src: Str, index: _Position, len: Annotated[int | None, Optionally(In
 
 @command(family="string", manual="6.3.7")
 def to_num(str: Str) -> Annotated[Any, Anything("int or float")]:
-    """The number that a text shows.
+    """Return the number that a text shows.
 
     A sign may come first. Whole numbers (`40`) and hexadecimal ones (`0x1F`) give an int; a decimal point or an
     exponent (`-2.`, `.3`, `1.5E4`), `INF`, `INFINITY` and `NAN` give a float. Letter case and blanks around the
@@ -181,7 +181,7 @@ def to_num(str: Str) -> Annotated[Any, Anything("int or float")]:
 
 @command(family="string", manual="6.3.8")
 def to_str(val: Annotated[Any, _Printable()]) -> Str:
-    """A value as a text.
+    """Return a value as a text.
 
     Floats are rounded to 6 decimals and lose their trailing zeros (1.0 gives 1), also inside lists and their like.
     These are written as Python does: texts in them stand in quotes, tuples have round brackets; sets are sorted
@@ -238,7 +238,7 @@ class _Mark(str):
 
 
 def _container_written(container: Any) -> str:
-    """A container as text; an endless one (a list that holds itself) is left off when it is too long anyway."""
+    """Return a container as text; an endless one (a list that holds itself) is left off when it is too long anyway."""
     text = ""
     open_containers = [_pieces(container)]
     while open_containers and len(text) <= LONGEST:

@@ -52,7 +52,7 @@ def set_flag(robot: Robot, n: _FlagNumber, b: Bool) -> None:
 
 @command(family="system", manual="6.4.3")
 def get_flag(robot: Robot, n: _FlagNumber) -> Bool:
-    """Value of an internal flag.
+    """Return the value of an internal flag.
 
     Args:
         n: number of the flag.
@@ -65,7 +65,7 @@ def get_flag(robot: Robot, n: _FlagNumber) -> Bool:
 
 @command(family="system", manual="6.4.4")
 def get_steptime() -> Seconds:
-    """Length of the control period.
+    """Return the length of the control period.
 
     Returns:
         0.004 (*observed*: the manual prints no number).
@@ -112,7 +112,7 @@ def powerdown(robot: Robot) -> None:
 
 @command(family="system", manual="3.57")
 def get_task_path(robot: Robot) -> Str:
-    """Folder in which the pendant keeps tasks; files that programs open live there.
+    """Return the folder in which the pendant keeps tasks; files that programs open live there.
 
     Returns:
         The path, ending in `/` (*assumed*: the manual names no path).

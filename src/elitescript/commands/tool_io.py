@@ -31,7 +31,7 @@ def set_tool_digital(robot: Robot, n: _PinIndex, b: Bool) -> None:
 
 @command(family="io", manual="3.17")
 def get_tool_digital(robot: Robot, n: _PinIndex) -> Bool:
-    """Level of a tool pin, input or output.
+    """Return the level of a tool pin, input or output.
 
     Args:
         n: index of the pin.

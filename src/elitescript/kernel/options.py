@@ -1,7 +1,10 @@
 """Everything that a robot is made with, each option written once.
 
 A field of `RobotOptions` is an option: its name, type and default stand there as in any dataclass, and `option` adds
-its help text, the values it takes, and its flag on the command line.
+its help text, the values it takes, and its flag on the command line. Derived from it: arguments of `run`, `plot`,
+`check` and `serve` (`cli.robot_options`), the section `[robot]` of world files (`world_file`), signature and docstring
+of `VirtualRobot` (`kernel.option_signature`), the types of its keywords (`kernel.option_keywords`) and the page
+docs/reference/options.md; the last two are written by `make reference`.
 """
 
 from __future__ import annotations
@@ -30,16 +33,13 @@ ROBOT_SECTION: Final = "robot"
 """Section of a world file that sets options by their names."""
 
 # ---------------------------------------------------------------- what values an option takes
+#
+# The text of a kind describes its values. `accept` returns a value in the form in which options hold it, or raises
+# `UsageError` with a text that begins with `must be`.
 
 
 class Number:
-    """Finite numbers of a range.
-
-    Args:
-        low: smallest value.
-        high: largest value.
-        unit: SI unit; empty for a number without one.
-    """
+    """Finite numbers from `low` to `high`, in an SI unit."""
 
     __slots__ = ("high", "low", "unit")
 
@@ -49,29 +49,19 @@ class Number:
         self.unit = unit
 
     def __str__(self) -> str:
-        if (self.low, self.high) == (-inf, inf):
-            return f"a number{self._in_unit()}"
-        if self.high == inf:
-            return f"a number >= {self.low:g}{self._in_unit()}"
-        return f"in [{self.low:g}, {self.high:g}] {self.unit}".rstrip()
-
-    def _in_unit(self) -> str:
-        return f" in {self.unit}" if self.unit else ""
+        if isfinite(self.low) and isfinite(self.high):
+            return f"in [{self.low:g}, {self.high:g}] {self.unit}".rstrip()
+        return f"a number in {self.unit}" if self.unit else "a number"
 
     def accept(self, value: Any) -> float:
-        """Return the value as a float.
-
-        Raises:
-            UsageError: no finite number of the range; the text begins with `must be`.
-        """
-        if isinstance(value, bool | str | bytes):
-            raise UsageError(f"must be a number{self._in_unit()}, got {value!r}")
         try:
-            number = float(value)
+            number = None if isinstance(value, bool | str | bytes) else float(value)
         except (TypeError, ValueError, OverflowError):
-            raise UsageError(f"must be a number{self._in_unit()}, got {value!r}") from None
+            number = None
+        if number is None:
+            raise UsageError(f"must be a number{f' in {self.unit}' if self.unit else ''}, got {value!r}")
         if not isfinite(number):
-            raise UsageError(f"must be finite{',' if self.unit else ''}{self._in_unit()}, got {value!r}")
+            raise UsageError(f"must be finite{f', in {self.unit}' if self.unit else ''}, got {value!r}")
         if not self.low <= number <= self.high:
             raise UsageError(f"must be {self}, got {value!r}")
         return number
@@ -82,23 +72,13 @@ class Time(Number):
 
     __slots__ = ()
 
-    def __init__(self) -> None:
-        super().__init__(unit="s")
-
     def __str__(self) -> str:
         return "seconds since 1970, or a date and time with a time zone"
 
     def accept(self, value: Any) -> float:
-        """Return the seconds since 1970.
-
-        Raises:
-            UsageError: no moment; the text begins with `must be`.
-        """
-        if hasattr(value, "year"):
-            if getattr(value, "tzinfo", None) is None:
-                raise UsageError(f"must be {self}, got {value}")
-            value = value.timestamp()
-        return super().accept(value)
+        if hasattr(value, "year") and getattr(value, "tzinfo", None) is None:
+            raise UsageError(f"must be {self}, got {value}")
+        return super().accept(value.timestamp() if hasattr(value, "year") else value)
 
 
 class Whole:
@@ -113,16 +93,8 @@ class Whole:
         return "a whole number" if self.low is None else f"a whole number >= {self.low}"
 
     def accept(self, value: Any) -> int:
-        """Return the value as an int.
-
-        Raises:
-            UsageError: no whole number of the range; the text begins with `must be`.
-        """
-        try:
-            number = index(value)
-        except TypeError:
-            number = None
-        if number is None or isinstance(value, bool) or (self.low is not None and number < self.low):
+        number = index(value) if hasattr(value, "__index__") and not isinstance(value, bool) else None
+        if number is None or (self.low is not None and number < self.low):
             raise UsageError(f"must be {self}, got {value!r}")
         return number
 
@@ -136,11 +108,6 @@ class Switch:
         return "true or false"
 
     def accept(self, value: Any) -> bool:
-        """Return the value.
-
-        Raises:
-            UsageError: no bool; the text begins with `must be`.
-        """
         if not isinstance(value, bool):
             raise UsageError(f"must be {self}, got {value!r}")
         return value
@@ -158,18 +125,13 @@ class Text:
         return " or ".join(f'"{choice}"' for choice in self.choices) or "a text"
 
     def accept(self, value: Any) -> str:
-        """Return the value.
-
-        Raises:
-            UsageError: no text, or none of the choices; the text begins with `must be`.
-        """
         if not isinstance(value, str) or (self.choices and value not in self.choices):
             raise UsageError(f"must be {self}, got {value!r}")
         return value
 
 
 class Joints:
-    """Six joint positions in rad; the ranges are those of the model."""
+    """Six joint positions in rad, or None; their ranges are those of the model."""
 
     __slots__ = ()
 
@@ -177,14 +139,9 @@ class Joints:
         return "six numbers in rad"
 
     def accept(self, value: Any) -> Six | None:
-        """Return the positions as a tuple.
-
-        Raises:
-            UsageError: not six finite numbers; the text begins with `must be`.
-        """
         if value is None:
             return None
-        if isinstance(value, str | bytes) or not hasattr(value, "__len__") or not hasattr(value, "__iter__"):
+        if isinstance(value, str | bytes) or not (hasattr(value, "__len__") and hasattr(value, "__iter__")):
             raise UsageError(f"must be {self}, got {value!r}")
         if len(value) != 6:
             raise UsageError(f"must be {self}, got {len(value)}")
@@ -193,7 +150,7 @@ class Joints:
 
 
 class Section:
-    """Objects of a class that a section of a world file describes as well, under the name of the option.
+    """Objects of a class that a section of a world file describes as well, under the name of the option; or None.
 
     Args:
         home: `module:class`; the class has `from_table`, and is imported on first use.
@@ -208,11 +165,6 @@ class Section:
         return f"a `{self._name}`"
 
     def accept(self, value: Any) -> Any:
-        """Return the value.
-
-        Raises:
-            UsageError: an object of another class; the text begins with `must be`.
-        """
         if value is not None and not isinstance(value, self._class()):
             raise UsageError(f"must be {self}, got {value!r}")
         return value
@@ -229,10 +181,7 @@ class Section:
         return getattr(import_module(self._module), self._name)
 
 
-Kind = Number | Whole | Switch | Text | Joints | Section
-
 _RAD: Final = Number(unit="rad")
-
 
 # ---------------------------------------------------------------- the options
 
@@ -252,7 +201,14 @@ class Option:
     __slots__ = ("commands", "default_text", "flag", "kind", "metavar", "text")
 
     def __init__(
-        self, text: str, kind: Kind | None, default_text: str, flag: str, metavar: str, commands: tuple[str, ...]
+        self,
+        text: str,
+        kind: Number | Whole | Switch | Text | Joints | Section | None = None,
+        *,
+        default_text: str = "",
+        flag: str = "",
+        metavar: str = "",
+        commands: tuple[str, ...] = (),
     ) -> None:
         self.text = text
         self.kind = kind
@@ -262,18 +218,9 @@ class Option:
         self.commands = commands
 
 
-def option(
-    default: Any,
-    text: str,
-    kind: Kind | None = None,
-    *,
-    default_text: str = "",
-    flag: str = "",
-    metavar: str = "",
-    commands: tuple[str, ...] = (),
-) -> Any:
-    """Return the field of an option; see `Option`."""
-    return field(default=default, metadata={"option": Option(text, kind, default_text, flag, metavar, commands)})
+def option(default: Any, *about: Any, **more: Any) -> Any:
+    """Return the field of an option with this default; what follows is for `Option`."""
+    return field(default=default, metadata={"option": Option(*about, **more)})
 
 
 @dataclass(frozen=True, slots=True)
@@ -305,7 +252,7 @@ class RobotOptions:
     epoch_s: float = option(
         1_704_067_200.0,
         "controller clock at the start, s since 1970",
-        Time(),
+        Time(unit="s"),
         default_text="2024-01-01T00:00:00Z; of serve, the present time",
         flag="--epoch",
         metavar="TIME",

@@ -47,12 +47,12 @@ def insert_checkpoints(census: Census) -> None:
 
 
 def body_start(body: list[ast.stmt]) -> int:
-    """Index of the first statement behind the docstring of a function."""
+    """Return the index of the first statement behind the docstring of a function."""
     return 1 if is_text(body[0]) else 0
 
 
 def is_checkpoint(statement: ast.stmt) -> bool:
-    """Whether a statement was put in by `insert_checkpoints`."""
+    """Return whether a statement was put in by `insert_checkpoints`."""
     if not isinstance(statement, ast.If) or not isinstance(statement.test, ast.UnaryOp):
         return False
     call = statement.test.operand
@@ -60,7 +60,7 @@ def is_checkpoint(statement: ast.stmt) -> bool:
 
 
 def _call(name: str, where: ast.expr | ast.stmt) -> ast.Call:
-    """A call of a hook, at the start of `where` and without extent."""
+    """Return a call of a hook, at the start of `where` and without extent."""
     line, offset = where.lineno, where.col_offset
     function = ast.Name(name, _LOAD, lineno=line, col_offset=offset, end_lineno=line, end_col_offset=offset)
     return ast.Call(function, [], [], lineno=line, col_offset=offset, end_lineno=line, end_col_offset=offset)

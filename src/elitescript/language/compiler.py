@@ -113,7 +113,7 @@ def compile_parsed(parsed: Parsed) -> CompiledUnit:
 
 
 def check_unit(source: SourceFile, options: Options = DEFAULT) -> tuple[Diagnostic, ...]:
-    """All findings about a text, errors and warnings, in its order; never raises `ProgramError`."""
+    """Return all findings about a text, errors and warnings, in its order; never raises `ProgramError`."""
     return _compile(parse(source, options))[2]
 
 
@@ -196,7 +196,7 @@ def compile_statement(source: SourceFile, has_global: Callable[[str], bool]) -> 
 
 
 def column_of(source: SourceFile, line: int, byte_offset: int) -> int:
-    """Column, from 1, in characters, of a UTF-8 offset in a line, as code objects and tracebacks count."""
+    """Return the column, from 1, in characters, of a UTF-8 offset in a line, as code objects and tracebacks count."""
     return character_offset(source.line(line), byte_offset) + 1
 
 
@@ -204,7 +204,7 @@ def column_of(source: SourceFile, line: int, byte_offset: int) -> int:
 
 
 def _compile(parsed: Parsed) -> tuple[CodeType | None, frozenset[str], tuple[Diagnostic, ...]]:
-    """The code, or None if there is none; the names declared global; all findings."""
+    """Return the code, or None if there is none; the names declared global; all findings."""
     problems = list(parsed.diagnostics)
     if not parsed.is_complete:
         return None, frozenset(), in_order(problems)
@@ -224,7 +224,7 @@ def _compile(parsed: Parsed) -> tuple[CodeType | None, frozenset[str], tuple[Dia
 
 
 def _header_problems(parsed: Parsed) -> list[Diagnostic]:
-    """Parameters of a unit that nobody could give a value."""
+    """Return parameters of a unit that nobody could give a value."""
     if parsed.unit is None:
         return []
     args = parsed.unit.args
@@ -296,7 +296,7 @@ def _code(parsed: Parsed, problems: list[Diagnostic]) -> CodeType | None:
 
 
 def _is_hidden(parsed: Parsed, message: str) -> bool:
-    """Whether the name in a message of Python's stands in a line that was left out."""
+    """Return whether the name in a message of Python's stands in a line that was left out."""
     name = message.split("'")[1]
     lines = (parsed.translation.lines[index] for index in parsed.hidden)
     return any(name in parsed.source.line(row) for line in lines for row in range(line.line, line.last_line + 1))
@@ -311,7 +311,7 @@ def _python(tree: ast.AST, mode: str) -> CodeType:
 
 
 def _wrapped(parsed: Parsed) -> ast.Module:
-    """A module that defines the program as the function `MAIN`."""
+    """Return a module that defines the program as the function `MAIN`."""
     unit = parsed.unit
     if unit is None:
         definition = syntax_tree("def main(): pass").body[0]

@@ -105,7 +105,7 @@ def in_order(diagnostics: tuple[Diagnostic, ...] | list[Diagnostic]) -> tuple[Di
 
 
 def render(diagnostic: Diagnostic, source: SourceFile) -> str:
-    """The finding as people read it: place, text, the line with a caret under it, the hint."""
+    """Return the finding as people read it: place, text, the line with a caret under it, the hint."""
     place = f"{source.name}:{diagnostic.line}:{diagnostic.column}"
     rows = [f"{place}: {diagnostic.severity} {diagnostic.code}: {diagnostic.text}"]
     line = source.line(diagnostic.line)
@@ -118,7 +118,7 @@ def render(diagnostic: Diagnostic, source: SourceFile) -> str:
 
 
 def to_json(diagnostic: Diagnostic) -> dict[str, Any]:
-    """The `problem` object that the command line prints with `--json`."""
+    """Return the `problem` object that the command line prints with `--json`."""
     return {
         "type": "problem",
         "severity": str(diagnostic.severity),

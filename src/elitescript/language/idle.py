@@ -19,7 +19,7 @@ _MOST_NAMES: Final = 4
 
 
 def idle_problem(parsed: Parsed, has_effect: Callable[[ast.expr], bool]) -> Diagnostic | None:
-    """What to say about a text that only defines functions (W214); None about any other.
+    """Return what to say about a text that only defines functions (W214); None about any other.
 
     Args:
         parsed: the text.
@@ -58,7 +58,7 @@ def idle_problem(parsed: Parsed, has_effect: Callable[[ast.expr], bool]) -> Diag
 
 
 def calls_something(value: ast.expr) -> bool:
-    """Whether evaluating an expression calls anything."""
+    """Return whether evaluating an expression calls anything."""
     return any(isinstance(node, ast.Call) for node in ast.walk(value))
 
 
@@ -75,7 +75,7 @@ def _does_nothing(statement: ast.stmt, has_effect: Callable[[ast.expr], bool]) -
 
 
 def _beginning(functions: list[ast.FunctionDef]) -> tuple[ast.FunctionDef, bool]:
-    """The function that was probably meant to run, and whether only it can be, as others use the rest."""
+    """Return the function that was probably meant to run, and whether only it can be, as others use the rest."""
     used = {node.id for function in functions for node in ast.walk(function) if isinstance(node, ast.Name)}
     roots = [function for function in functions if function.name not in used and _runs_without_arguments(function)]
     return (roots or functions)[-1], len(roots) == 1

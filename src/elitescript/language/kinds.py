@@ -10,7 +10,7 @@ __all__ = ["KINDS", "LINE", "PROGRAM", "SCRIPT", "SECONDARY", "is_text", "kind_o
 
 
 def outer_definition(tree: ast.Module) -> ast.FunctionDef | None:
-    """The only statement of a text, if that is an undecorated `def`; texts in quotes do not count."""
+    """Return the only statement of a text, if that is an undecorated `def`; texts in quotes do not count."""
     found = None
     for statement in tree.body:
         if isinstance(statement, ast.FunctionDef) and not statement.decorator_list and found is None:
@@ -34,6 +34,6 @@ def kind_of(tree: ast.Module, secondaries: frozenset[int]) -> str:
 
 
 def is_text(statement: ast.stmt) -> bool:
-    """Whether a statement is only a text in quotes: a docstring, or a comment in that form."""
+    """Return whether a statement is only a text in quotes: a docstring, or a comment in that form."""
     value = statement.value if isinstance(statement, ast.Expr) else None
     return isinstance(value, ast.Constant) and isinstance(value.value, str)

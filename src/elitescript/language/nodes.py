@@ -134,13 +134,13 @@ class Census:
                     push(child)
 
     def of(self, kind: type[_Node]) -> list[_Node]:
-        """All nodes of one kind, in no particular order."""
+        """Return all nodes of one kind, in no particular order."""
         return cast("list[_Node]", self.by_kind[kind])
 
 
 @cache
 def _surplus_fields() -> dict[type[ast.AST], tuple[str, ...]]:
-    """Fields that this Python has and the table has not."""
+    """Return fields that this Python has and the table has not."""
     surplus = {}
     for kind, (children, plain) in _KNOWN.items():
         fields = tuple(set(kind._fields).difference(children.split(), plain.split()))
@@ -150,7 +150,7 @@ def _surplus_fields() -> dict[type[ast.AST], tuple[str, ...]]:
 
 
 def children_of(node: ast.AST) -> Iterator[ast.AST]:
-    """The nodes directly below a node of a known kind, in the order of the table."""
+    """Yield the nodes directly below a node of a known kind, in the order of the table."""
     for field in CHILDREN[type(node)]:
         child = getattr(node, field)
         if type(child) is list:

@@ -121,7 +121,7 @@ def syntax_tree(text: str) -> ast.Module:
 
 
 def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
-    """The text without characters that Python cannot even look at, and what to say about them."""
+    """Return the text without characters that Python cannot even look at, and what to say about them."""
     text = source.text
     if text.isascii() and "\0" not in text:
         return source, []
@@ -264,7 +264,7 @@ class _TextReader:
     # Hiding lines
 
     def logical_index(self, line: int) -> int:
-        """Index of the logical line that holds, or stands before, a physical line; -1 if none."""
+        """Return the index of the logical line that holds, or stands before, a physical line; -1 if none."""
         if self._starts is None:
             self._starts = [logical.line for logical in self.translation.lines]
         return bisect_right(self._starts, line) - 1
@@ -337,7 +337,7 @@ class _TextReader:
 
 
 def character_offset(row: str, byte_offset: int) -> int:
-    """Characters before a UTF-8 offset into a line."""
+    """Return characters before a UTF-8 offset into a line."""
     if row.isascii():
         return byte_offset
     return len(row.encode("utf-8")[:byte_offset].decode("utf-8", "ignore"))

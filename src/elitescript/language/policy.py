@@ -91,24 +91,24 @@ _SYNTAX: Final = {
 
 
 def is_dunder(name: str) -> bool:
-    """Whether a name is one of Python's special names, `__like_this__`."""
+    """Return whether a name is one of Python's special names, `__like_this__`."""
     return name[:2] == "__" == name[-2:] and name.strip("_") != ""
 
 
 def is_attribute_allowed(name: str) -> bool:
-    """Whether a program may read the attribute `name` of any object."""
+    """Return whether a program may read the attribute `name` of any object."""
     if name in DENIED_ATTRIBUTES:
         return False
     return not is_dunder(name) or name in ALLOWED_DUNDER_LOADS
 
 
 def review(source: SourceFile, census: Census) -> list[Diagnostic]:
-    """The breaches of the policy, as E115; a bounded number of them."""
+    """Return the breaches of the policy, as E115; a bounded number of them."""
     return list(islice(_Reviewer(source, census).findings(), _MAX_FINDINGS))
 
 
 def first_too_deep(census: Census) -> ast.AST | None:
-    """The first comprehension that is nested deeper than Python's compiler can be trusted with."""
+    """Return the first comprehension that is nested deeper than Python's compiler can be trusted with."""
     kinds = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
     if sum(len(census.of(kind)) for kind in kinds) <= COMPREHENSION_DEPTH_MAX:
         return None
@@ -198,7 +198,7 @@ class _Reviewer:
             yield self._finding(node, f"{what} is not available", hint)
 
     def _names(self) -> Iterator[Diagnostic]:
-        """Special names, wherever a name can stand."""
+        """Yield special names, wherever a name can stand."""
         census = self.census
         allowed = self._class_variables()
         for node in census.of(ast.Name):
@@ -219,7 +219,7 @@ class _Reviewer:
             yield from (self._special(outer, name) for name in outer.names if is_dunder(name))
 
     def _class_variables(self) -> set[int]:
-        """The names that class bodies assign and may assign."""
+        """Return the names that class bodies assign and may assign."""
         allowed = set()
         for node in self.census.of(ast.ClassDef):
             for statement in node.body:
@@ -272,7 +272,7 @@ class _Reviewer:
                 yield self._finding(keyword, text, "name only the classes that it extends")
 
     def _methods(self) -> set[int]:
-        """The functions that are defined in a class body, also inside an `if` there."""
+        """Return the functions that are defined in a class body, also inside an `if` there."""
         methods = set()
         for node in self.census.of(ast.ClassDef):
             stack: list[ast.AST] = list(node.body)

@@ -107,7 +107,7 @@ class Scope:
         return name in self.bindings and name not in self.globals and name not in self.nonlocals
 
     def resolve(self, name: str) -> Resolution:
-        """Where `name` leads when it is used here."""
+        """Return where `name` leads when it is used here."""
         if name in self.globals:
             return Resolution.GLOBAL
         if self.has_local(name):
@@ -125,7 +125,7 @@ class Scope:
         return Resolution.GLOBAL if name in self._global_names else Resolution.BUILTIN
 
     def home(self, name: str) -> Scope | None:
-        """The scope whose variable `name` is when it is used here; None if global or built in."""
+        """Return the scope whose variable `name` is when it is used here; None if global or built in."""
         if self.has_local(name):
             return self
         if name in self.globals:

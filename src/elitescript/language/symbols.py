@@ -101,41 +101,41 @@ class Symbols:
     # Relations
 
     def parent(self, node: ast.AST) -> ast.AST | None:
-        """The node directly around a node; None for the root."""
+        """Return the node directly around a node; None for the root."""
         return self._parents.get(node)
 
     def ancestors(self, node: ast.AST) -> Iterator[ast.AST]:
-        """The nodes around a node, from inside out."""
+        """Yield the nodes around a node, from inside out."""
         above = self._parents.get(node)
         while above is not None:
             yield above
             above = self._parents.get(above)
 
     def statement_of(self, node: ast.AST) -> ast.stmt | None:
-        """The innermost statement that is, or holds, a node."""
+        """Return the innermost statement that is, or holds, a node."""
         if isinstance(node, ast.stmt):
             return node
         return next((above for above in self.ancestors(node) if isinstance(above, ast.stmt)), None)
 
     def scope_of(self, node: ast.AST) -> Scope:
-        """The scope in which a node is evaluated; for a definition, the scope around it."""
+        """Return the scope in which a node is evaluated; for a definition, the scope around it."""
         return self._scope_of.get(node, self.body)
 
     def scope_made_by(self, node: ast.AST) -> Scope | None:
-        """The scope that a definition, lambda or comprehension makes."""
+        """Return the scope that a definition, lambda or comprehension makes."""
         return self._made_by.get(node)
 
     # Names
 
     def definitions(self, name: str, scope: Scope) -> tuple[Scope, ...]:
-        """Scopes of the functions that `name` may stand for when it is used in `scope`."""
+        """Return scopes of the functions that `name` may stand for when it is used in `scope`."""
         home = scope.home(name)
         places = [home] if home else [other for other in self.scopes if name in other.globals]
         nodes = [binding.node for place in places for binding in place.bindings.get(name, ()) if binding.kind == "def"]
         return tuple(made for node in nodes if (made := self.scope_made_by(node)) is not None)
 
     def global_bindings(self, name: str) -> list[Binding]:
-        """The places that give the program global `name` a value, in the order of the text."""
+        """Return the places that give the program global `name` a value, in the order of the text."""
         found = [binding for scope in self.scopes if name in scope.globals for binding in scope.bindings.get(name, ())]
         return sorted(found, key=lambda binding: (binding.line, binding.column))
 
@@ -160,7 +160,7 @@ class Symbols:
         return frozenset(target for start in self.thread_starts for target in start.targets)
 
     def late_globals(self) -> tuple[LateGlobal, ...]:
-        """The `global` statements that come too late, in the order of the text."""
+        """Return the `global` statements that come too late, in the order of the text."""
         late = []
         for scope in self.scopes:
             for name, statements in scope.globals.items():

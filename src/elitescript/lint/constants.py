@@ -73,7 +73,7 @@ class Constants:
         self._unchanged: dict[Binding, bool] = {}
 
     def value(self, node: ast.expr, scope: Scope) -> Any:
-        """The value of an expression, or an `Unknown`. A list or tuple may hold `Unknown` elements."""
+        """Return the value of an expression, or an `Unknown`. A list or tuple may hold `Unknown` elements."""
         return self._value(node, scope, 0)
 
     def _value(self, node: ast.expr, scope: Scope, depth: int) -> Any:
@@ -174,7 +174,7 @@ class Constants:
         return _computed(command.function, angle) if isinstance(angle, (int, float)) else UNKNOWN
 
     def _pose(self, name: str, node: ast.Call, scope: Scope, depth: int) -> Any:
-        """What a command of the algebra of poses makes of certain poses."""
+        """Return what a command of the algebra of poses makes of certain poses."""
         command = CATALOGUE.get(name)
         if command is None or node.keywords or scope.resolve(name) is not Resolution.BUILTIN:
             return UNKNOWN
@@ -206,7 +206,7 @@ class Constants:
         return value
 
     def _source(self, binding: Binding, home: Scope | None) -> tuple[ast.expr, Scope] | None:
-        """The expression that alone gives a variable its value, and where it stands.
+        """Return the expression that alone gives a variable its value, and where it stands.
 
         Args:
             binding: the only one of the variable.
@@ -225,7 +225,7 @@ class Constants:
         return statement.value, scope
 
     def _only_argument(self, binding: Binding, home: Scope) -> tuple[ast.expr, Scope] | None:
-        """What a parameter gets from the only call of its function, if that is the only use of the function."""
+        """Return what a parameter gets from the only call of its function, if that is the only use of the function."""
         function = home.node
         if home.kind != "function" or not isinstance(function, ast.FunctionDef) or function.decorator_list:
             return None
@@ -247,13 +247,13 @@ class Constants:
         return next(((given.value, scope) for given in call.keywords if given.arg == binding.name), None)
 
     def _reads(self, name: str, home: Scope | None) -> list[ast.Name]:
-        """All uses of the value of a variable."""
+        """Return all uses of the value of a variable."""
         scopes = self._symbols.scopes if home is None else tuple(home.walk())
         users = [other for other in scopes if other is home or other.home(name) is home]
         return [read for user in users for read in user.reads.get(name, ())]
 
     def _is_never_changed(self, binding: Binding, home: Scope | None, levels: int) -> bool:
-        """Whether nothing can change the list in a variable, or a list in it, or get hold of one."""
+        """Return whether nothing can change the list in a variable, or a list in it, or get hold of one."""
         if binding not in self._unchanged:
             self._unchanged[binding] = False
             reads = self._reads(binding.name, home)
@@ -261,7 +261,7 @@ class Constants:
         return self._unchanged[binding]
 
     def _leaves_unchanged(self, read: ast.expr, levels: int) -> bool:
-        """Whether a use changes nothing.
+        """Return whether a use changes nothing.
 
         Args:
             read: the use, of a variable or of an element.
@@ -295,7 +295,7 @@ class Constants:
         return is_harmless and symbols.scope_of(function).resolve(name) is Resolution.BUILTIN
 
     def _is_alias_unchanged(self, statement: ast.Assign, levels: int) -> bool:
-        """Whether nothing changes a list under the other name that an assignment gives it."""
+        """Return whether nothing changes a list under the other name that an assignment gives it."""
         target = statement.targets[0]
         if len(statement.targets) != 1 or not isinstance(target, ast.Name):
             return False
@@ -306,7 +306,7 @@ class Constants:
 
 
 def _computed(compute: Callable[..., Any], *values: Any) -> Any:
-    """A result, `UNKNOWN` if an operand is or if it is no plain, short value."""
+    """Return a result, `UNKNOWN` if an operand is or if it is no plain, short value."""
     if not all(isinstance(value, _EXACT_KINDS) for value in values):
         return UNKNOWN
     try:
@@ -321,7 +321,7 @@ def _computed(compute: Callable[..., Any], *values: Any) -> Any:
 
 
 def _joined(op: ast.operator, left: Any, right: Any) -> Any:
-    """The sum of two lists, a list times a number."""
+    """Return the sum of two lists, a list times a number."""
     result: Any = UNKNOWN
     if isinstance(op, ast.Add) and type(left) is type(right):
         result = left + right
@@ -333,7 +333,7 @@ def _joined(op: ast.operator, left: Any, right: Any) -> Any:
 
 
 def _levels(value: Any) -> int:
-    """How deep lists lie in each other; 0 for no list."""
+    """Return how deep lists lie in each other; 0 for no list."""
     return 1 + max((_levels(item) for item in value), default=0) if isinstance(value, (list, tuple)) else 0
 
 

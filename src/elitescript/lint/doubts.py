@@ -21,14 +21,14 @@ class Doubted(NamedTuple):
 
 
 def element(node: ast.expr, index: int | None) -> ast.expr:
-    """The element of a list that is written out; else the whole expression."""
+    """Return the element of a list that is written out; else the whole expression."""
     if index is not None and isinstance(node, (ast.List, ast.Tuple)) and index < len(node.elts):
         return node.elts[index]
     return node
 
 
 def findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
-    """The findings of the rule for one code."""
+    """Yield the findings of the rule for one code."""
     for node, doubt in program.doubts:
         if doubt.code == code:
             yield Finding(node, doubt.text, doubt.hint)

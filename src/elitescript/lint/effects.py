@@ -30,7 +30,7 @@ _PURE_BUILTINS: Final = frozenset(
 
 
 def only_gives_a_value(command: Command) -> bool:
-    """Whether a command changes nothing, so that a call of it is made for its result alone."""
+    """Return whether a command changes nothing, so that a call of it is made for its result alone."""
     if command.waits or command.name in _CHANGING:
         return False
     module = command.function.__module__.rpartition(".")[2]
@@ -38,7 +38,7 @@ def only_gives_a_value(command: Command) -> bool:
 
 
 def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
-    """Whether a call only gives a value, whatever its arguments do: a reading command, `math.sin`, `len`."""
+    """Return whether a call only gives a value, whatever its arguments do: a reading command, `math.sin`, `len`."""
     function = call.func
     if isinstance(function, ast.Attribute):
         base = function.value
@@ -54,7 +54,7 @@ def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
 
 
 def has_effect(root: ast.expr, program: AnalysedProgram) -> bool:
-    """Whether evaluating an expression may do anything besides giving its value."""
+    """Return whether evaluating an expression may do anything besides giving its value."""
     stack: list[ast.AST] = [root]
     while stack:
         node = stack.pop()
@@ -68,7 +68,7 @@ def has_effect(root: ast.expr, program: AnalysedProgram) -> bool:
 
 
 def is_tried(node: ast.AST, program: AnalysedProgram) -> bool:
-    """Whether a `try` in the same function catches what a node raises, so that the program may only ask."""
+    """Return whether a `try` in the same function catches what a node raises, so that the program may only ask."""
     child = node
     for above in program.symbols.ancestors(node):
         if isinstance(above, (ast.FunctionDef, ast.Lambda)):

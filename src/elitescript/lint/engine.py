@@ -51,7 +51,7 @@ def check_source(
     presets: Collection[str] = (),
     arm: ArmFacts | None = None,
 ) -> tuple[Diagnostic, ...]:
-    """All problems of a text, in its order: what keeps it from starting, and what the rules find.
+    """Return all problems of a text, in its order: what keeps it from starting, and what the rules find.
 
     Never raises, whatever the text.
 
@@ -126,7 +126,7 @@ def _located(finding: Finding, rule: Rule, program: AnalysedProgram) -> Diagnost
 
 
 def _merged(problems: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """One problem where several say the same: in one place the most specific, of each code the first."""
+    """Return one problem where several say the same: in one place the most specific, of each code the first."""
     places: dict[tuple[int, int], dict[str, Diagnostic]] = {}
     refused_lines = set()
     for problem in problems:

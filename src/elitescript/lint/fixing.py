@@ -63,7 +63,7 @@ def _errors(problems: tuple[Diagnostic, ...]) -> int:
 
 
 def _apart(problems: list[Diagnostic]) -> list[Diagnostic]:
-    """Those whose fixes do not touch the same text; the others wait for the next pass."""
+    """Return those whose fixes do not touch the same text; the others wait for the next pass."""
     taken: list[Edit] = []
     chosen = []
     for problem in problems:

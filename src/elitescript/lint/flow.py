@@ -23,7 +23,7 @@ class Flow:
         self._returns: dict[Scope, bool] = {}
 
     def reaches_end(self, block: list[ast.stmt], depth: int = 0) -> bool:
-        """Whether what stands behind a block may be run after it; True where that is uncertain."""
+        """Return whether what stands behind a block may be run after it; True where that is uncertain."""
         return depth > _DEEPEST or all(self._passes(statement, depth + 1) for statement in block)
 
     def _passes(self, node: ast.stmt, depth: int) -> bool:
@@ -57,7 +57,7 @@ class Flow:
         return any(self.reaches_end(handler.body, depth) for handler in node.handlers)
 
     def _never_returns(self, call: ast.Call) -> bool:
-        """Whether a call ends the program: `halt()`, or a function that always comes to it."""
+        """Return whether a call ends the program: `halt()`, or a function that always comes to it."""
         if not isinstance(call.func, ast.Name):
             return False
         name = call.func.id
@@ -80,7 +80,7 @@ class Flow:
 
 
 def own_nodes(function: ast.FunctionDef, kind: type[ast.AST]) -> list[ast.AST]:
-    """The nodes of one kind in a function itself, not in those inside it; in no particular order."""
+    """Return the nodes of one kind in a function itself, not in those inside it; in no particular order."""
     found = []
     stack: list[ast.AST] = list(function.body)
     while stack:
@@ -93,7 +93,7 @@ def own_nodes(function: ast.FunctionDef, kind: type[ast.AST]) -> list[ast.AST]:
 
 
 def _has_break(body: list[ast.stmt]) -> bool:
-    """Whether a loop may be left by a `break` of its own."""
+    """Return whether a loop may be left by a `break` of its own."""
     stack: list[ast.AST] = list(body)
     while stack:
         node = stack.pop()
@@ -107,5 +107,5 @@ def _has_break(body: list[ast.stmt]) -> bool:
 
 
 def _takes_all(case: ast.match_case) -> bool:
-    """Whether a case of a `match` takes every value."""
+    """Return whether a case of a `match` takes every value."""
     return case.guard is None and isinstance(case.pattern, ast.MatchAs) and case.pattern.pattern is None

@@ -71,7 +71,7 @@ class Kinds:
         return self._known[binding]
 
     def _is_replaced(self, name: str, home: Scope | None) -> bool:
-        """Whether the elements of a list may have become those of another one."""
+        """Return whether the elements of a list may have become those of another one."""
         stored = set()
         for scope in self._symbols.scopes:
             if home is None or scope.home(name) is home:

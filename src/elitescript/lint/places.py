@@ -21,7 +21,7 @@ _LOOKS: Final = 16
 
 
 def six(value: object) -> Six | None:
-    """Six certain numbers; None for anything else."""
+    """Return six certain numbers; None for anything else."""
     if not isinstance(value, (list, tuple)) or len(value) != 6:
         return None
     if not all(isinstance(number, (int, float)) for number in value):
@@ -37,7 +37,7 @@ class TargetPlaces:
         self._program = program
 
     def argument(self, place: int, *names: str) -> Six | None:
-        """The six numbers that the call of that index gives to the first of these parameters that it has."""
+        """Return the six numbers that the call of that index gives to the first of these parameters that it has."""
         called = self._program.command_calls[place]
         for param, node in self._program.arguments[place].given:
             if param.name in names:
@@ -68,7 +68,7 @@ class TargetPlaces:
         return [use.node for use in self._program.outside if not use.is_call]
 
     def unreachable(self, arm: ArmFacts, p: Six) -> str:
-        """Why no TCP of the program comes to a pose; empty if one does, or if that is not certain."""
+        """Return why no TCP of the program comes to a pose; empty if one does, or if that is not certain."""
         from elitescript.kinematics.inverse import nearest, reason_unreachable, solutions
         from elitescript.kinematics.transforms import compose, inverse, transform_from_pose
 
@@ -86,7 +86,7 @@ class TargetPlaces:
         return reason
 
     def position(self, called: CommandCall, place: int) -> Six | None:
-        """Pose of the TCP at the end of a move; None if it is not certain."""
+        """Return the pose of the TCP at the end of a move; None if it is not certain."""
         name = called.command.alias_of or called.command.name
         if name == "movej":
             q = self.argument(place, "q")
@@ -102,7 +102,7 @@ class TargetPlaces:
         return pose_from_transform(arm.arm.forward_tcp(q, transform_from_pose(self.tcps[0])))
 
     def farthest_m(self, q_from: Six, q_to: Six) -> float | None:
-        """Greatest distance from the end of a joint move, m, that the TCP has in its second half."""
+        """Return the greatest distance from the end of a joint move, m, that the TCP has in its second half."""
         end = self._forward(q_to)
         if end is None:
             return None

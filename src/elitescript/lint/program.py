@@ -84,22 +84,22 @@ class AnalysedProgram:
     # The tree
 
     def nodes(self, kind: type[_Node]) -> list[_Node]:
-        """All nodes of one kind, in no particular order."""
+        """Return all nodes of one kind, in no particular order."""
         return self._census.of(kind)
 
     def span(self, node: ast.AST) -> Span:
-        """Where a node stands."""
+        """Return where a node stands."""
         return Span(*self.symbols.range_of(node))
 
     def header_span(self, node: ast.AST) -> Span:
-        """The first line of a node."""
+        """Return the first line of a node."""
         line, column = self.symbols.place(node)
         span = self.span(node)
         end = span.end_column if span.end_line == line else len(self.source.line(line).rstrip()) + 1
         return Span(line, column, line, end)
 
     def name_span(self, node: ast.AST, name: str) -> Span:
-        """Where the name stands that a node binds: for a definition, behind its keyword."""
+        """Return where the name stands that a node binds: for a definition, behind its keyword."""
         line, column, _, _ = self.symbols.range_of(node)
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.alias, ast.ExceptHandler)):
             row = self.source.line(line)
@@ -165,12 +165,12 @@ class AnalysedProgram:
         )
 
     def command(self, name: str, scope: Scope) -> Command | None:
-        """The command that `name` means in `scope`; None if the program gives it another meaning."""
+        """Return the command that `name` means in `scope`; None if the program gives it another meaning."""
         found = CATALOGUE.get(name)
         return found if found is not None and scope.resolve(name) is Resolution.BUILTIN else None
 
     def imported(self, name: str, scope: Scope) -> str:
-        """What an `import` lets `name` mean in `scope`, as `time` or `time.sleep`; empty if it may be anything else."""
+        """Return what an `import` lets `name` mean in `scope`, such as `time.sleep`; empty if that is uncertain."""
         home = scope.home(name)
         bindings = home.bindings[name] if home else self.symbols.global_bindings(name)
         origins = set()
@@ -185,11 +185,11 @@ class AnalysedProgram:
         return origins.pop() if len(origins) == 1 else ""
 
     def is_available(self, command: Command) -> bool:
-        """Whether the firmware has a command."""
+        """Return whether the firmware has a command."""
         return release_of(command.since) <= self.profile.release
 
     def expects_missing_names(self, node: ast.AST) -> bool:
-        """Whether a `try` around a node catches `NameError`: then the program asks what there is."""
+        """Return whether a `try` around a node catches `NameError`: then the program asks what there is."""
         child = node
         for above in self.symbols.ancestors(node):
             if isinstance(above, (ast.FunctionDef, ast.Lambda)):
@@ -202,7 +202,7 @@ class AnalysedProgram:
         return False
 
     def is_tried(self, node: ast.AST) -> bool:
-        """Whether a `try` of the same function is around a node: then the program expects a refusal there."""
+        """Return whether a `try` of the same function is around a node: then the program expects a refusal there."""
         child = node
         for above in self.symbols.ancestors(node):
             if isinstance(above, (ast.FunctionDef, ast.Lambda)):

@@ -46,7 +46,7 @@ class ArgumentRefusal(NamedTuple):
 
 
 def refuse(param: Param, value: Any) -> ScriptError | None:
-    """The error with which a parameter meets a value; None if it takes it, or if that is not certain."""
+    """Return the error with which a parameter meets a value; None if it takes it, or if that is not certain."""
     if isinstance(value, Unknown):
         return None
     quantity = param.quantity
@@ -93,7 +93,7 @@ _SCALARS: Final = (Number, Integer, Choice, Boolean, Text, Octets)
 
 
 def _filled(quantity: Quantity, items: list[Any] | tuple[Any, ...]) -> list[Any] | None:
-    """A list with stand-ins for what is unknown; None if nothing is certain about it."""
+    """Return a list with stand-ins for what is unknown; None if nothing is certain about it."""
     if isinstance(quantity, Optionally):
         return _filled(quantity.inner, items)
     if isinstance(quantity, Either):
@@ -118,7 +118,7 @@ def _filled(quantity: Quantity, items: list[Any] | tuple[Any, ...]) -> list[Any]
 
 
 def _stand_in(quantity: Quantity, unknown: Unknown) -> Any:
-    """A value that fits a quantity and is shown as the text that stands there; None if there is none."""
+    """Return a value that fits a quantity and is shown as the text that stands there; None if there is none."""
     candidates: tuple[Any, ...]
     if type(quantity) is Number:
         low, high = quantity.low or 0.0, quantity.high or 0.0

@@ -92,7 +92,7 @@ def rule(
 
 @cache
 def all_rules() -> tuple[Rule, ...]:
-    """Every rule, by code."""
+    """Return every rule, by code."""
     from pkgutil import iter_modules
 
     from elitescript.lint import rules

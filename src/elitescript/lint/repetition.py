@@ -61,7 +61,7 @@ class Analyst:
         self._own_methods = {name for scope in self._symbols.scopes if scope.kind == "class" for name in scope.bindings}
 
     def is_busy(self, loop: ast.While) -> bool:
-        """Whether a loop never waits, and nothing that it does itself can end it."""
+        """Return whether a loop never waits, and nothing that it does itself can end it."""
         work = Work()
         if isinstance(loop.test, ast.Constant):
             if not loop.test.value:
@@ -75,7 +75,7 @@ class Analyst:
         return all(guards and all(self._comes_from_outside(test, work) for test in guards) for guards in work.exits)
 
     def _is_guarded(self, loop: ast.While) -> bool:
-        """Whether an exception can be the way out."""
+        """Return whether an exception can be the way out."""
         child: ast.AST = loop
         for above in self._symbols.ancestors(loop):
             if isinstance(above, ast.FunctionDef):
@@ -210,7 +210,7 @@ class Analyst:
             work.read |= inner.read
 
     def _work_of(self, scope: Scope) -> Work:
-        """What a function of the program does; one that is being looked at already adds nothing."""
+        """Return what a function of the program does; one that is being looked at already adds nothing."""
         if scope not in self._functions:
             work = self._functions[scope] = Work()
             node = scope.node
@@ -228,7 +228,7 @@ class Analyst:
     # Conditions
 
     def _comes_from_outside(self, test: ast.expr, work: Work) -> bool:
-        """Whether nothing that the loop does can change a condition; an input or another thread may."""
+        """Return whether nothing that the loop does can change a condition; an input or another thread may."""
         condition = Work()
         self._expression(test, condition)
         if condition.is_uncertain or condition.changed:
@@ -237,7 +237,7 @@ class Analyst:
 
 
 def _executed(root: ast.expr) -> Iterator[ast.AST]:
-    """The nodes of an expression that are evaluated with it: not those inside a lambda."""
+    """Yield the nodes of an expression that are evaluated with it: not those inside a lambda."""
     stack: list[ast.AST] = [root]
     while stack:
         node = stack.pop()

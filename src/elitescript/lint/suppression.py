@@ -17,7 +17,7 @@ _MARK = "check:"
 
 
 def without_suppressed(problems: Iterable[Diagnostic], source: SourceFile) -> list[Diagnostic]:
-    """The problems that no comment hides."""
+    """Return the problems that no comment hides."""
     found = list(problems)
     if _MARK not in source.text:
         return found

@@ -28,7 +28,7 @@ class PortImage:
         self._blocks: dict[int, Words] = {}
 
     def registers(self, first: int, count: int) -> list[int]:
-        """Registers from an address on, 0 to 65535 each.
+        """Return registers from an address on, 0 to 65535 each.
 
         Raises:
             ArgumentRangeError: there are none.
@@ -46,7 +46,7 @@ class PortImage:
         return values
 
     def coils(self, first: int, count: int) -> list[bool]:
-        """Coils from an address on.
+        """Return coils from an address on.
 
         Raises:
             ArgumentRangeError: there are none.
@@ -64,7 +64,7 @@ class PortImage:
 
 
 def register_writes(first: int, values: Sequence[int]) -> list[MachineRequest]:
-    """What writing registers asks of the machine.
+    """Return what writing registers asks of the machine.
 
     Args:
         first: address of the first one.
@@ -92,7 +92,7 @@ def register_writes(first: int, values: Sequence[int]) -> list[MachineRequest]:
 
 
 def coil_writes(first: int, values: Sequence[bool]) -> list[MachineRequest]:
-    """What writing coils asks of the machine.
+    """Return what writing coils asks of the machine.
 
     Raises:
         ArgumentRangeError: no such coils.

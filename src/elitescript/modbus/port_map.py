@@ -109,7 +109,7 @@ class CoilRow(NamedTuple):
 
 
 def _short(value: float) -> int:
-    """The nearest signed 16-bit number, as a register holds it."""
+    """Return the nearest signed 16-bit number, as a register holds it."""
     return max(-_SHORT_MAX - 1, min(_SHORT_MAX, round(value))) & WORD_MAX
 
 
@@ -192,7 +192,7 @@ def _set_general(index: int, value: int) -> Iterator[MachineRequest]:
 
 
 def _six(values: Callable[[PortSource], Six], *scales: float) -> Callable[[View], Words]:
-    """Six signed values; the scales are those of the first and the last three, or one for all."""
+    """Return six signed values; the scales are those of the first and the last three, or one for all."""
     factors = (scales[0],) * 3 + (scales[-1],) * 3
     return lambda view: [_short(value * factor) for value, factor in zip(values(view.picture), factors, strict=True)]
 

@@ -34,7 +34,7 @@ _AROUND: Final = 5
 
 
 def gap_s(character_s: float) -> float:
-    """How long a line must be silent before a request.
+    """Return how long a line must be silent before a request.
 
     Args:
         character_s: time of one character.
@@ -71,11 +71,11 @@ class RtuExchange:
             self._length = _WRITTEN_LENGTH
 
     def echo_end(self, data: bytes | bytearray) -> int:
-        """Where an echo of the request ends; 0 if there is none."""
+        """Return where an echo of the request ends; 0 if there is none."""
         return data.find(self.frame) + len(self.frame) if self.frame in data else 0
 
     def answer(self, data: bytes | bytearray) -> tuple[int, ...] | None:
-        """What the slave says, if its answer is complete: the values that were read, nothing if it has written.
+        """Return what the slave says, if its answer is complete: the values that were read, nothing if it has written.
 
         Raises:
             DeviceError: the slave refuses.
@@ -93,18 +93,18 @@ class RtuExchange:
         return None
 
     def has_begun(self, data: bytes | bytearray) -> bool:
-        """Whether something in the data looks like the begin of an answer that is not complete, or not sound."""
+        """Return whether something in the data looks like the begin of an answer that is not complete, or not sound."""
         return any(not _is_frame(data, begin) for begin in self._begins(data))
 
     def _begins(self, data: bytes | bytearray) -> list[int]:
-        """Where the slave's number and the function stand one after the other."""
+        """Return where the slave's number and the function stand one after the other."""
         function = self._request[0]
         heads = (bytes((self._slave, function)), bytes((self._slave, function | EXCEPTION_BIT)))
         return sorted(begin for head in heads for begin in _finds(data, head))
 
 
 def _is_frame(data: bytes | bytearray, begin: int) -> bool:
-    """Whether a whole answer begins there, of whatever length: to an earlier request, for instance."""
+    """Return whether a whole answer begins there, of whatever length: to an earlier request, for instance."""
     length = answer_length(data[begin : begin + 3])
     return length is not None and _is_sound(data[begin : begin + length], length)
 

@@ -45,14 +45,14 @@ class Tables(Protocol):
     """Coils and registers by address. Addresses and counts stay within those of MODBUS; `ExceptionResponse` refuses."""
 
     def read_bits(self, table: int, address: int, count: int) -> Sequence[int]:
-        """Levels of `READ_COILS` or `READ_DISCRETE_INPUTS`, 0 or 1 each.
+        """Return levels of `READ_COILS` or `READ_DISCRETE_INPUTS`, 0 or 1 each.
 
         Raises:
             DeviceError: with the exception code to answer.
         """
 
     def read_registers(self, table: int, address: int, count: int) -> Sequence[int]:
-        """Values of `READ_HOLDING_REGISTERS` or `READ_INPUT_REGISTERS`, 0 to 65535 each.
+        """Return values of `READ_HOLDING_REGISTERS` or `READ_INPUT_REGISTERS`, 0 to 65535 each.
 
         Raises:
             DeviceError: with the exception code to answer.
@@ -157,7 +157,7 @@ class Slave:
         self.functions = functions
 
     def answer(self, pdu: bytes) -> bytes:
-        """The answer to a request; whatever is wrong with it is answered with an exception code."""
+        """Return the answer to a request; whatever is wrong with it is answered with an exception code."""
         function = pdu[0] & 0x7F if pdu else 0
         if self.functions is not None and function not in self.functions:
             return exception(function, 1)
@@ -206,7 +206,7 @@ class TcpSlave:
         return self._splitter.is_lost
 
     def take(self, data: bytes) -> bytes:
-        """Bytes of the peer; what to send back, all answers in one."""
+        """Take bytes of the peer; return all answers in one piece."""
         slaves = self._slaves
         answers: list[bytes] = []
         for transaction, unit, pdu in self._splitter.feed(data):
@@ -230,11 +230,11 @@ class RtuSlave:
         self._splitter = RtuSplitter(is_slave=True)
 
     def take(self, data: bytes) -> bytes:
-        """Bytes of the line; what to send back."""
+        """Take bytes of the line; return the answers."""
         return self._answers(self._splitter.feed(data))
 
     def silence(self) -> bytes:
-        """The line was silent for the time that ends a frame; what to send back."""
+        """End the frame, since the line was silent long enough; return the answers."""
         return self._answers(self._splitter.silence())
 
     def _answers(self, frames: list[RtuFrame]) -> bytes:

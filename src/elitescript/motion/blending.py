@@ -128,7 +128,7 @@ def entering_profile(limits: MotionLimits, plan: Plan, start: float, v_start: fl
 
 
 def _keeps_joints(path: JointPath, limits: MotionLimits, profile: TimeLaw) -> bool:
-    """Whether the joints keep their limits, looked at in places."""
+    """Return whether the joints keep their limits, looked at in places."""
     if isinstance(path, JointLine):
         # Its law holds for every joint.
         return True
@@ -273,7 +273,7 @@ class _Blend:
         return track
 
     def _keeps_tool(self, corner: Corner) -> bool:
-        """Whether the tool keeps the sphere and its acceleration on the way past or onto an arc."""
+        """Return whether the tool keeps the sphere and its acceleration on the way past or onto an arc."""
         step_s = corner.length / ARC_LOOKS
         waypoint = position_of(self.first.segment.path.T_base_tcp_end)
         most = self._tool_acceleration * step_s

@@ -52,7 +52,7 @@ class JointPath(Protocol):
         """Return the joint angles and their derivatives by the path position."""
 
     def tool_rates(self, s: float) -> tuple[float, float]:
-        """Return way (m) and rotation (rad) of the tool per unit of path position."""
+        """Return the way (m) and rotation (rad) of the tool per unit of path position."""
 
 
 class Segment:

@@ -26,7 +26,7 @@ _Entry = tuple[int, ChannelActivity]
 
 
 def channel_lanes(events: Sequence[Event]) -> dict[str, Any]:
-    """Lanes of the channels.
+    """Return lanes of the channels.
 
     A lane with too many entries keeps, for each of many short stretches of time and for each thing that a channel
     does, the first entry and how many it stands for.

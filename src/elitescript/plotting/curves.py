@@ -81,12 +81,12 @@ def tcp_speeds(rows: Sequence[TraceRow]) -> list[float]:
 
 
 def speed_curve(rows: Sequence[TraceRow], speeds: Sequence[float], speed_max: float) -> dict[str, Any]:
-    """The curve of the TCP speed with its limit, m/s."""
+    """Return the curve of the TCP speed with its limit, m/s."""
     return _limited([row.t for row in rows], speeds, 0.0, speed_max)
 
 
 def tcp_path(rows: Sequence[TraceRow], speeds: Sequence[float]) -> dict[str, Any]:
-    """The TCP path: times, positions and speeds of its corners, and where the TCP was replaced by another."""
+    """Return the TCP path: times, positions and speeds of its corners, and where the TCP was replaced by another."""
     times = [row.t for row in rows]
     columns = [[row.tcp_pose[axis] for row in rows] for axis in range(3)]
     jumps = [

@@ -14,7 +14,7 @@ from math import inf
 
 
 def decimated(times: Sequence[float], values: Sequence[float], *, tolerance: float, points_max: int) -> list[int]:
-    """Indices of the samples that draw the curve, ascending.
+    """Return indices of the samples that draw the curve, ascending.
 
     Args:
         times: strictly increasing.
@@ -33,7 +33,7 @@ def decimated(times: Sequence[float], values: Sequence[float], *, tolerance: flo
 def within_tolerance(
     times: Sequence[float], values: Sequence[float], tolerance: float, enough: int | None = None
 ) -> list[int]:
-    """Indices of samples between which straight lines pass every other sample within a tolerance.
+    """Return indices of samples between which straight lines pass every other sample within a tolerance.
 
     With `enough` the rest of the curve is not looked at any more once there are more indices than that, so that a
     tolerance that is too small for a long curve is found out early.
@@ -53,7 +53,7 @@ def within_tolerance(
 
 
 def extremes(times: Sequence[float], values: Sequence[float], points_max: int) -> list[int]:
-    """Indices of the lowest and the highest sample of each of many stretches of equal time, and of both ends."""
+    """Return indices of the lowest and the highest sample of each of many stretches of equal time, and of both ends."""
     count = len(values)
     if count <= points_max:
         return list(range(count))

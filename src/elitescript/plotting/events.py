@@ -42,7 +42,7 @@ def moves(events: Sequence[Event], end_s: float) -> list[list[Any]]:
 
 
 def marks(events: Sequence[Event]) -> tuple[list[dict[str, Any]], int]:
-    """Messages, warnings and alarms with time, line, text and hints; and how many more there were.
+    """Return messages, warnings and alarms with time, line, text and hints; and how many more there were.
 
     Alarms are all kept, and of the rest the first.
     """

@@ -56,7 +56,7 @@ class ThreadLines:
                 entries.append((time_s, line))
 
     def stretches(self, end_s: float) -> dict[str, list[LineStretch]]:
-        """The stretches of each thread up to a time; they follow each other without gaps."""
+        """Return the stretches of each thread up to a time; they follow each other without gaps."""
         return {
             name: [
                 LineStretch(start_s, later_s, line)
@@ -68,7 +68,7 @@ class ThreadLines:
 
 
 def stretches(rows: Sequence[TraceRow]) -> list[LineStretch]:
-    """The stretches of a trace; they follow each other without gaps. A row lasts until the next one."""
+    """Return the stretches of a trace; they follow each other without gaps. A row lasts until the next one."""
     found: list[LineStretch] = []
     start_s, line = rows[0].t, rows[0].line
     for row in rows[1:]:
@@ -81,7 +81,7 @@ def stretches(rows: Sequence[TraceRow]) -> list[LineStretch]:
 
 
 def line_times(rows: Sequence[TraceRow]) -> list[LineTime]:
-    """Time by line, the longest first; the sum over all lines is the duration of the trace."""
+    """Return the time by line, the longest first; the sum over all lines is the duration of the trace."""
     moving: dict[int, float] = {}
     standing: dict[int, float] = {}
     visits: dict[int, int] = {}
@@ -124,7 +124,7 @@ def merged(found: Sequence[LineStretch], stretches_max: int) -> list[LineStretch
 
 
 def _is_moving(rows: Sequence[TraceRow], index: int) -> bool:
-    """Whether the arm moves between a row and the next.
+    """Return whether the arm moves between a row and the next.
 
     A row shows the state at the end of its tick. So where rows are one tick apart, the change since the row before is
     the motion of this one; where they are further apart, most of it lies in the change to the next.

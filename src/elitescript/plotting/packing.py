@@ -16,22 +16,22 @@ _HIDDEN: Final = re.compile("[\\x00-\\x08\\x0b\\x0c\\x0e-\\x1f\\x7f-\\x9f\\u200e
 
 
 def milliseconds(times: Sequence[float]) -> list[int]:
-    """Times as whole milliseconds, each as the difference to the one before."""
+    """Return times as whole milliseconds, each as the difference to the one before."""
     return deltas([round(1000.0 * time) for time in times])
 
 
 def deltas(values: Sequence[int]) -> list[int]:
-    """The first value, then the difference of each to the one before."""
+    """Return the first value, then the difference of each to the one before."""
     return [values[0], *(later - value for value, later in pairwise(values))] if values else []
 
 
 def undo_deltas(values: Sequence[int]) -> list[int]:
-    """What was packed with `deltas`, as the page unpacks it."""
+    """Return what was packed with `deltas`, as the page unpacks it."""
     return list(accumulate(values))
 
 
 def shown_text(text: str, longest: int = TEXT_MAX) -> str:
-    """The text cut after so many characters, with its hidden characters as escapes such as `\\u202e`."""
+    """Return the text cut after so many characters, with its hidden characters as escapes such as `\\u202e`."""
     short = text if len(text) <= longest else text[: longest - 1] + "…"
     return _HIDDEN.sub(_escape, short)
 

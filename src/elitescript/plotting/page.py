@@ -62,7 +62,7 @@ class Recording:
 
 
 def page(recording: Recording) -> str:
-    """The text of the HTML file."""
+    """Return the text of the HTML file."""
     data = json.dumps(page_data(recording), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     parts = {
         "title": html.escape(shown_text(recording.title)),
@@ -77,7 +77,7 @@ def page(recording: Recording) -> str:
 
 
 def page_data(recording: Recording) -> dict[str, Any]:
-    """What the page's code draws, as JSON has it; SI units."""
+    """Return what the page's code draws, as JSON has it; SI units."""
     rows, model = recording.rows, recording.model
     start_s, end_s = rows[0].t, rows[-1].t
     speeds = tcp_speeds(rows)
@@ -131,7 +131,7 @@ def page_data(recording: Recording) -> dict[str, Any]:
 
 
 def _source_lines(source: SourceFile, named: set[int]) -> dict[int, str]:
-    """The text of the program by line: the whole of it, of a very long one its begin and the lines that are named."""
+    """Return the text of the program by line; of a very long one its begin and the lines that are named."""
     lines: dict[int, str] = {}
     size = 0
     for number, text in enumerate(_lines(source), 1):

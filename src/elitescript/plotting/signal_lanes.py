@@ -47,7 +47,7 @@ class _Steps:
 
 
 def signal_lanes(events: Sequence[Event], start_s: float) -> dict[str, Any]:
-    """Lanes of the signals that the events say have changed.
+    """Return lanes of the signals that the events say have changed.
 
     Args:
         events: of a run, in order.
@@ -79,7 +79,7 @@ def signal_lanes(events: Sequence[Event], start_s: float) -> dict[str, Any]:
 
 
 def signal_lanes_of_rows(rows: Sequence[TraceRow]) -> dict[str, Any]:
-    """Lanes of the signals in the columns of a trace: all of a few columns, of many those that changed.
+    """Return lanes of the signals in the columns of a trace: all of a few columns, of many those that changed.
 
     Returns:
         As `signal_lanes`; a trace does not say what caused a change.

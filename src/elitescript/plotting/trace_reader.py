@@ -21,7 +21,7 @@ _NUMBERS: Final = tuple(name for name in TRACE_COLUMNS if name not in ("line", "
 
 
 def read_trace(path: Path) -> list[TraceRow]:
-    """The rows of a trace file, in the order of time.
+    """Return the rows of a trace file, in the order of time.
 
     The order of the columns is free. Measured joint positions are read where a row has all six, and signals where a
     column has the name of one; other columns are ignored.
@@ -109,7 +109,7 @@ def _row(place: str, record: Mapping[str, Any]) -> TraceRow:
 
 
 def _kind_of_signal(column: str) -> str:
-    """Kind of the signal of that name; empty if the column is no signal."""
+    """Return the kind of the signal of that name; empty if the column is no signal."""
     if column in TRACE_COLUMNS or column in ACTUAL_COLUMNS:
         return ""
     try:

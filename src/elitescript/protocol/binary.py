@@ -124,7 +124,7 @@ class FieldList:
         return tuple(values)
 
     def offsets(self) -> tuple[int, ...]:
-        """Where each field begins, in bytes from the first."""
+        """Return where each field begins, in bytes from the first."""
         begins: list[int] = []
         at = 0
         for field in self.fields:
@@ -156,7 +156,7 @@ _POWERS: Final = tuple(1 << bit for bit in range(64))
 
 
 def packed_bits(levels: Sequence[Number]) -> int:
-    """The word whose bit i is `levels[i]`; 64 bits at most."""
+    """Return the word whose bit i is `levels[i]`; 64 bits at most."""
     if len(levels) > len(_POWERS):
         raise ValueError(f"a word has {len(_POWERS)} bits, not {len(levels)}")
     return sum(compress(_POWERS, levels))

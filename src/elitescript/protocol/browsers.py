@@ -60,7 +60,7 @@ class FirstBytes:
         return self.found
 
     def _request(self) -> str:
-        """What the line says if it is that of a request; notes whether it can still become one."""
+        """Return what the line says if it is that of a request; notes whether it can still become one."""
         if (self._head[:1] < b" " or self._head[2:3] == b"\x00") and len(self._head) < _BINARY_MAX:
             return ""
         # What servers overlook before a request does not count: blank lines, blanks, a byte order mark.
@@ -107,7 +107,7 @@ class FirstBytes:
 
 
 def is_web_request(line: bytes) -> bool:
-    """Whether a whole line is what a browser sends first."""
+    """Return whether a whole line is what a browser sends first."""
     return bool(FirstBytes().feed(line))
 
 

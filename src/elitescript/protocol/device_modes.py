@@ -48,19 +48,19 @@ _BROKEN: Final = {SafetyMode.VIOLATION: DeviceMode.VIOLATION, SafetyMode.FAULT: 
 
 
 def is_powered(mode: RobotMode) -> bool:
-    """Whether the arm has power in this mode."""
+    """Return whether the arm has power in this mode."""
     return mode in POWERED
 
 
 def joint_mode(robot: RobotState) -> DeviceMode:
-    """Mode of every joint; the six of them always agree."""
+    """Return the mode of every joint; the six of them always agree."""
     if robot.robot_mode in POWERED and robot.safety_mode in _BROKEN:
         return _BROKEN[robot.safety_mode]
     return _JOINT[robot.robot_mode]
 
 
 def tool_mode(robot: RobotState) -> DeviceMode:
-    """Mode of the tool, which knows no brakes: with power it runs."""
+    """Return the mode of the tool, which knows no brakes: with power it runs."""
     mode = _JOINT[robot.robot_mode]
     if mode in (DeviceMode.IDLE, DeviceMode.BACK_DRIVE):
         return DeviceMode.RUNNING

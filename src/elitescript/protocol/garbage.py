@@ -16,7 +16,7 @@ _OTHER_PROTOCOLS: Final = ("HTTP/1.0", "HTTP/1.1")
 
 
 def is_garbage(line: str) -> bool:
-    """Whether a line outside programs cannot be script.
+    """Return whether a line outside programs cannot be script.
 
     It has a NUL, or bytes that are not UTF-8 besides control characters, or it begins with one of them. A line of text
     may be meant as script whatever it says, unless it is the beginning of a request or greeting of another protocol.
@@ -29,7 +29,7 @@ def is_garbage(line: str) -> bool:
 
 
 def is_statement(line: str) -> bool:
-    """Whether a line in the middle of garbage is meant as script all the same: text with a call or an assignment."""
+    """Return whether a line in the middle of garbage may be script: text with a call or an assignment."""
     if _DAMAGED in line or _NO_TEXT.intersection(line) or not ("(" in line or "=" in line):
         return False
     word, colon, _ = line.partition(": ")
@@ -54,7 +54,7 @@ class GarbageBurst:
         return not self._lines
 
     def takes(self, line: str) -> bool:
-        """Whether a line belongs to it: garbage, and in the middle of garbage also what makes no statement."""
+        """Return whether a line belongs to it: garbage, and in the middle of garbage also what makes no statement."""
         return is_garbage(line) or (not self.is_empty and not is_statement(line))
 
     def add(self, line: str, tick: int) -> None:
@@ -71,11 +71,11 @@ class GarbageBurst:
         return self._next_report_at if self._lines else None
 
     def is_due(self, tick: int) -> bool:
-        """Whether it lasts so long that it is to be told before its end."""
+        """Return whether it lasts so long that it is to be told before its end."""
         return bool(self._lines) and tick >= self._next_report_at
 
     def take(self, origin: str) -> str:
-        """What to say about it; it begins anew."""
+        """Return what to say about it; it begins anew."""
         lines = "1 line" if self._lines == 1 else f"{self._lines} lines"
         characters = "1 character" if self._size == 1 else f"{self._size} characters"
         text = (

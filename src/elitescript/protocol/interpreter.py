@@ -182,7 +182,7 @@ class InterpreterConnection(Connection):
         return inputs
 
     def _in_block(self, line: TextLine) -> list[Input]:
-        """One more line of a block; what it asks for once it is whole."""
+        """Return one more line of a block; what it asks for once it is whole."""
         self._block_size += len(line.text.encode()) + 1
         if line.problem:
             self._problem = self._problem or f"line {len(self._block) + 1}, column 1, {line.problem}"

@@ -118,13 +118,13 @@ class PacedLines:
 
 
 def shown(text: str) -> str:
-    """A peer's text as an answer may repeat it: short, and printable."""
+    """Return a peer's text as an answer may repeat it: short, and printable."""
     clean = "".join(char if char.isprintable() else "?" for char in text[:SHOWN])
     return clean if len(text) <= SHOWN else clean + "..."
 
 
 def one_line(text: str) -> str:
-    """Text without line breaks, for replies that are one line."""
+    """Return the text without line breaks, for replies that are one line."""
     return " ".join(text.splitlines()) if "\n" in text or "\r" in text else text
 
 

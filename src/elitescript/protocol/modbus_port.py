@@ -91,14 +91,14 @@ class ModbusPort:
         return max(REQUESTS_MIN, min(REQUESTS_PER_TICK, REQUESTS_OF_ALL // max(1, self.clients)))
 
     def image(self, output: Output) -> PortImage:
-        """Registers and coils of a tick."""
+        """Return registers and coils of a tick."""
         image = self._image
         if image is None or image.view.picture is not output.snapshot:
             image = self._image = PortImage(View(output.snapshot, self._version))
         return image
 
     def reply(self, output: Output, origin: str) -> str | None:
-        """What the robot answers in a tick to a request of an origin; None if nothing."""
+        """Return what the robot answers in a tick to a request of an origin; None if nothing."""
         if output is not self._output:
             self._output = output
             self._replies = {reply.origin: reply.text for reply in output.replies}
@@ -273,7 +273,7 @@ class ModbusConnection(Connection):
 
 
 def _change(request: ModbusRequest) -> MachineRequest:
-    """What a write asks of the machine.
+    """Return what a write asks of the machine.
 
     Raises:
         DeviceError: an address that is not there, or that nobody writes.

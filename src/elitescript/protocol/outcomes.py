@@ -21,12 +21,12 @@ class Outcome(NamedTuple):
 
 
 def done(detail: str = "") -> str:
-    """Text of a reply: it is done; the detail is a value that was asked for."""
+    """Return the text of a reply: it is done; the detail is a value that was asked for."""
     return f"{DONE}: {detail}" if detail else DONE
 
 
 def refused(reason: str) -> str:
-    """Text of a reply: it was not done, and why."""
+    """Return the text of a reply: it was not done, and why."""
     return f"{REFUSED}: {reason}"
 
 

@@ -118,7 +118,7 @@ class QueryConnection(Connection):
 
 
 def read_request(line: TextLine) -> tuple[str, str]:
-    """Id and statement of a request; -1 if the id cannot be read, no statement if there is none to evaluate."""
+    """Return the Id and statement of a request; -1 if the Id cannot be read, no statement if there is none."""
     word, _, rest = line.text.strip().partition(" ")
     rest = rest.lstrip()
     digits = next((index for index, char in enumerate(rest) if char not in "0123456789"), len(rest))

@@ -31,7 +31,7 @@ class Page(pytest.File):
     """One page."""
 
     def collect(self) -> Iterator[pytest.Item]:
-        """One test for each expectation of each case."""
+        """Yield one test for each expectation of each case."""
         for case in parse_page(self.path.read_text(encoding="utf-8")):
             for expectation in case.expectations:
                 name = f"{case.title} [{expectation.label}]" if expectation.label else case.title
@@ -57,7 +57,7 @@ class SpecItem(pytest.Item):
             raise SpecFailure(found)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """The differences and the program, instead of a traceback of the runner."""
+        """Return the differences and the program, instead of a traceback of the runner."""
         if not isinstance(excinfo.value, SpecFailure):
             return super().repr_failure(excinfo, style)
         rows = [f"{self.path}:{self.expectation.line}: {self.case.title}", ""]
@@ -67,7 +67,7 @@ class SpecItem(pytest.Item):
         return "\n".join([*rows, *excinfo.value.differences])
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        """Where the case stands."""
+        """Return where the case stands."""
         return self.path, self.expectation.line - 1, self.name
 
 

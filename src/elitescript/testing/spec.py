@@ -77,7 +77,7 @@ class Expectation:
         return " ".join(word if word == value else f"{word}={value}" for word, value in self.words.items())
 
     def values(self, key: str) -> list[str]:
-        """All values of one kind of fact."""
+        """Return all values of one kind of fact."""
         return [fact.value for fact in self.facts if fact.key == key]
 
 
@@ -131,7 +131,7 @@ class CaseOutcome:
 
 
 def parse_page(page: str) -> list[Case]:
-    """The cases of a page, in order.
+    """Return the cases of a page, in order.
 
     Raises:
         UsageError: a block, a word or a line that the form does not have; the text names the line.
@@ -187,7 +187,7 @@ def parse_page(page: str) -> list[Case]:
 
 
 def _blocks(page: str) -> Iterator[tuple[int, str, str, str]]:
-    """Headings and fenced blocks: line, kind, level marks or info, text."""
+    """Yield headings and fenced blocks: line, kind, level marks or info, text."""
     fence_line, info = 0, ""
     body: list[str] = []
     for number, line in enumerate(page.split("\n"), 1):
@@ -254,7 +254,7 @@ def _device(number: int, info: str) -> str:
 
 
 def differences(outcome: CaseOutcome, expectation: Expectation) -> list[str]:
-    """What the outcome lacks or has too much of; empty when the expectation holds."""
+    """Return what the outcome lacks or has too much of; empty when the expectation holds."""
     found = list(outcome.wrong_replies)
     for key in LISTS:
         wanted, had = expectation.values(key), outcome.lists[key]
@@ -278,7 +278,7 @@ def _has(expectation: Expectation, key: str) -> bool:
 
 
 def _matches(wanted: str, had: str) -> bool:
-    """Whether an observed fact is the wanted one; alarms are observed as `CODE CLASS line N`."""
+    """Return whether an observed fact is the wanted one; alarms are observed as `CODE CLASS line N`."""
     if wanted == had:
         return True
     words = had.split(" ")

@@ -58,7 +58,7 @@ class PageServer:
             raise ValueError(row)
 
     def accept(self, link: DeviceLink) -> Peer:
-        """A connection."""
+        """Return a connection."""
         return _PagePeer(link, self)
 
 
@@ -92,7 +92,7 @@ def _bytes(literal: str) -> bytes:
 
 
 def network(servers: Iterable[PageServer], ends: Iterable[int | str]) -> VirtualNetwork:
-    """A network with servers on ports, and devices on serial lines."""
+    """Return a network with servers on ports, and devices on serial lines."""
     found = VirtualNetwork()
     for end, server in zip(ends, servers, strict=True):
         if isinstance(end, int):
@@ -103,5 +103,5 @@ def network(servers: Iterable[PageServer], ends: Iterable[int | str]) -> Virtual
 
 
 def written(data: bytes | bytearray) -> str:
-    """Bytes as a page writes them."""
+    """Return bytes as a page writes them."""
     return repr(bytes(data))[2:-1]

@@ -162,17 +162,17 @@ def _count(number: int, noun: str) -> str:
 
 
 def _message(text: str) -> str:
-    """Data of a workflow command."""
+    """Return data of a workflow command."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 
 def _property(text: str) -> str:
-    """A property of a workflow command."""
+    """Return a property of a workflow command."""
     return _message(text).replace(":", "%3A").replace(",", "%2C")
 
 
 def _relative(name: str) -> str:
-    """A path as seen from the working directory, with slashes; unchanged if it is not below."""
+    """Return a path as seen from the working directory, with slashes; unchanged if it is not below."""
     try:
         return Path(name).absolute().relative_to(Path.cwd()).as_posix()
     except ValueError:

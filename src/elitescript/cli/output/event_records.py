@@ -13,7 +13,7 @@ Record = dict[str, Any]
 
 
 def record_of(event: Event) -> Record | None:
-    """The record of an event; None if `--json` does not have it."""
+    """Return the record of an event; None if `--json` does not have it."""
     make = RECORDS[type(event)]
     return None if make is None else make(event)
 

@@ -18,7 +18,7 @@ _CUT_OFF: Final = {"repr": "..."}
 
 
 def line(record: dict[str, Any]) -> str:
-    """One record as a line without its line feed."""
+    """Return one record as a line without its line feed."""
     value = plain(record)
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     if text.isascii() or _is_encodable(text):
@@ -27,7 +27,7 @@ def line(record: dict[str, Any]) -> str:
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON has it: NaN and infinities are strings, tuples are lists, other objects their repr."""
+    """Return a value as JSON has it: NaN and infinities are strings, tuples are lists, other objects their repr."""
     return _Plain().of(value)
 
 

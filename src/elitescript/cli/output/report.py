@@ -38,7 +38,7 @@ LOGS: Final = ("signals", "channels")
 
 
 def parse_logs(text: str | None) -> frozenset[str]:
-    """The names of `--log`, separated by commas; none if it is not given.
+    """Return the names of `--log`, separated by commas; none if it is not given.
 
     Raises:
         UsageError: a name that is none of `LOGS`.

@@ -56,7 +56,7 @@ class Palette:
         self.is_colored = is_colored
 
     def paint(self, role: str, text: str) -> str:
-        """The text in the colour of its role: `alarm`, `error`, `warning`, `finished`, `caret`, `hint`, `place`."""
+        """Colour a text by its role: `alarm`, `error`, `warning`, `finished`, `caret`, `hint`, `place`."""
         return f"\x1b[{_CODES[role]}m{text}\x1b[0m" if self.is_colored and text else text
 
 
@@ -64,12 +64,12 @@ PLAIN: Final = Palette(False)
 
 
 def palette_of(stream: object) -> Palette:
-    """What reports paint with on a stream; no colours unless `on_screen` has wrapped it."""
+    """Return what reports paint with on a stream; no colours unless `on_screen` has wrapped it."""
     return stream.palette if isinstance(stream, ScreenStream) else PLAIN
 
 
 def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -> str:
-    """A finding as people read it: severity, code, caret and hint in colours."""
+    """Return a finding as people read it: severity, code, caret and hint in colours."""
     text = str(problem) if source is None else render(problem, source)
     if not palette.is_colored:
         return text
@@ -183,7 +183,7 @@ def on_screen(color: str) -> Iterator[None]:
 
 
 def is_colored(color: str, stream: TextIO, environment: Mapping[str, str], system: str) -> bool:
-    """Whether texts on a stream have colours.
+    """Return whether texts on a stream have colours.
 
     Args:
         color: of `COLORS`.
@@ -197,7 +197,7 @@ def is_colored(color: str, stream: TextIO, environment: Mapping[str, str], syste
 
 
 def understands_escapes(environment: Mapping[str, str], system: str) -> bool:
-    """Whether the terminal is known to understand escape codes; an old Windows console would print them."""
+    """Return whether the terminal is known to understand escape codes; an old Windows console would print them."""
     terminal = environment.get("TERM", "")
     if terminal == "dumb":
         return False
@@ -256,7 +256,7 @@ _WINDOW_S: Final = 4.0
 
 
 def progress_on(stream: Writable, start_s: float = 0.0) -> Progress | None:
-    """What shows where a command is; None where the stream has no status line."""
+    """Return what shows where a command is; None where the stream has no status line."""
     status = stream.status if isinstance(stream, ScreenStream) else None
     return None if status is None else Progress(status, start_s)
 

@@ -15,7 +15,7 @@ CLOSE_TIMEOUT_S: Final = 2.0
 
 
 def told_to_people(count: int) -> str:
-    """The line in the place of texts that were left out."""
+    """Return the line in the place of texts that were left out."""
     return f"({count} texts are missing here: they came faster than they could be printed)\n"
 
 

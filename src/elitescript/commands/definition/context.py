@@ -64,29 +64,29 @@ class Machine(Protocol):
         """degC."""
 
     def joints(self) -> JointState:
-        """Target and actual joints of this tick."""
+        """Return the target and actual joints of this tick."""
 
     def joint_torques(self) -> Six:
-        """Torques of this tick without those that the arm needs to carry and to move itself, N m."""
+        """Return torques of this tick without those that the arm needs to carry and to move itself, N m."""
 
     def tcp_wrench(self, is_compensated: bool) -> Six:
-        """What the surroundings exert on the TCP in this tick, in its frame: N, N m.
+        """Return what the surroundings exert on the TCP in this tick, in its frame: N, N m.
 
         Args:
             is_compensated: without the payload and less the zero of the sensor.
         """
 
     def path_offset_along(self, frame: OffsetFrame) -> Six:
-        """The path offset that the arm has in this tick, along and about the axes of a frame: m, rad."""
+        """Return the path offset that the arm has in this tick, along and about the axes of a frame: m, rad."""
 
     def tcp_pose_along_path(self) -> Six:
-        """Target pose of the TCP in this tick without the path offset."""
+        """Return the target pose of the TCP in this tick without the path offset."""
 
     def state(self) -> RobotState:
-        """The whole machine at this tick."""
+        """Return the whole machine at this tick."""
 
     def is_within_safety_limits(self, q: Six, pairs: Sequence[bool] | None = None) -> bool:
-        """Whether joints (rad) respect the joint ranges and the safety limits of position.
+        """Return whether joints (rad) respect the joint ranges and the safety limits of position.
 
         Args:
             q: the joints.
@@ -94,13 +94,13 @@ class Machine(Protocol):
         """
 
     def read(self, name: str, index: int = 0) -> Value:
-        """One point of the signal image; see `messages.signals`."""
+        """Return one point of the signal image; see `messages.signals`."""
 
     def tool_pin(self, index: int) -> bool:
-        """Level of a tool pin as its configuration makes it: the driven or the applied one."""
+        """Return the level of a tool pin as its configuration makes it: the driven or the applied one."""
 
     def port_register(self, address: int, version: tuple[int, ...]) -> int:
-        """A register of the controller's own Modbus server, 0 to 65535.
+        """Return a register of the controller's own Modbus server, 0 to 65535.
 
         Args:
             address: of the register, 0 to 511.
@@ -108,16 +108,16 @@ class Machine(Protocol):
         """
 
     def port_coil(self, address: int) -> bool:
-        """A coil of the controller's own Modbus server, 0 to 127."""
+        """Return a coil of the controller's own Modbus server, 0 to 127."""
 
     def encoder_count(self, index: int) -> float:
-        """What the counter of a conveyor encoder shows."""
+        """Return what the counter of a conveyor encoder shows."""
 
     def encoder_unwound(self, index: int, delta: float) -> float:
-        """A difference of two counts of an encoder, without the overflow of its counter."""
+        """Return a difference of two counts of an encoder, without the overflow of its counter."""
 
     def timestamp_s(self) -> float:
-        """The controller's clock, seconds since 1970."""
+        """Return the controller's clock, seconds since 1970."""
 
     def request_motion(self, request: MotionRequest | TrackRequest | YieldRequest, line: int, thread: str) -> int:
         """Begin to move (or to brake) at this tick; return the number of the move.
@@ -167,7 +167,7 @@ class SocketAccess(Protocol):
         """Close a connection; no effect on an unknown one."""
 
     def is_connected(self, name: str) -> bool:
-        """Whether a connection stands."""
+        """Return whether a connection stands."""
 
     def send(self, name: str, data: bytes) -> bool:
         """Send bytes; whether the connection stands."""
@@ -186,10 +186,10 @@ class SerialLineAccess(Protocol):
         """Close a port; no effect on a closed one."""
 
     def is_open(self, device: str) -> bool:
-        """Whether a port is enabled."""
+        """Return whether a port is enabled."""
 
     def open_devices(self) -> list[str]:
-        """Devices of the ports that are enabled, sorted."""
+        """Return devices of the ports that are enabled, sorted."""
 
     def mode(self, device: str) -> str:
         """`RS485`, `MODBUS-RTU` or `CLOSE`."""
@@ -255,7 +255,7 @@ class ModbusSignalAccess(Protocol):
         """Remove a signal."""
 
     def status(self, name: str) -> bool | int | tuple[bool, ...] | tuple[int, ...]:
-        """What a signal stands at: a tuple if it has several coils or registers."""
+        """Return what a signal stands at: a tuple if it has several coils or registers."""
 
     def set(self, name: str, values: tuple[int, ...], *, is_digital: bool) -> None:
         """Set an output.
@@ -278,10 +278,10 @@ class ModbusSignalAccess(Protocol):
         """Change how long it may be faulty before using it is an alarm."""
 
     def errors(self, name: str) -> tuple[int, int]:
-        """Error code of the device, error number of the connection."""
+        """Return the error code of the device, error number of the connection."""
 
     def invalid_s(self, name: str) -> float:
-        """Time since a faulty signal worked; 0 for one that does."""
+        """Return the time since a faulty signal worked; 0 for one that does."""
 
     def request(self, address: str, port: int, slave: int, function: int, data: bytes, *, is_once: bool) -> None:
         """Send a request once, or again and again.
@@ -320,7 +320,7 @@ class Robot(Protocol):
         """The program's TCP connections."""
 
     def remote_procedures(self, url: str) -> object:
-        """An object whose methods are the procedures of an XML-RPC server.
+        """Return an object whose methods are the procedures of an XML-RPC server.
 
         Raises:
             InvalidValueError: the URL makes no sense.
@@ -391,7 +391,7 @@ class Robot(Protocol):
         """Record a warning, the first time in this program that `key` comes by."""
 
     def mistaken(self, meaning: str, value: Six) -> Doubt | None:
-        """The doubt about joint positions where a pose belongs, or the reverse: a command has returned these numbers.
+        """Return the doubt about joint positions where a pose belongs, or the reverse: a command returned them.
 
         Args:
             meaning: of the parameter.
@@ -408,7 +408,7 @@ class Robot(Protocol):
         """Record the doubts that are held as warnings, each once for a line."""
 
     def random(self) -> float:
-        """Next number in [0, 1) of the program's seeded generator."""
+        """Return the next number in [0, 1) of the program's seeded generator."""
 
     def pause(self) -> None:
         """Pause the task until somebody resumes it."""

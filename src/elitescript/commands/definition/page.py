@@ -33,7 +33,7 @@ _INDENT: Final = "    "
 
 
 def kind_of(quantity: Quantity) -> str:
-    """Type, unit and range of a value, as the lists of arguments print them."""
+    """Return the type, unit and range of a value, as the lists of arguments print them."""
     limits = [part for part in quantity.limit.split(", ") if part and not part.endswith(" elements")]
     return ", ".join([quantity.type_name, *limits]) + (f" [{quantity.unit}]" if quantity.unit else "")
 
@@ -48,7 +48,7 @@ def source_of(command: Command) -> str:
 
 
 def chapters(catalogue: Catalogue) -> dict[str, list[Command]]:
-    """The commands of each family, by name."""
+    """Return the commands of each family, by name."""
     found: dict[str, list[Command]] = {family: [] for family in CHAPTERS}
     for command in sorted(catalogue, key=lambda command: command.name):
         found[command.family].append(command)
@@ -56,7 +56,7 @@ def chapters(catalogue: Catalogue) -> dict[str, list[Command]]:
 
 
 def describe(command: Command) -> str:
-    """Everything about one command, for the terminal."""
+    """Return everything about one command, for the terminal."""
     details = command.details
     lines = [command.signature, "", *_paragraphs(details.summary)]
     if details.behaviour:
@@ -79,7 +79,7 @@ def describe(command: Command) -> str:
 
 
 def index(catalogue: Catalogue) -> str:
-    """All commands by chapter, one a line, for the terminal."""
+    """Return all commands by chapter, one a line, for the terminal."""
     lines = []
     for family, commands in chapters(catalogue).items():
         lines += [f"{CHAPTERS[family]} ({len(commands)})", *(_row(command) for command in commands), ""]
@@ -89,7 +89,7 @@ def index(catalogue: Catalogue) -> str:
 
 
 def matches(catalogue: Catalogue, word: str) -> list[Command]:
-    """Commands that a word finds: by name first, then by parameters, then by what is said about them.
+    """Return commands that a word finds: by name first, then by parameters, then by what is said about them.
 
     Args:
         catalogue: all commands.
@@ -110,13 +110,13 @@ def matches(catalogue: Catalogue, word: str) -> list[Command]:
 
 
 def row_of(command: Command) -> str:
-    """One command in a line: name and what it does."""
+    """Return one command in a line: name and what it does."""
     mark = "" if command.is_simulated else "(not simulated) "
     return f"{command.name:<36} {mark}{' '.join(command.details.summary.split())}"
 
 
 def record(command: Command) -> dict[str, Any]:
-    """All that is known of a command, as plain values."""
+    """Return all that is known of a command, as plain values."""
     details = command.details
     return {
         "name": command.name,

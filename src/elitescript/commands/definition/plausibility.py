@@ -90,7 +90,7 @@ Judge = Callable[[Any, ArmFacts | None], Iterator[Doubt]]
 
 
 def _numbers(value: Any) -> Iterator[tuple[int, float]]:
-    """The elements of a list that are certain; a bool is none."""
+    """Yield the elements of a list that are certain; a bool is none."""
     if isinstance(value, (list, tuple)):
         for index, number in enumerate(value):
             if isinstance(number, (int, float)) and not isinstance(number, bool):
@@ -98,7 +98,7 @@ def _numbers(value: Any) -> Iterator[tuple[int, float]]:
 
 
 def _is_within(value: Any, most: float) -> bool:
-    """Whether all elements are certain and below any doubt; true of most values that streams give in every tick."""
+    """Return whether all elements are certain and below any doubt, as most values of streams are."""
     try:
         return bool(-most <= min(value) and max(value) <= most)
     except (TypeError, ValueError):
@@ -175,7 +175,7 @@ def _centre_of_gravity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
 
 
 def _scalar(limit: float, unit: str, in_degrees: bool) -> Judge:
-    """A speed or an acceleration."""
+    """Return a speed or an acceleration."""
 
     def judge(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
         if isinstance(value, (int, float)) and value > limit:
@@ -259,7 +259,7 @@ KINDS: Final = ("joints", "pose")
 
 
 def mistaken(meaning: str, kind: str) -> Doubt | None:
-    """The doubt about a value that is of one kind where another belongs; None if it fits.
+    """Return the doubt about a value that is of one kind where another belongs; None if it fits.
 
     Args:
         meaning: of the parameter.

@@ -22,7 +22,7 @@ _LONGEST_SHOWN: Final = 80
 
 
 def shown(value: Any) -> str:
-    """A value as a message repeats it: short, and never raising."""
+    """Return a value as a message repeats it: short, and never raising."""
     try:
         text = repr(value)
     except Exception:
@@ -52,7 +52,7 @@ class Quantity:
         return ""
 
     def coerce(self, value: Any) -> Any:
-        """The value in the type that the command works with.
+        """Return the value in the type that the command works with.
 
         Raises:
             ScriptError: with text, value, limit and unit; the caller adds command and argument.
@@ -60,13 +60,13 @@ class Quantity:
         return value
 
     def wrong_type(self, value: Any, wanted: str = "") -> ScriptError:
-        """The error for a value of another type."""
+        """Return the error for a value of another type."""
         wanted = wanted or self.type_name
         given = "None" if value is None else f"{type(value).__name__} {shown(value)}"
         return ArgumentTypeError(f"must be {wanted}, not {given}", value=value, limit=wanted, unit=self.unit)
 
     def out_of_range(self, value: Any, limit: str = "") -> ScriptError:
-        """The error for a value outside its range, or outside `limit` when that says it better."""
+        """Return the error for a value outside its range, or outside `limit` when that says it better."""
         allowed = limit or f"{self.limit} {self.unit}".rstrip()
         return ArgumentRangeError(
             f"must be {allowed}, got {shown(value)}", value=value, limit=limit or self.limit, unit=self.unit
@@ -318,7 +318,7 @@ class Optionally(Quantity):
 
 
 def signal_index(name: str) -> Integer:
-    """The index of one point of a family of signals; see `messages.signals`."""
+    """Return the index of one point of a family of signals; see `messages.signals`."""
     return Integer(0, SIGNALS[name].size - 1)
 
 

@@ -7,8 +7,8 @@ use few commands and all of them start often.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar, get_args
 
 from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, shown
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
@@ -27,6 +27,8 @@ EVIDENCE: Final = ("documented", "observed", "assumed")
 _TARGET_REFUSALS: Final = ("R102", "R110", "R111")
 _TARGET_DOUBTS: Final = ("W230", "W231", "W233", "W237")
 """Refusals of a target or load, and the doubts that can explain them."""
+
+NO_ARGUMENTS: Final[Mapping[str, str]] = {}
 
 _OMITTED: Final = object()
 _VARIADIC: Final = 0x04
@@ -66,6 +68,22 @@ class Param:
         return repr(self.default)
 
 
+class Misfit(NamedTuple):
+    """A reason for which a call cannot be made."""
+
+    at: int | str | None
+    """Index or keyword of the argument that is wrong; None if one is missing."""
+    text: str
+
+
+class Placement(NamedTuple):
+    """The arguments of a call, by parameter."""
+
+    slots: tuple[int | str | None, ...]
+    """For each parameter the index or the keyword of its argument; None if the call leaves it out."""
+    misfits: tuple[Misfit, ...]
+
+
 SPELLINGS: Final = {
     "addr": ("address",),
     "address": ("addr",),
@@ -93,6 +111,7 @@ class Command:
         "_details",
         "alias_of",
         "aliases",
+        "arguments",
         "evidence",
         "family",
         "function",
@@ -121,6 +140,7 @@ class Command:
         manual: str = "",
         name: str = "",
         alias_of: str = "",
+        arguments: Mapping[str, str] = NO_ARGUMENTS,
     ) -> None:
         self.name = name or function.__name__
         if evidence not in EVIDENCE:
@@ -132,6 +152,8 @@ class Command:
         self.family = family
         self.since = since
         self.aliases = aliases
+        self.arguments = arguments
+        """Texts of parameters that the docstring does not describe, by name."""
         self.spellings = spellings
         self.evidence = evidence
         self.waits = waits
@@ -145,7 +167,7 @@ class Command:
         self._details: _Details | None = None
 
     def renamed(self, name: str, since: str = "", evidence: str = "", *, is_simulated: bool | None = None) -> Command:
-        """The same command under another name."""
+        """Return the same command under another name."""
         return Command(
             self.function,
             self.family,
@@ -159,6 +181,7 @@ class Command:
             self.manual,
             name,
             self.name,
+            self.arguments,
         )
 
     @property
@@ -202,16 +225,16 @@ class Command:
         return f"{self.name} takes {at_most}{most} argument{'' if most == 1 else 's'}, got {given}"
 
     def unknown_argument_text(self, keyword: str) -> str:
-        """An argument of a name that the command does not have."""
+        """Return an argument of a name that the command does not have."""
         names = ", ".join(param.name for param in self.params) or "none"
         return f"{self.name} has no argument `{keyword}`; its arguments: {names}"
 
     def twice_text(self, name: str) -> str:
-        """One argument by place and by name, or under two names."""
+        """Return one argument by place and by name, or under two names."""
         return f"{self.name} gets the argument `{name}` twice"
 
     def missing_text(self, names: list[str]) -> str:
-        """Arguments that the call must pass."""
+        """Return arguments that the call must pass."""
         listed = ", ".join(f"`{name}`" for name in names)
         return f"{self.name} misses the argument{'' if len(names) == 1 else 's'} {listed}"
 
@@ -221,10 +244,12 @@ class Command:
         Raises:
             ScriptError: complete with command, argument, value, limit and unit.
         """
-        params = (self._details or self.details).params
-        values: list[Any] = list(args)
-        if kwargs or len(args) != len(params):
-            self._arrange(values, kwargs)
+        details = self._details or self.details
+        params = details.params
+        if not kwargs and details.required <= len(args) <= len(params):
+            values = [*args, *[_OMITTED] * (len(params) - len(args))]
+        else:
+            values = self._arrange(args, kwargs)
         for index, param in enumerate(params):
             value = values[index]
             if value is _OMITTED:
@@ -272,7 +297,7 @@ class Command:
         return _as_script_value(result)
 
     def _doubts(self, robot: Any, values: list[Any]) -> list[Doubt]:
-        """What is legal in these values, but hardly meant; with command and parameter in the text."""
+        """Return what is legal in these values, but hardly meant; with command and parameter in the text."""
         found = []
         for index, param, judge, is_kind in self.details.judged:
             value = values[index]
@@ -286,35 +311,44 @@ class Command:
                     found.append(other._replace(text=f"{self.name}: {param.name}{other.text}"))
         return found
 
-    def _arrange(self, values: list[Any], kwargs: dict[str, Any]) -> None:
-        """Bring keyword arguments into place behind the positional ones; mark what is missing."""
-        params = self.params
-        positional = len(values)
-        if positional > len(params) and not self.takes_more:
-            raise self._count_error(self.surplus_text(positional))
-        for keyword in kwargs:
-            if not any(keyword == param.name or keyword in param.spellings for param in params):
-                raise self._count_error(self.unknown_argument_text(keyword))
-        missing = []
-        for index, param in enumerate(params):
-            given = [spelling for spelling in (param.name, *param.spellings) if spelling in kwargs]
-            if len(given) + (index < positional) > 1:
-                raise self._count_error(self.twice_text(param.name))
-            if given:
-                values.append(kwargs[given[0]])
-            elif index >= positional:
-                if param.is_required:
-                    missing.append(param.name)
-                values.append(_OMITTED)
-        if missing:
-            raise self._count_error(self.missing_text(missing))
+    def place(self, positional: int, keywords: Sequence[str], *, is_complete: bool = True) -> Placement:
+        """Find out which argument of a call goes to which parameter: for values at run time, for expressions before.
 
-    def _count_error(self, text: str) -> ScriptError:
-        return ArgumentCountError(text, command=self.name, hint=self.call_hint)
+        Args:
+            positional: number of arguments without a keyword.
+            keywords: keywords of the others, in the order of the call.
+            is_complete: False if the call may have more arguments than these, such as `*list`; none is missed then.
+        """
+        params, indices, required = self.details.params, self.details.indices, self.details.required
+        slots: list[int | str | None] = [*range(min(positional, len(params))), *[None] * (len(params) - positional)]
+        misfits: list[Misfit] = []
+        if positional > len(params) and not self.takes_more:
+            misfits.append(Misfit(len(params), self.surplus_text(positional)))
+        for keyword in keywords:
+            index = indices.get(keyword)
+            if index is None:
+                misfits.append(Misfit(keyword, self.unknown_argument_text(keyword)))
+            elif slots[index] is not None:
+                misfits.append(Misfit(keyword, self.twice_text(params[index].name)))
+            else:
+                slots[index] = keyword
+        # A misspelt keyword is reported; that its parameter is missing then follows.
+        if is_complete and not misfits and None in slots[:required]:
+            missing = [params[index].name for index in range(required) if slots[index] is None]
+            misfits.append(Misfit(None, self.missing_text(missing)))
+        return Placement(tuple(slots), tuple(misfits))
+
+    def _arrange(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
+        """Return the arguments in the order of the parameters, `_OMITTED` where one is left out."""
+        slots, misfits = self.place(len(args), tuple(kwargs))
+        if misfits:
+            raise ArgumentCountError(misfits[0].text, command=self.name, hint=self.call_hint)
+        values = [_OMITTED if slot is None else kwargs[slot] if isinstance(slot, str) else args[slot] for slot in slots]
+        return [*values, *args[len(values) :]]
 
 
 def _as_script_value(result: Any) -> Any:
-    """Tuples, also inside tuples, as lists."""
+    """Return tuples, also inside tuples, as lists."""
     if type(result) is not tuple:
         return result
     return [_as_script_value(item) if type(item) is tuple else item for item in result]
@@ -323,7 +357,18 @@ def _as_script_value(result: Any) -> Any:
 class _Details:
     """What the function's own text says about a command."""
 
-    __slots__ = ("behaviour", "judged", "kind", "params", "raises", "returns", "returns_text", "summary")
+    __slots__ = (
+        "behaviour",
+        "indices",
+        "judged",
+        "kind",
+        "params",
+        "raises",
+        "required",
+        "returns",
+        "returns_text",
+        "summary",
+    )
 
     def __init__(self, command: Command) -> None:
         from elitescript.commands.definition.docstring import read_docstring
@@ -334,6 +379,7 @@ class _Details:
         self.behaviour = doc.behaviour
         self.returns_text = doc.returns
         self.raises = doc.raises
+        texts = {**command.arguments, **doc.args}
         names = function.__code__.co_varnames[: function.__code__.co_argcount]
         defaults = function.__defaults__ or ()
         first_default = len(names) - len(defaults)
@@ -342,13 +388,17 @@ class _Details:
             if index == 0 and command.takes_robot:
                 continue
             quantity = _quantity(function, name)
-            if quantity is None or name not in doc.args:
+            if quantity is None or name not in texts:
                 raise InternalError(f"{command.name}: parameter {name!r} lacks a quantity or its line under Args")
             default = defaults[index - first_default] if index >= first_default else REQUIRED
             spellings = tuple(other for other, own in command.spellings.items() if own == name)
             spellings += tuple(other for other in SPELLINGS.get(name, ()) if other not in names)
-            params.append(Param(name, quantity, default, spellings, doc.args[name]))
+            params.append(Param(name, quantity, default, spellings, texts[name]))
         self.params = tuple(params)
+        self.required = sum(param.is_required for param in params)
+        """How many parameters every call must pass; they are the first ones."""
+        self.indices = {name: index for index, param in enumerate(params) for name in (param.name, *param.spellings)}
+        """Index of the parameter that a keyword means."""
         self.returns = _quantity(function, "return") or Anything("None")
         self.judged = _judged(self.params)
         """Index, parameter, judge, and whether joints and poses are taken for each other there; see `plausibility`."""
@@ -406,15 +456,15 @@ class Catalogue:
         self._by_name[command.name] = command
 
     def get(self, name: str) -> Command | None:
-        """The command of that name or alias."""
+        """Return the command of that name or alias."""
         return self._by_name.get(name)
 
     def names(self) -> Iterator[str]:
-        """Every name and alias that scripts can call."""
+        """Return every name and alias that scripts can call."""
         return iter(self._by_name)
 
     def __iter__(self) -> Iterator[Command]:
-        """The commands, each once, without the aliases."""
+        """Return the commands, each once, without the aliases."""
         return iter(self._commands.values())
 
     def __len__(self) -> int:
@@ -436,6 +486,7 @@ def command(
     works_in_sec: bool = True,
     is_simulated: bool = True,
     manual: str = "",
+    arguments: Mapping[str, str] = NO_ARGUMENTS,
 ) -> Callable[[Function], Function]:
     """Make the function below a robot command.
 
@@ -452,12 +503,23 @@ def command(
         works_in_sec: whether a secondary program may call it.
         is_simulated: False for a command whose body checks what it can and then raises `NotSimulatedError`.
         manual: section of manual 2.10, such as `"2.1.1"`; of another one with its release, such as `"2.14: 3.1.25"`.
+        arguments: texts of parameters that several commands share, for those that the docstring does not describe.
     """
 
     def register(function: Function) -> Function:
         REGISTRY.add(
             Command(
-                function, family, since, aliases, spellings or {}, evidence, waits, works_in_sec, is_simulated, manual
+                function,
+                family,
+                since,
+                aliases,
+                spellings or {},
+                evidence,
+                waits,
+                works_in_sec,
+                is_simulated,
+                manual,
+                arguments=arguments,
             )
         )
         return function
@@ -471,6 +533,6 @@ def alias(name: str, *, of: str, since: str = "", evidence: str = "") -> None:
 
 
 def describe_call(command_name: str, args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:
-    """A call as a message repeats it."""
+    """Return a call as a message repeats it."""
     parts = [shown(arg) for arg in args] + [f"{name}={shown(value)}" for name, value in kwargs.items()]
     return f"{command_name}({', '.join(parts)})"

@@ -34,12 +34,12 @@ def vocabulary_of(profile: Profile) -> Vocabulary:
 
 
 def newer_firmware_text(name: str, since: str, profile: Profile) -> str:
-    """What is said about a command that the firmware does not have yet, before and during the run."""
+    """Return what is said about a command that the firmware does not have yet, before and during the run."""
     return f"{name} needs firmware {since} or newer; the chosen one is {profile.name}"
 
 
 def newer_firmware_hint(since: str) -> str:
-    """What to do about it."""
+    """Return what to do about it."""
     newest = max(PROFILES.values(), key=lambda profile: profile.release)
     if release_of(since) > newest.release:
         return f"the newest firmware that is simulated is {newest.name}"

@@ -172,7 +172,7 @@ def explain(message: str, row: str) -> tuple[str, str]:
 
 
 def broken_escape(message: str, code: str) -> tuple[int, int, int] | None:
-    """Where the escape stands that Python's message means, as it names only the string, or the end of it.
+    """Return where the escape stands that Python's message means, as it names only the string, or the end of it.
 
     Args:
         message: Python's message.

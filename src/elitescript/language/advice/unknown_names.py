@@ -107,7 +107,7 @@ def nearest(name: str, candidates: Iterable[str]) -> str:
 
 
 def _visible(name: str, scope: Scope, symbols: Symbols, names: Names) -> set[str]:
-    """Names that would mean something in `scope`, other than `name` itself."""
+    """Return names that would mean something in `scope`, other than `name` itself."""
     found = set(symbols.global_names)
     found.update(scope.bindings)
     while scope.parent is not None:
@@ -121,6 +121,6 @@ def _visible(name: str, scope: Scope, symbols: Symbols, names: Names) -> set[str
 
 
 def _owner(name: str, symbols: Symbols) -> Scope | None:
-    """A function that has a local variable of that name, where its users cannot see it."""
+    """Return a function that has a local variable of that name, where its users cannot see it."""
     functions = (scope for scope in symbols.scopes if scope.kind == "function")
     return next((scope for scope in functions if scope.has_local(name) and name not in scope.parameters), None)

@@ -61,7 +61,7 @@ def restore_indentation(draft: Draft) -> None:
 
 
 def _opens(draft: Draft, line: LogicalLine) -> bool:
-    """Whether the body of a line has to stand on the lines below it."""
+    """Return whether the body of a line has to stand on the lines below it."""
     if line.word not in _HEADERS and line.word not in _CLAUSES:
         return False
     code = draft.code(line)
@@ -77,7 +77,7 @@ def _closes(draft: Draft, line: LogicalLine) -> bool:
 
 
 def _depths(draft: Draft, lines: list[LogicalLine]) -> tuple[list[int], bool]:
-    """How deep each line stands, and whether every block has its `end`, so that no other reading is possible."""
+    """Return how deep each line stands, and whether every block has its `end`, so that no other reading is possible."""
     depths = []
     depth = 0
     is_certain = True

@@ -86,7 +86,7 @@ class Lexed:
         return line, offset - self.starts[line - 1] + 1
 
     def masked_row(self, line: int) -> str:
-        """The masked text of one physical line, counted from 1; blank where there are only comments."""
+        """Return the masked text of one physical line, counted from 1; blank where there are only comments."""
         start = self.starts[line - 1]
         end = self.starts[line] - 1 if line < len(self.starts) else len(self.text)
         return self.masked[start:end]
@@ -98,7 +98,7 @@ def lex(text: str) -> Lexed:
 
 
 def indentation_width(blank: str) -> int:
-    """Column, from 0, after leading blanks and tabs; a form feed starts again at 0."""
+    """Return the column, from 0, after leading blanks and tabs; a form feed starts again at 0."""
     if "\f" in blank:
         blank = blank.rpartition("\f")[2]
     return len(blank.expandtabs(TAB_WIDTH)) if "\t" in blank else len(blank)
@@ -307,7 +307,7 @@ class _TextScanner:
         return resume
 
     def _line_behind(self, logical: LogicalLine, at: int) -> int:
-        """Index of the first physical line after offset `at` that is not deeper than `logical`."""
+        """Return the index of the first physical line after offset `at` that is not deeper than `logical`."""
         starts, text = self.lexed.starts, self.text
         strings = [fill for fill in self.fills if fill[0] > at and fill[2] == STRING_FILL]
         blank = _blank().match

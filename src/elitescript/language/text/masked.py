@@ -19,12 +19,12 @@ OPERATOR_WORDS = frozenset(("and", "as", "else", "for", "from", "if", "import", 
 
 @cache
 def compiled(pattern: str) -> re.Pattern[str]:
-    """A pattern, compiled when it is needed for the first time."""
+    """Return a pattern, compiled when it is needed for the first time."""
     return re.compile(pattern)
 
 
 def top_level(code: str, mark: str, begin: int = 0) -> Iterator[int]:
-    """Indices of `mark` outside brackets in masked code."""
+    """Yield indices of `mark` outside brackets in masked code."""
     if mark not in code[begin:]:
         return
     depth = 0
@@ -39,7 +39,7 @@ def top_level(code: str, mark: str, begin: int = 0) -> Iterator[int]:
 
 
 def header_colon(code: str) -> int:
-    """Index of the colon that ends the header in the masked code of a compound statement; -1 if none."""
+    """Return the index of the colon that ends the header in the masked code of a compound statement; -1 if none."""
     if code.endswith(":") and (code.count(":") == 1 or "?" in code):
         return len(code) - 1
     depth = lambdas = 0
@@ -60,7 +60,7 @@ def header_colon(code: str) -> int:
 
 
 def operand_before(code: str) -> bool:
-    """Whether masked code ends with a value: a name, a number, a string, a closing bracket."""
+    """Return whether masked code ends with a value: a name, a number, a string, a closing bracket."""
     code = code.rstrip()
     if not code or not (code[-1].isalnum() or code[-1] in '_)]}"'):
         return False

@@ -72,11 +72,11 @@ class PositionMap:
         return not self._shifts and self._unfolding is None
 
     def moves(self, line: int) -> bool:
-        """Whether places on this line differ."""
+        """Return whether places on this line differ."""
         return self._unfolding is not None or line in self._shifts
 
     def to_source(self, line: int, column: int) -> tuple[int, int]:
-        """The author's (line, column), from 1; a place inside new text goes to where it was put."""
+        """Return the author's (line, column), from 1; a place inside new text goes to where it was put."""
         shifts = self._shifts.get(line)
         if shifts:
             at = column - 1
@@ -161,14 +161,14 @@ class Draft:
         self._replacements: list[Replacement] = []
 
     def place(self, offset: int) -> tuple[int, int]:
-        """The author's (line, column) of an offset into the text."""
+        """Return the author's (line, column) of an offset into the text."""
         line, column = self.lexed.place(offset)
         if self.unfolding:
             return self.unfolding.to_source(line, column)
         return line, column
 
     def code(self, line: LogicalLine) -> str:
-        """The masked text of a logical line."""
+        """Return the masked text of a logical line."""
         return self.lexed.masked[line.start : line.end]
 
     def report(
@@ -192,11 +192,11 @@ class Draft:
             self.diagnostics.append(found)
 
     def tolerated(self) -> Severity:
-        """Severity of what only this implementation accepts."""
+        """Return the severity of what only this implementation accepts."""
         return Severity.ERROR if self.options.strict else Severity.WARNING
 
     def edit(self, start: int, end: int, text: str) -> Edit:
-        """An edit of the author's text, for a fix."""
+        """Return an edit of the author's text, for a fix."""
         return Edit(*self.place(start), *self.place(end), text)
 
     def replace(self, start: int, end: int, text: str) -> None:
@@ -215,7 +215,7 @@ class Draft:
             self.blank(start, end)
 
     def is_visible(self, line: LogicalLine) -> bool:
-        """Whether Python is to see the line as it is."""
+        """Return whether Python is to see the line as it is."""
         return not line.broken and line not in self.broken and line not in self.dropped
 
     def statements(self, line: LogicalLine) -> Iterator[tuple[int, int, str]]:
@@ -251,7 +251,7 @@ class Draft:
                     return
 
     def finish(self) -> tuple[str, PositionMap]:
-        """The rewritten text and the way back from it. Replacements must not overlap."""
+        """Return the rewritten text and the way back from it. Replacements must not overlap."""
         text = self.lexed.text
         if not self._replacements:
             return text, PositionMap({}, self.unfolding)

@@ -166,7 +166,7 @@ class UnitSplitter:
         return text
 
     def close(self) -> list[Unit | DiscardedText]:
-        """The peer closed: deliver what is complete, refuse what is not."""
+        """Return the peer closed: deliver what is complete, refuse what is not."""
         found: list[Unit | DiscardedText] = []
         self._take_partial(found)
         if self._kind == LINE:

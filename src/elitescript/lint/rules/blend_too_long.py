@@ -45,7 +45,7 @@ def _name(program: AnalysedProgram, place: int) -> str:
 
 
 def _block(program: AnalysedProgram, call: ast.Call) -> list[ast.stmt] | None:
-    """The statements of which a call is one."""
+    """Return the statements of which a call is one."""
     statement = program.symbols.parent(call)
     above = program.symbols.parent(statement) if isinstance(statement, ast.Expr) else None
     for field in ("body", "orelse", "finalbody"):
@@ -90,7 +90,7 @@ def _judged(program: AnalysedProgram, places: TargetPlaces, start: int, place: i
 
 
 def _most(places: TargetPlaces, program: AnalysedProgram, start: int, place: int) -> float | None:
-    """The longest radius that the way from one target to the next allows, m."""
+    """Return the longest radius that the way from one target to the next allows, m."""
     name = _name(program, place)
     if name == "movel":
         ends: list[Six | None] = [places.position(program.command_calls[at], at) for at in (start, place)]

@@ -54,7 +54,7 @@ def _is_repeated(before: ast.FunctionDef, after: ast.FunctionDef, program: Analy
 
 
 def _blocks(statements: list[ast.stmt]) -> Iterator[list[ast.stmt]]:
-    """The statements of a scope, and those of the blocks in it that are no scopes of their own."""
+    """Yield the statements of a scope, and those of the blocks in it that are no scopes of their own."""
     stack = [statements]
     while stack:
         block = stack.pop()

@@ -42,7 +42,7 @@ _PYTHON_SLEEP: Final = "time.sleep"
 
 
 def _remote_calls(program: AnalysedProgram) -> Iterator[tuple[ast.Call, str]]:
-    """Remote procedures, called through what `rpc_factory` gave in the same text."""
+    """Yield remote procedures, called through what `rpc_factory` gave in the same text."""
     for scope in program.symbols.scopes:
         for call in scope.calls:
             base = call.func.value if isinstance(call.func, ast.Attribute) else None

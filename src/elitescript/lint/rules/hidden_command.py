@@ -67,7 +67,7 @@ def _is_private(binding: Binding, scope: Scope) -> bool:
 
 
 def _is_missed(name: str, first: Binding, scope: Scope, program: AnalysedProgram) -> bool:
-    """Whether a variable, which is no function, is called where the command would be."""
+    """Return whether a variable, which is no function, is called where the command would be."""
     if first.kind in ("def", "class", "parameter"):
         return False
     home = scope if scope.has_local(name) else None

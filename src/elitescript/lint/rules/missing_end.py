@@ -50,7 +50,7 @@ _CLOSED_FOR_EACH_OPEN = 3
 
 
 def _group(block: BlockEnd) -> str:
-    """What a block is compared with; empty for what needs no `end`."""
+    """Return what a block is compared with; empty for what needs no `end`."""
     if block.word in ("", "case", "async"):
         return ""
     if block.word in ("def", "sec", "thread"):

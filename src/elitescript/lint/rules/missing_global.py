@@ -56,19 +56,19 @@ _LONGEST_COUNTER: Final = 2
 
 
 def _is_used(name: str, scope: Scope) -> bool:
-    """Whether something reads the variable `name` that `scope` has for itself."""
+    """Return whether something reads the variable `name` that `scope` has for itself."""
     return any(name in inner.reads for inner in scope.walk() if inner is scope or inner.home(name) is scope)
 
 
 def _is_for_others(name: str, scope: Scope, program: AnalysedProgram) -> bool:
-    """Whether the variable of a loop in `scope` is of no use there, while something reads a global of that name."""
+    """Return whether a loop variable of `scope` is not used there, while something reads a global of that name."""
     if len(name) <= _LONGEST_COUNTER or name not in program.symbols.global_names or _is_used(name, scope):
         return False
     return any(name in other.reads and other.home(name) is None for other in program.symbols.scopes)
 
 
 def _declaring_scope(name: str, scope: Scope, program: AnalysedProgram) -> Scope | None:
-    """The scope whose `global` statement the assignment in `scope` misses."""
+    """Return the scope whose `global` statement the assignment in `scope` misses."""
     if name not in program.symbols.global_names:
         return None
     others = [other for other in program.symbols.scopes if name in other.globals]

@@ -68,7 +68,7 @@ def _calls_by_name(program: AnalysedProgram) -> dict[str, list[tuple[ast.Call, S
 
 
 def _line_of_use(function: Scope, calls: list[tuple[ast.Call, Scope]], program: AnalysedProgram) -> int:
-    """The first line that cannot do with `None` for the value; 0 if there is none, or if some caller expects it."""
+    """Return the first line that cannot use `None` as the value; 0 if there is none or a caller expects it."""
     lines = []
     for call, scope in calls:
         if function not in program.symbols.definitions(function.name, scope):
@@ -81,7 +81,7 @@ def _line_of_use(function: Scope, calls: list[tuple[ast.Call, Scope]], program: 
 
 
 def _uses(call: ast.expr, scope: Scope, program: AnalysedProgram) -> Iterator[ast.expr]:
-    """The places at which the value of a call is looked at: the call itself, or the variable that gets it."""
+    """Yield the places at which the value of a call is looked at: the call itself, or the variable that gets it."""
     above = program.symbols.parent(call)
     if isinstance(above, (ast.Assign, ast.AnnAssign)):
         targets = above.targets if isinstance(above, ast.Assign) else [above.target]
@@ -105,7 +105,7 @@ def _asks_for_none(use: ast.expr, program: AnalysedProgram) -> bool:
 
 
 def _takes_none(use: ast.expr, program: AnalysedProgram) -> bool:
-    """Whether a value is only asked whether it is true or equal to something, handed on, or never looked at."""
+    """Return whether a value is only asked whether it is true or equal to something, handed on, or never looked at."""
     above = program.symbols.parent(use)
     if isinstance(above, ast.Compare):
         return all(isinstance(operator, (ast.Eq, ast.NotEq, ast.Is, ast.IsNot)) for operator in above.ops)

@@ -66,7 +66,7 @@ def _is_python_name(node: ast.Name, program: AnalysedProgram) -> bool:
 
 
 def _is_never_computed(node: ast.expr, program: AnalysedProgram) -> bool:
-    """Whether it is the type of a variable of a function, which Python reads and forgets."""
+    """Return whether it is the type of a variable of a function, which Python reads and forgets."""
     child: ast.AST = node
     for above in program.symbols.ancestors(node):
         if isinstance(above, ast.stmt):
@@ -96,7 +96,7 @@ def _is_plain_decorator(node: ast.expr) -> bool:
 
 
 def _is_bracketed(block: ast.With, program: AnalysedProgram) -> bool:
-    """One pair of brackets holds all items, and these are more than an expression."""
+    """Return one pair of brackets holds all items, and these are more than an expression."""
     if len(block.items) == 1 and block.items[0].optional_vars is None:
         return False
     line, column = program.symbols.place(block)
@@ -116,7 +116,7 @@ def _is_bracketed(block: ast.With, program: AnalysedProgram) -> bool:
 
 
 def _is_new_format(text: ast.JoinedStr, program: AnalysedProgram) -> bool:
-    """Whether the braces of a formatted string hold what older Pythons do not accept there."""
+    """Return whether the braces of a formatted string hold what older Pythons do not accept there."""
     holds_text = any(
         isinstance(node, (ast.JoinedStr, ast.Constant)) and isinstance(getattr(node, "value", ""), str)
         for part in text.values

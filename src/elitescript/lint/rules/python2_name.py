@@ -73,7 +73,7 @@ def _method(call: ast.Call, function: ast.Attribute, program: AnalysedProgram) -
 
 
 def _is_own_method(name: str, program: AnalysedProgram) -> bool:
-    """Whether a class of the program has a method of that name."""
+    """Return whether a class of the program has a method of that name."""
     return any(scope.kind == "class" and name in scope.bindings for scope in program.symbols.scopes)
 
 

@@ -43,7 +43,7 @@ def unassigned_global(program: AnalysedProgram) -> Iterator[Finding]:
 
 
 def _name_in(statement: ast.Global, name: str, program: AnalysedProgram) -> Span:
-    """The place of the name in its declaration."""
+    """Return the place of the name in its declaration."""
     line, column, end_line, end_column = program.span(statement)
     for number in range(line, end_line + 1):
         start = column if number == line else 1

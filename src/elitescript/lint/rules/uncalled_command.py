@@ -40,7 +40,7 @@ def _commands(program: AnalysedProgram) -> Iterator[Finding]:
 
 
 def _functions(program: AnalysedProgram) -> Iterator[Finding]:
-    """Names of functions of the program, and of Python's own ones, as statements and conditions."""
+    """Yield names of functions of the program, and of Python's own ones, as statements and conditions."""
     for node in program.nodes(ast.Name):
         parent = program.symbols.parent(node)
         is_statement = isinstance(parent, ast.Expr)
@@ -79,7 +79,7 @@ def _is_condition(node: ast.Name, parent: ast.AST | None) -> bool:
 
 
 def _only_functions(name: str, scope: Scope, program: AnalysedProgram) -> list[ast.FunctionDef]:
-    """The functions that a name stands for; none if it may be something else."""
+    """Return the functions that a name stands for; none if it may be something else."""
     home = scope.home(name)
     bindings = home.bindings[name] if home else program.symbols.global_bindings(name)
     functions = [binding.node for binding in bindings if isinstance(binding.node, ast.FunctionDef)]
@@ -107,7 +107,7 @@ def _wants_the_result(program: AnalysedProgram, use: Use) -> bool:
 
 
 def _is_used_as_function(program: AnalysedProgram, name: str) -> bool:
-    """Whether a name is called, or handed on to somebody who may call it."""
+    """Return whether a name is called, or handed on to somebody who may call it."""
     parent = program.symbols.parent
     for node in program.nodes(ast.Name):
         if node.id == name and isinstance(node.ctx, ast.Load):

@@ -81,7 +81,7 @@ def _blocks(program: AnalysedProgram) -> Iterator[list[ast.stmt]]:
 
 
 def _leaves(statement: ast.stmt, program: AnalysedProgram, depth: int = 0) -> bool:
-    """Whether the statement behind can never be reached from this one."""
+    """Return whether the statement behind can never be reached from this one."""
     if isinstance(statement, (ast.Return, ast.Raise, ast.Break, ast.Continue)):
         return True
     if isinstance(statement, ast.If):

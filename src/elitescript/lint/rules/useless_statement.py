@@ -69,12 +69,12 @@ _OPERATOR_FREE = frozenset(("__init__", "__str__", "__repr__", "__call__", "__en
 
 
 def _is_text(value: ast.expr) -> bool:
-    """A comment in quotes, or the three dots of a body that is still to be written."""
+    """Return a comment in quotes, or the three dots of a body that is still to be written."""
     return isinstance(value, ast.Constant) and (isinstance(value.value, (str, bytes)) or value.value in (..., None))
 
 
 def _defines_operators(program: AnalysedProgram) -> bool:
-    """Whether a class of the program gives operators a meaning of their own."""
+    """Return whether a class of the program gives operators a meaning of their own."""
     return any(
         isinstance(inner, ast.FunctionDef) and inner.name.startswith("__") and inner.name not in _OPERATOR_FREE
         for node in program.nodes(ast.ClassDef)

@@ -109,7 +109,7 @@ class ModbusRequest(NamedTuple):
 
 
 def read(function: int, address: int, count: int) -> bytes:
-    """A request that reads.
+    """Return a request that reads.
 
     Args:
         function: `READ_COILS`, `READ_DISCRETE_INPUTS`, `READ_HOLDING_REGISTERS` or `READ_INPUT_REGISTERS`.
@@ -129,7 +129,7 @@ def read(function: int, address: int, count: int) -> bytes:
 
 
 def write_coil(address: int, value: bool | int) -> bytes:
-    """A request that sets one coil.
+    """Return a request that sets one coil.
 
     Raises:
         UsageError: no such address.
@@ -139,7 +139,7 @@ def write_coil(address: int, value: bool | int) -> bytes:
 
 
 def write_register(address: int, value: int) -> bytes:
-    """A request that sets one register, 0 to 65535.
+    """Return a request that sets one register, 0 to 65535.
 
     Raises:
         UsageError: no such address or value.
@@ -150,7 +150,7 @@ def write_register(address: int, value: int) -> bytes:
 
 
 def write_coils(address: int, values: Sequence[bool | int]) -> bytes:
-    """A request that sets coils, upwards from an address.
+    """Return a request that sets coils, upwards from an address.
 
     Raises:
         UsageError: outside the limits of MODBUS.
@@ -161,7 +161,7 @@ def write_coils(address: int, values: Sequence[bool | int]) -> bytes:
 
 
 def write_registers(address: int, values: Sequence[int]) -> bytes:
-    """A request that sets registers, upwards from an address.
+    """Return a request that sets registers, upwards from an address.
 
     Raises:
         UsageError: outside the limits of MODBUS, or a value outside 0 to 65535.
@@ -173,7 +173,7 @@ def write_registers(address: int, values: Sequence[int]) -> bytes:
 
 
 def read_write_registers(read_address: int, read_count: int, write_address: int, values: Sequence[int]) -> bytes:
-    """A request that sets registers, and reads registers afterwards.
+    """Return a request that sets registers, and reads registers afterwards.
 
     Raises:
         UsageError: outside the limits of MODBUS, or a value outside 0 to 65535.
@@ -187,7 +187,7 @@ def read_write_registers(read_address: int, read_count: int, write_address: int,
 
 
 def custom(function: int, data: bytes) -> bytes:
-    """A request with a function code and bytes of one's own.
+    """Return a request with a function code and bytes of one's own.
 
     Raises:
         UsageError: no function code, or too many bytes.
@@ -203,24 +203,24 @@ def custom(function: int, data: bytes) -> bytes:
 
 
 def exception(function: int, code: int) -> bytes:
-    """An answer that refuses."""
+    """Return an answer that refuses."""
     return bytes((function | EXCEPTION_BIT, code))
 
 
 def bits_read(function: int, values: Sequence[bool | int]) -> bytes:
-    """The answer to a request that read bits."""
+    """Return the answer to a request that read bits."""
     data = packed_bits(values)
     return bytes((function, len(data))) + data
 
 
 def registers_read(function: int, values: Sequence[int]) -> bytes:
-    """The answer to a request that read registers, 0 to 65535 each."""
+    """Return the answer to a request that read registers, 0 to 65535 each."""
     count = len(values)
     return pack(f">BB{count}H", function, 2 * count, *values)
 
 
 def written(request: bytes) -> bytes:
-    """The answer to a request that wrote: its function, address and count, or its one value."""
+    """Return the answer to a request that wrote: its function, address and count, or its one value."""
     return request[:5]
 
 
@@ -294,7 +294,7 @@ def _read_write_of(pdu: bytes) -> ModbusRequest:
 
 
 def values_of(request: bytes, answer: bytes) -> tuple[int, ...]:
-    """What an answer says: the values that were read; nothing for a request that wrote, or for a custom one.
+    """Return what an answer says: the values that were read; nothing for a request that wrote, or for a custom one.
 
     Args:
         request: the request, as the functions above build it.
@@ -329,7 +329,7 @@ def values_of(request: bytes, answer: bytes) -> tuple[int, ...]:
 
 
 def packed_bits(values: Sequence[bool | int]) -> bytes:
-    """Bits in bytes, the first one lowest; the rest of the last byte is 0."""
+    """Return bits in bytes, the first one lowest; the rest of the last byte is 0."""
     number = 0
     for index, value in enumerate(values):
         if value:
@@ -338,13 +338,13 @@ def packed_bits(values: Sequence[bool | int]) -> bytes:
 
 
 def unpacked_bits(data: bytes, count: int) -> tuple[int, ...]:
-    """The first bits of bytes, each 0 or 1; there must be as many."""
+    """Return the first bits of bytes, each 0 or 1; there must be as many."""
     number = int.from_bytes(data, "little")
     return tuple([number >> index & 1 for index in range(count)])
 
 
 def registers_in(data: bytes, offset: int, count: int) -> tuple[int, ...]:
-    """Registers, 0 to 65535, from an offset on; there must be as many."""
+    """Return registers, 0 to 65535, from an offset on; there must be as many."""
     return unpack_from(f">{count}H", data, offset)
 
 

@@ -57,7 +57,7 @@ class RtuFrame(NamedTuple):
 
 
 def crc16(data: bytes | bytearray | memoryview) -> int:
-    """The checksum; on the wire its low byte comes first."""
+    """Return the checksum; on the wire its low byte comes first."""
     crc = 0xFFFF
     for byte in data:
         crc = crc >> 8 ^ _TABLE[(crc ^ byte) & 0xFF]
@@ -65,13 +65,13 @@ def crc16(data: bytes | bytearray | memoryview) -> int:
 
 
 def rtu_frame(unit: int, pdu: bytes) -> bytes:
-    """A request or an answer with the number of its slave and its checksum."""
+    """Return a request or an answer with the number of its slave and its checksum."""
     body = bytes((unit,)) + pdu
     return body + crc16(body).to_bytes(2, "little")
 
 
 def request_length(head: bytes | bytearray | memoryview) -> int | None:
-    """Bytes of the request frame that begins so.
+    """Return the number of bytes of the request frame that begins so.
 
     Returns:
         The length, `UNKNOWN` for a function that is not known here, None if more bytes are needed to say.
@@ -89,7 +89,7 @@ def request_length(head: bytes | bytearray | memoryview) -> int | None:
 
 
 def answer_length(head: bytes | bytearray | memoryview) -> int | None:
-    """Bytes of the answer frame that begins so; see `request_length`."""
+    """Return the number of bytes of the answer frame that begins so; see `request_length`."""
     if len(head) < 2:
         return None
     function = head[1]

@@ -28,7 +28,7 @@ class TcpFrame(NamedTuple):
 
 
 def tcp_frame(transaction: int, unit: int, pdu: bytes) -> bytes:
-    """A request or an answer with its header.
+    """Return a request or an answer with its header.
 
     Args:
         transaction: number that an answer repeats, 0 to 65535.

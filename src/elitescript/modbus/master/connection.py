@@ -172,7 +172,7 @@ class MasterConnection:
         return not self.signals and self.exchange.is_idle
 
     def codes(self, signal: ModbusSignal) -> tuple[int, int]:
-        """What is wrong with a signal: code of the device, code of the connection."""
+        """Return what is wrong with a signal: code of the device, code of the connection."""
         if self._state is _OPEN:
             return signal.device_code, signal.connection_code
         return CONNECTING if self._state is _OPENING else NOT_CONNECTED, self.connection_code
@@ -224,7 +224,7 @@ class MasterConnection:
         self._warn(f"{self.title(signal)}: {trouble}", UNDELIVERED)
 
     def title(self, signal: ModbusSignal) -> str:
-        """A signal or request in words."""
+        """Return a signal or request in words."""
         what = f"MODBUS signal {signal.name!r}" if signal.name else "a MODBUS request"
         return f"{what} to {self.name}, slave {signal.unit}"
 
@@ -259,7 +259,7 @@ class MasterConnection:
             self._send(tick)
 
     def next_tick(self, tick: int) -> int | None:
-        """Earliest tick after `tick` at which something is due without anything arriving."""
+        """Return the earliest tick after `tick` at which something is due without anything arriving."""
         if self._state is _CLOSED and self.retry_tick is None:
             return None
         last = self._last_tick
@@ -410,7 +410,7 @@ class MasterConnection:
 
 
 def error_number(reason: str) -> int:
-    """The error number of TCP/IP that stands for the text of a reason."""
+    """Return the error number of TCP/IP that stands for the text of a reason."""
     return TIMED_OUT if reason.startswith(LATE) else ERROR_NUMBERS.get(reason.lower(), IO_ERROR)
 
 

@@ -160,11 +160,11 @@ class Exchange:
         return [signal for signal in (*self._queue, *under_way, *self.broadcasts) if signal.is_owed]
 
     def is_under_way(self, signal: ModbusSignal) -> bool:
-        """Whether an answer to the present request of a signal is waited for."""
+        """Return whether an answer to the present request of a signal is waited for."""
         return any(one is signal and request is signal.request for one, request, _ in self._flight.values())
 
     def next_tick(self, tick: int) -> int | None:
-        """Earliest tick after `tick` at which something is due without anything arriving."""
+        """Return the earliest tick after `tick` at which something is due without anything arriving."""
         if self._probe_size:
             return self._probe_end
         if self._queue and len(self._flight) < self.window:
@@ -313,7 +313,7 @@ class Exchange:
         return b"".join(parts)
 
     def _window(self, tick: int) -> int:
-        """How many requests may be under way in this tick."""
+        """Return how many requests may be under way in this tick."""
         if self.window == self._proven and not self._is_pressed:
             return self.window
         flight = self._flight

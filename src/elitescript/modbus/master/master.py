@@ -155,7 +155,7 @@ class Master:
         self.links[place].part(signal)
 
     def find(self, name: str) -> ModbusSignal:
-        """The signal of a name.
+        """Return the signal of a name.
 
         Raises:
             InvalidValueError: there is none.
@@ -199,7 +199,7 @@ class Master:
         self.links[self.where[name]].retime(signal, frequency_hz)
 
     def codes(self, name: str) -> tuple[int, int]:
-        """What is wrong with a signal: code of the device, code of the connection."""
+        """Return what is wrong with a signal: code of the device, code of the connection."""
         signal = self.find(name)
         return self.links[self.where[name]].codes(signal)
 
@@ -235,7 +235,7 @@ class Master:
         link.add(signal)
 
     def link_at(self, address: str, port: int) -> MasterConnection:
-        """The connection to a device.
+        """Return the connection to a device.
 
         Raises:
             InvalidValueError: no signal uses one.
@@ -321,7 +321,7 @@ class Master:
         return [link.channel for link in self.links.values() if link.channel]
 
     def pending(self) -> tuple[str, ...]:
-        """Outputs that were set and not written yet, and single requests without an answer; a text for each."""
+        """Return outputs that were set and not written yet, and single requests without an answer; a text for each."""
         return tuple(link.title(signal) for link, signal in self._owed())
 
     def give_up(self) -> tuple[str, ...]:
@@ -351,7 +351,7 @@ class Master:
         del self.links[place]
 
     def next_tick(self, tick: int, *, is_running: bool) -> int | None:
-        """Earliest tick after `tick` at which something is due without anything arriving."""
+        """Return the earliest tick after `tick` at which something is due without anything arriving."""
         if is_running != self._is_running:
             return tick + 1
         due = [at for link in self.links.values() if (at := link.next_tick(tick)) is not None]

@@ -197,7 +197,7 @@ class ModbusSignal:
         self.outputs = (*values, *known[len(values) :])
 
     def forced(self, is_running: bool) -> int | None:
-        """The level that an output has whatever the program sets, by `choice`.
+        """Return the level that an output has whatever the program sets, by `choice`.
 
         0: none; 1: low without a program; 2: high without a program; 3: low without a program, high with one.
         """
@@ -242,12 +242,12 @@ class ModbusSignal:
         return (*self.outputs, *self.inputs[len(self.outputs) :])
 
     def written(self, *, is_running: bool) -> tuple[int, ...]:
-        """Levels or values that an output writes; none if it only reads."""
+        """Return levels or values that an output writes; none if it only reads."""
         forced = self.forced(is_running)
         return self.outputs or () if forced is None else (forced,) * self.count
 
     def shown(self, values: Sequence[int]) -> str:
-        """Values as text, in the words of programs."""
+        """Return values as text, in the words of programs."""
         levels = [str(bool(value)) if self.is_digital else str(value) for value in values]
         return levels[0] if len(levels) == 1 else f"[{', '.join(levels)}]"
 
@@ -282,5 +282,5 @@ class ModbusSignal:
         self.answer = b""
 
     def is_overdue(self, tick: int) -> bool:
-        """Whether it has been faulty for longer than its watchdog lets it."""
+        """Return whether it has been faulty for longer than its watchdog lets it."""
         return self.fault_tick is not None and tick - self.fault_tick > self.watchdog_ticks

@@ -247,7 +247,7 @@ class JointCorner:
         return (q1, q2, q3, q4, q5, q6), (w1, w2, w3, w4, w5, w6)
 
     def tool_rates(self, s: float) -> tuple[float, float]:
-        """Return speed (m/s) and angular speed (rad/s) of the tool."""
+        """Return the speed (m/s) and angular speed (rad/s) of the tool."""
         q, qd = self.q_and_slope(s)
         vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, q, qd, self._T_flange_tcp)
         return hypot(vx, vy, vz), hypot(wx, wy, wz)

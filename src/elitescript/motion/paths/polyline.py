@@ -148,7 +148,7 @@ class ChainPath:
         return stretch.track.q_and_slope(s - stretch.start + stretch.offset)
 
     def tool_rates(self, s: float) -> tuple[float, float]:
-        """Return way (m) and rotation (rad) of the tool per unit of path position, at most."""
+        """Return the way (m) and rotation (rad) of the tool per unit of path position, at most."""
         stretch = self._at(s)
         return stretch.track.tool_rates(s - stretch.start + stretch.offset)
 

@@ -159,7 +159,7 @@ class JointTrack:
         return q, slope
 
     def tool_rates(self, s: float) -> tuple[float, float]:
-        """Return way (m) and rotation (rad) of the tool per unit of path position."""
+        """Return the way (m) and rotation (rad) of the tool per unit of path position."""
         return self.path.tool_rates
 
     def _solved(self, s: float, T_base_flange: Transform) -> Six:

@@ -58,7 +58,7 @@ class ServoState(NamedTuple):
     """Whether another motion went on until this period."""
 
     def is_at(self, q_target: Six) -> bool:
-        """Whether stream and arm have arrived."""
+        """Return whether stream and arm have arrived."""
         return (
             self.left == 0
             and all(place == q_target for place in self.stream)

@@ -74,7 +74,7 @@ def paced(spline: JointSpline, limits: MotionLimits) -> PointTiming:
     changes: dict[int, float] = {}
 
     def change(interval: int) -> float:
-        """Largest |s''| in an interval, 1/s."""
+        """Return the largest |s''| in an interval, 1/s."""
         found = changes.get(interval)
         if found is None:
             found = changes[interval] = _change(spline, limits, interval, ceiling[interval])

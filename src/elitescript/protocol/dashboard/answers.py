@@ -179,7 +179,7 @@ def tell_remote(asked: Asked) -> Answer:
 
 
 def tell_status(asked: Asked) -> Answer:
-    """The overview; fits into one read of a client."""
+    """Return the overview; fits into one read of a client."""
     robot, task = asked.snapshot.robot, asked.snapshot.task
     words = {TaskState.PLAYING: "RUNNING", TaskState.PAUSED: "PAUSED"}
     lines = [
@@ -195,7 +195,7 @@ def tell_status(asked: Asked) -> Answer:
 
 
 def percent(fraction: float) -> int:
-    """The speed slider as this port shows it."""
+    """Return the speed slider as this port shows it."""
     return round(fraction * 100)
 
 
@@ -205,49 +205,49 @@ def _clipped(path: str) -> str:
 
 
 def tell_saved(asked: Asked) -> Answer:
-    """Whether the task is saved."""
+    """Return whether the task is saved."""
     return Answer("Task is saved" if asked.snapshot.task.is_saved else "Task is not saved")
 
 
 def tell_modified(asked: Asked) -> Answer:
-    """Whether the configuration is modified."""
+    """Return whether the configuration is modified."""
     is_modified = asked.snapshot.task.is_configuration_modified
     return Answer("Configuration is modified" if is_modified else "Configuration is not modified")
 
 
 def tell_task_state(asked: Asked) -> Answer:
-    """State of the task."""
+    """Return the state of the task."""
     return Answer(f"Task is {_TASK_WORDS.get(asked.snapshot.robot.task_state, 'stopped')}")
 
 
 def tell_running(asked: Asked) -> Answer:
-    """Whether a task runs; a paused one does not."""
+    """Return whether a task runs; a paused one does not."""
     is_running = asked.snapshot.robot.task_state is TaskState.PLAYING
     return Answer("Task is running" if is_running else "Task is not running")
 
 
 def version_text(description: RobotDescription) -> str:
-    """Version of the controller as `version` and the greeting show it."""
+    """Return the version of the controller as `version` and the greeting show it."""
     return ".".join(map(str, description.firmware))
 
 
 def tell_version(asked: Asked) -> Answer:
-    """Version of the controller."""
+    """Return the version of the controller."""
     return Answer(version_text(asked.description))
 
 
 def tell_model(asked: Asked) -> Answer:
-    """Model of the arm."""
+    """Return the model of the arm."""
     return Answer(asked.description.model.upper())
 
 
 def tell_serial_number(asked: Asked) -> Answer:
-    """Serial number of the robot."""
+    """Return serial number of the robot."""
     return Answer(asked.description.serial_number)
 
 
 def tell_robot_id(asked: Asked) -> Answer:
-    """Id of the robot."""
+    """Return the Id of the robot."""
     return Answer(asked.description.robot_id)
 
 
@@ -262,22 +262,22 @@ def tell_safety_status(asked: Asked) -> Answer:
 
 
 def tell_safety_mode(asked: Asked) -> Answer:
-    """The same state under its other name."""
+    """Return the same state under its other name."""
     return Answer(f"Safety mode: {safety_name(asked.snapshot.robot.safety_mode)}")
 
 
 def tell_speed(asked: Asked) -> Answer:
-    """Position of the speed slider."""
+    """Return the position of the speed slider."""
     return Answer(f"Target Speed Fraction: {percent(asked.snapshot.robot.speed_scale)}")
 
 
 def tell_task(asked: Asked) -> Answer:
-    """Path of the loaded task."""
+    """Return the path of the loaded task."""
     return Answer(f"Relative path:{asked.snapshot.task.loaded}")
 
 
 def tell_configuration(asked: Asked) -> Answer:
-    """Path of the loaded configuration."""
+    """Return the path of the loaded configuration."""
     return Answer(f"configuration: Relative path:{asked.snapshot.task.configuration}")
 
 

@@ -62,7 +62,7 @@ class Guard(NamedTuple):
     tasks: frozenset[TaskState] = ALL_TASKS
 
     def refusal(self, snapshot: Snapshot) -> str:
-        """Why the command is refused now; empty if it is taken."""
+        """Return why the command is refused now; empty if it is taken."""
         robot = snapshot.robot
         if self.is_remote_only and not snapshot.is_remote:
             return f"{self.failure}: {LOCAL}"
@@ -82,10 +82,10 @@ def _with_remedy(why: str, remedy: str | None) -> str:
 
 
 def mode_name(mode: RobotMode) -> str:
-    """Name of a robot mode on this port."""
+    """Return the name of a robot mode on this port."""
     return mode.name
 
 
 def safety_name(mode: SafetyMode) -> str:
-    """Name of a safety mode on this port."""
+    """Return the name of a safety mode on this port."""
     return _SAFETY_NAMES.get(mode, mode.name)

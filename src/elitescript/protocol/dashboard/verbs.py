@@ -41,7 +41,7 @@ class DashboardCommand(NamedTuple):
 def _row(
     usage: str, summary: str, reply: str, evidence: str, answer: Callable[[Asked], Answer], guard: Guard | None = None
 ) -> DashboardCommand:
-    """The row of a command that is written like this."""
+    """Return the row of a command that is written like this."""
     verb, _, rest = usage.partition(" ")
     option, _, argument = rest.partition(" ") if rest.startswith("-") else ("", "", rest)
     return DashboardCommand(verb, option, argument, summary, reply, evidence, answer, guard)
@@ -228,12 +228,12 @@ VERBS: Final[dict[str, tuple[DashboardCommand, ...]]] = {
 
 
 def help_text(names: list[str]) -> str:
-    """Explanation of some verbs, a line for each option."""
+    """Return the explanation of some verbs, a line for each option."""
     return "\r\n".join(_explained(name) for name in names)
 
 
 def usage_text(names: list[str]) -> str:
-    """How some verbs are written, one line; all in one if there are several."""
+    """Return how some verbs are written, one line; all in one if there are several."""
     if not names:
         return "usage: usage NAME..."
     return "\r\n".join(_usage_of(name) for name in names)

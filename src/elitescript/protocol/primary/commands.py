@@ -58,7 +58,7 @@ COMMANDS: Final[tuple[PlainCommand, ...]] = (
 
 
 def request_of(line: str) -> MachineRequest | None:
-    """The request that a line makes; None if it is no plain command but script.
+    """Return the request that a line makes; None if it is no plain command but script.
 
     Raises:
         ValueError: the command is known, its argument makes no sense.
@@ -76,7 +76,7 @@ def request_of(line: str) -> MachineRequest | None:
 
 
 def is_command(line: str) -> bool:
-    """Whether a line begins like a plain command."""
+    """Return whether a line begins like a plain command."""
     words = line.split()
     return any(words[: len(own)] == own for own in (command.words.split() for command in COMMANDS))
 

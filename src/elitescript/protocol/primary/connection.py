@@ -112,14 +112,14 @@ class PrimaryFeed:
         self._notes: tuple[RobotMessage, ...] = ()
 
     def state(self, output: Output) -> bytes:
-        """The robot-state message of a tick."""
+        """Return the robot-state message of a tick."""
         if self._state_of is not output:
             self._state = pack_state(SUB_MESSAGES, output.snapshot, self.description)
             self._state_of = output
         return self._state
 
     def notes(self, output: Output) -> tuple[RobotMessage, ...]:
-        """The robot messages of a tick."""
+        """Return the robot messages of a tick."""
         if self._notes_of is not output:
             found = [note_of(event, self.terminator) for event in output.events]
             self._notes = tuple(note for note in found if note is not None)
@@ -285,7 +285,7 @@ class PrimaryConnection(Connection):
         return piece
 
     def _inputs(self, found: Unit | DiscardedText) -> list[Input]:
-        """What a piece of the stream asks for; nothing if it is garbage."""
+        """Return what a piece of the stream asks for; nothing if it is garbage."""
         if isinstance(found, DiscardedText):
             return [self._refusal(found)]
         if found.kind == "line" and self._burst.takes(found.text) and not is_command(found.text):

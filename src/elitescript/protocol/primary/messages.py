@@ -216,7 +216,7 @@ class RobotMessageQueue:
             waiting.append(_Gap(tick))
 
     def take(self) -> bytes:
-        """The next one; there must be one."""
+        """Return the next one; there must be one."""
         found = self._waiting.popleft()
         if isinstance(found, RobotMessage):
             return found.data
@@ -236,7 +236,7 @@ class _Gap:
 
 
 def exception_note(tick: int, line: int, column: int, text: str, terminator: bytes = TERMINATOR) -> RobotMessage:
-    """A script exception; the text begins with the name of its class."""
+    """Return a script exception; the text begins with the name of its class."""
     return RobotMessage(SCRIPT_EXCEPTION.pack(tick, (line, column), text, terminator=terminator), is_vital=True)
 
 
@@ -249,19 +249,19 @@ def error_note(
     *,
     is_vital: bool = True,
 ) -> RobotMessage:
-    """A robot error that says in words what happened."""
+    """Return a robot error that says in words what happened."""
     data = ROBOT_ERROR.pack(tick, (0, 0, level, TEXT_DATA), text, source=source, terminator=terminator)
     return RobotMessage(data, is_vital)
 
 
 def version_note(tick: int, description: RobotDescription, terminator: bytes = TERMINATOR) -> RobotMessage:
-    """The version of the controller."""
+    """Return the version of the controller."""
     values = (len(_PROJECT), tuple(_PROJECT), *description.firmware)
     return RobotMessage(VERSION.pack(tick, values, "", terminator=terminator), is_vital=False)
 
 
 def note_of(event: Event, terminator: bytes = TERMINATOR) -> RobotMessage | None:
-    """The message that tells clients of an event; None if they are not told of it."""
+    """Return the message that tells clients of an event; None if they are not told of it."""
     translate = _TRANSLATIONS.get(type(event))
     return None if translate is None else translate(event, terminator)
 

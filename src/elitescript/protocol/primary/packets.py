@@ -100,7 +100,7 @@ class SubMessage:
         assert self._fields.size == size, f"{name}: {self._fields.size} bytes in the table, not {size}"
 
     def offsets(self) -> tuple[int, ...]:
-        """Where each row begins (the first time), in bytes from the head's first."""
+        """Return where each row begins (the first time), in bytes from the head's first."""
         return self._fields.offsets()[len(_HEAD) : len(_HEAD) + len(self.rows)]
 
     def pack(self, snapshot: Snapshot, description: RobotDescription) -> bytes:
@@ -123,7 +123,7 @@ class SubMessage:
             return self._fields.pack((self.size, self.number, *self._in_range(columns)))
 
     def _in_range(self, columns: Sequence[Number | Sequence[Number]]) -> list[Number | Sequence[Number]]:
-        """The values with infinity in each FLOAT that is too large for it, as rounding makes it."""
+        """Return the values with infinity in each FLOAT that is too large for it, as rounding makes it."""
         kinds = [field.type for field in self._fields.fields[len(_HEAD) :]]
         return [
             copysign(inf, value)
@@ -134,13 +134,13 @@ class SubMessage:
 
 
 def pack_state(parts: Sequence[SubMessage], snapshot: Snapshot, description: RobotDescription) -> bytes:
-    """A whole robot-state message of these sub-messages."""
+    """Return a whole robot-state message of these sub-messages."""
     body = b"".join([part.pack(snapshot, description) for part in parts])
     return (len(body) + 5).to_bytes(4, "big") + bytes((ROBOT_STATE,)) + body
 
 
 def timestamp(tick: int) -> int:
-    """Time of a tick as the port shows it, microseconds since the start. Unit *documented*, origin *assumed*."""
+    """Return the time of a tick in microseconds since the start. Unit *documented*, origin *assumed*."""
     return tick * MICROSECONDS_PER_TICK
 
 

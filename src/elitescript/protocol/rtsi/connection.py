@@ -302,7 +302,7 @@ class RtsiConnection(Connection):
         return []
 
     def _problem(self, names: tuple[str, ...], recipes: list[OutputRecipe] | list[InputRecipe]) -> str:
-        """What speaks against one more recipe, apart from its names; empty if nothing does."""
+        """Return what speaks against one more recipe, apart from its names; empty if nothing does."""
         if len(names) > VARIABLES_MAX:
             raise ProtocolError(f"a recipe has {VARIABLES_MAX} variables at most, not {len(names)}")
         if not names:
@@ -377,7 +377,7 @@ _HANDLERS: Final[dict[int, Callable[[RtsiConnection, bytes, Output], list[Input]
 
 
 def _names(body: bytes) -> tuple[str, ...]:
-    """The names of a recipe; a comma at the end is not followed by one more."""
+    """Return the names of a recipe; a comma at the end is not followed by one more."""
     names = [name.strip() for name in body.decode("utf-8", errors="replace").split(",")]
     while names and not names[-1]:
         names.pop()
@@ -385,7 +385,7 @@ def _names(body: bytes) -> tuple[str, ...]:
 
 
 def _text_message(body: bytes) -> tuple[str, str, int] | None:
-    """Text, source and level of a client's message, or None if it is none."""
+    """Return the text, source and level of a client's message, or None if it is none."""
     if not body:
         return None
     text_end = 1 + body[0]

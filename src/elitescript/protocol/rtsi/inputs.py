@@ -136,13 +136,13 @@ class Arrival(NamedTuple):
     """What could not be applied, by variable; effects write here."""
 
     def integer(self, name: str) -> int:
-        """The value of an integer variable."""
+        """Return the value of an integer variable."""
         value = self.values[name]
         assert isinstance(value, int)
         return value
 
     def real(self, name: str) -> float:
-        """The value of a DOUBLE."""
+        """Return the value of a DOUBLE."""
         value = self.values[name]
         assert isinstance(value, float)
         return value
@@ -251,13 +251,13 @@ EFFECTS: Final[tuple[InputEffect, ...]] = (
 
 
 def effects_of(names: tuple[str, ...]) -> tuple[InputEffect, ...]:
-    """What a package with these variables can do."""
+    """Return what a package with these variables can do."""
     held = frozenset(names)
     return tuple(effect for effect in EFFECTS if not held.isdisjoint(effect.variables))
 
 
 def requests_of(effects: tuple[InputEffect, ...], arrival: Arrival) -> Iterator[MachineRequest]:
-    """What a package asks for: every effect whose variables are all known."""
+    """Yield what a package asks for: every effect whose variables are all known."""
     for effect in effects:
         if all(name in arrival.values for name in effect.variables):
             yield from effect.requests(arrival)

@@ -53,7 +53,7 @@ class RecipeSchedule:
         return self._start is None or tick < self._start or self._count(tick) > self._sent
 
     def is_due(self, tick: int) -> bool:
-        """Whether a package is to be sent at this tick; says so once. Packages that were missed are not made up for."""
+        """Return whether a package is due at this tick, once; missed packages are not made up for."""
         if self._start is None or tick < self._start:
             self._start = tick
             self._sent = 0
@@ -149,7 +149,7 @@ class InputClaims:
         self._owners: dict[str, str] = {}
 
     def is_free(self, origin: str, name: str) -> bool:
-        """Whether a client may claim an input: nobody has it, or the client itself."""
+        """Return whether a client may claim an input: nobody has it, or the client itself."""
         return self._owners.get(name, origin) == origin
 
     def claim(self, origin: str, names: Iterable[str]) -> None:
