@@ -49,7 +49,8 @@ Row = tuple[str, str, str, str]
 def rows() -> list[Row]:
     """The rows of this module."""
     table = [_parts(what, text) for what, text in PROGRAMS.items()]
-    table.append(_served("no clients", 0, b""))
+    table += [_served(f"no clients, {what}", 0, PROGRAMS[what]) for what in ("the arm rests", "movej")]
+    table.append(_served("1 client, movej", 1, MOVING))
     table += [_served(f"{CLIENTS} clients, {what}", CLIENTS, text) for what, text in PROGRAMS.items()]
     table.append(_served(f"{CLIENTS} clients, in process", CLIENTS, b"", "--in-process"))
     return table
@@ -75,10 +76,12 @@ def _parts(what: str, program: bytes) -> Row:
     reader.read(*writer.message(kernel.tick_and_snapshot(begin)))
     for _ in range(TICKS // 10):
         reader.read(*writer.message(kernel.tick_and_snapshot()))
-    times: list[list[float]] = [[], [], [], []]
+    times: list[list[float]] = [[], [], [], [], []]
     for _ in range(RUNS):
         outputs: list[Output] = []
-        times[0].append(_each_us(lambda outputs=outputs: outputs.append(kernel.tick_and_snapshot())))
+        alone_us = _each_us(kernel.tick)
+        times[4].append(alone_us)
+        times[0].append(_each_us(lambda outputs=outputs: outputs.append(kernel.tick_and_snapshot())) - alone_us)
         left = iter(outputs)
         messages: list[tuple[str, bytes]] = []
         times[1].append(_each_us(lambda left=left, messages=messages: messages.append(writer.message(next(left)))))
@@ -86,10 +89,11 @@ def _parts(what: str, program: bytes) -> Row:
         times[2].append(_each_us(lambda waiting=waiting: reader.read(*next(waiting))))
         shown = iter(outputs)
         times[3].append(_each_us(lambda shown=shown: _publish(clients, next(shown))) / CLIENTS)
-    kernel_us, writing_us, reading_us, package_us = map(median, times)
+    snapshot_us, writing_us, reading_us, package_us, kernel_us = map(median, times)
     return (
         f"parts of a tick, {what}",
-        f"kernel {kernel_us:.0f}, writing {writing_us:.0f}, reading {reading_us:.0f}, package {package_us:.1f} us",
+        f"kernel {kernel_us:.0f}, snapshot {snapshot_us:.0f}, writing {writing_us:.0f}, reading {reading_us:.0f}, "
+        f"package {package_us:.1f} us",
         "",
         "",
     )

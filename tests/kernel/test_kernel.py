@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import get_args
 
 import pytest
@@ -11,7 +11,7 @@ from elitescript.kernel import Kernel
 from elitescript.kernel.handlers import HANDLERS
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
-from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.enums import AnalogDomain, RobotMode, SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Popup, RobotModeChanged, TextMessage, Warned
 from elitescript.messages.inputs import (
     AddLog,
@@ -31,7 +31,9 @@ from elitescript.messages.machine import (
     PowerOn,
     ReleaseBrakes,
     ResumeTask,
+    SetAnalogDomain,
     SetSpeedScale,
+    SetToolAnalogMode,
     StopTask,
     WritePortCoils,
     WritePortRegisters,
@@ -39,6 +41,8 @@ from elitescript.messages.machine import (
 )
 from elitescript.messages.outputs import CloseChannel, Reply
 from elitescript.messages.profile import profile
+from elitescript.messages.snapshot import Snapshot
+from elitescript.messages.state import RobotState
 from tests.kernel.machine import FOREVER, READY, Session, program
 
 
@@ -465,3 +469,103 @@ class TestSnapshot:
         assert (kernel.next_tick, kernel.tick().tick, kernel.next_tick) == (0, 0, 1)
         assert kernel.snapshot() == kernel.snapshot()
         assert (kernel.snapshot().robot.tick, kernel.next_tick, kernel.tick().tick) == (0, 1, 1)
+
+    OF_ITS_TICK = frozenset(
+        [
+            "tick",
+            "time_s",
+            "q_target",
+            "qd_target",
+            "q_actual",
+            "qd_actual",
+            "tcp_pose_target",
+            "tcp_pose_actual",
+            "tcp_speed_target",
+            "tcp_speed_actual",
+            "flange_pose_actual",
+            "is_moving",
+            "line",
+            "node",
+            "joint_torques",
+            "joint_currents",
+            "joint_temperatures",
+            "tcp_force",
+            "raw_wrench",
+            "elbow_position",
+            "elbow_velocity",
+            "speed_scaling",
+            "controller_temperature",
+            "robot_current",
+            "tool_temperature",
+        ]
+    )
+    DISCRETE = frozenset(
+        [
+            "robot_mode",
+            "safety_mode",
+            "task_state",
+            "tcp_offset",
+            "payload",
+            "gravity",
+            "speed_scale",
+            "joint_voltages",
+            "robot_voltage",
+            "io_current",
+            "tool_current",
+            "signals",
+            "domains",
+            "tool_analog_mode",
+            "tool_pin_modes",
+            "is_remote",
+            "is_freedrive",
+            "popup",
+            "task",
+            "overruns",
+            "is_guided_by_input",
+        ]
+    )
+
+    def test_every_field_is_of_its_tick_or_discrete(self):
+        names = {field.name for kind in (Snapshot, RobotState) for field in fields(kind)} - {"robot"}
+        assert names == self.OF_ITS_TICK | self.DISCRETE
+        assert not self.OF_ITS_TICK & self.DISCRETE
+
+    def test_while_the_discrete_state_is_the_same_so_are_its_fields(self):
+        changes = [
+            Do("x", PowerOff()),
+            Do("x", PowerOn()),
+            Do("x", ReleaseBrakes()),
+            program("sleep(0.1)", 'popup("read me", "title")', "sleep(0.1)", "set_tcp([0, 0, 0.1, 0, 0, 0])"),
+            Do("x", PauseTask()),
+            Do("x", ResumeTask()),
+            ClosePopup("x"),
+            program("set_payload(1, [0, 0, 0.1])", "sleep(0.1)", "set_gravity([0, 0, -9.7])", "sleep(0.1)"),
+            program("set_tool_voltage(24)", "sleep(0.1)", "set_tool_digital_mode(1)", "sleep(0.1)"),
+            program("freedrive_mode()", "sleep(0.2)", "end_freedrive_mode()"),
+            Do("x", SetSpeedScale(0.3)),
+            SetRemote("x", False),
+            Do("x", WriteSignal("standard_analog_in", 0, 3.5)),
+            Do("x", SetAnalogDomain("standard_analog_in", 0, AnalogDomain.CURRENT)),
+            Do("x", SetToolAnalogMode(1)),
+            Do("x", AskSafety("stop_protectively", "a test")),
+            Do("x", AskSafety("unlock_protective_stop", "a test")),
+            Reboot("x"),
+        ]
+        kernel = Kernel(READY)
+        steps = 0
+        state: tuple[object, ...] = ()
+        shown: dict[str, object] = {}
+        for tick in range(100 * (len(changes) + 1)):
+            number, rest = divmod(tick, 100)
+            kernel.tick([changes[number - 1]] if number and not rest else ())
+            snapshot, now = kernel.snapshot(), kernel.discrete_state()
+            before = shown
+            shown = {
+                name: getattr(snapshot, name, None) if hasattr(snapshot, name) else getattr(snapshot.robot, name)
+                for name in self.DISCRETE
+            }
+            if now == state:
+                assert shown == before, [name for name in self.DISCRETE if shown[name] != before.get(name)]
+            steps += now != state
+            state = now
+        assert steps > len(changes)

@@ -1,9 +1,9 @@
-"""A robot that goes on where another one ended: from the last picture of that one.
+"""Restart: a robot goes on where another one ended, from the last snapshot of that one.
 
-What a picture does not show begins anew: the program, variables, tracking of conveyors, which inputs start hand guiding
-and what outputs do while no program runs.
+What a snapshot does not show begins anew: the program, variables, tracking of conveyors, which inputs start hand
+guiding and what outputs do while no program runs.
 
-The picture comes from a process that has failed: what no robot can go on from, such as a joint position that is not a
+The snapshot comes from a process that has failed: what no robot can go on from, such as a joint position that is not a
 number, begins anew too.
 """
 
@@ -42,12 +42,12 @@ _SAFETY_ACTIONS: Final = {
 def restored_config(
     config: RobotOptions, description: RobotDescription, last: Snapshot, first_tick: int
 ) -> RobotOptions:
-    """The configuration with which a robot goes on.
+    """Return the options with which a robot goes on.
 
     Args:
         config: of the robot that ended.
         description: of the robot that ended.
-        last: its last picture.
+        last: its last snapshot.
         first_tick: number of the next tick.
     """
     state = last.robot
@@ -75,7 +75,7 @@ def restored_config(
 
 
 def restored_inputs(last: Snapshot) -> tuple[Input, ...]:
-    """What the robot is told in its first tick, because a configuration does not have it."""
+    """Return inputs of its first tick: what a configuration does not have."""
     state = last.robot
     payload = state.payload
     requests: list[MachineRequest] = []

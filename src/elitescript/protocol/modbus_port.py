@@ -1,6 +1,6 @@
 """The controller's own Modbus TCP server, port 502: registers and coils that mirror the robot and may be written.
 
-What stands behind an address is the table of `modbus.port_map`. Reads are answered at once, from the picture of the
+What stands behind an address is the table of `modbus.port_map`. Reads are answered at once, from the snapshot of the
 last tick. A write is a request to the robot and is answered when the robot has taken it, one at a time for each client;
 what the client has sent behind it waits. So a client reads what it wrote, and so does everybody who asks after its
 answer. A coil is set by itself, not by writing back its neighbours, so that no client undoes what another one does.

@@ -156,8 +156,8 @@ class ControlChannel:
             if not isinstance(arguments, list) or not isinstance(values, dict):
                 raise UsageError("arguments are a list, values an object")
             station = self._station
-            picture, description = station.output.snapshot, station.link.description
-            request = VerbRequest(origin, tuple(map(str, arguments)), values, picture, description, station.devices)
+            snapshot, description = station.output.snapshot, station.link.description
+            request = VerbRequest(origin, tuple(map(str, arguments)), values, snapshot, description, station.devices)
             if asked.get("wait") is True and verb.name == PLAY:
                 return await self._play_to_the_end(verb, request)
             return await self._carry_out(verb, request)

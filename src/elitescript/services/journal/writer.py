@@ -1,16 +1,16 @@
-"""A session as a file: everything that came in from outside, tick by tick, so that it can be played again.
+"""Journals: a session as a file, with everything that came in from outside, tick by tick, so that it can be replayed.
 
 One JSON text a line:
 
     {"journal": 3, "version": ..., "python": ..., "hash_seed": ..., "options": {...}}
     {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
-    {"digest": 999, "hash": "...", "ticks": "..."} what the robot said up to tick 999; a check sum for each tick since
+    {"digest": 999, "hash": "...", "ticks": "..."} digest of the outputs up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
-    {"told": 1190, "events": [...]}                what clients were told at that tick while there was no robot
-    {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from that picture
+    {"told": 1190, "events": [...]}                what clients got at that tick while there was no robot
+    {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from there
     {"end": 2000}                                  the session ended before that tick
 
-Lines are written by a thread (`journal_file`), so what a killed process leaves behind lacks at most what happened
+Lines are written by a thread (`file`), so what a killed process leaves behind lacks at most what happened
 in the last moment before, and a full or slow disk ends the journal, not the session.
 """
 
@@ -47,7 +47,7 @@ _NOTHING: Final = to_text([])
 
 
 class Digest:
-    """What a robot has said: a running hash, and a check sum for each tick since the last mark."""
+    """Keeps a running hash of outputs, and a check sum for each tick since the last mark."""
 
     __slots__ = ("_hash", "sums")
 
@@ -61,13 +61,13 @@ class Digest:
         self.sums.append(f"{crc32(text):08x}")
 
     def mark(self) -> tuple[str, str]:
-        """The hash of everything so far, and the check sums since the last mark."""
+        """Return the hash of everything so far, and the check sums since the last mark."""
         sums, self.sums = "".join(self.sums), []
         return self._hash.hexdigest(), sums
 
 
 class Journal:
-    """Writes a session down.
+    """Writes a session to a file.
 
     Args:
         path: the file; one that is there is replaced.
@@ -104,13 +104,13 @@ class Journal:
         return self._file.failure
 
     def tick(self, tick: int, inputs: Sequence[Input] | str, answers: Sequence[Any], output: Output | bytes) -> None:
-        """A tick is over.
+        """Write what a tick was given, and count its output.
 
         Args:
             tick: its number.
             inputs: what it was given, or the JSON text of it.
-            answers: what was said of files in it.
-            output: what it gave, or the JSON text of it.
+            answers: to questions about files in it.
+            output: its output, or the JSON text of it.
         """
         if self.failure or self._is_over:
             return
@@ -125,7 +125,14 @@ class Journal:
             self._mark()
 
     def restart(self, tick: int, reason: str, last: Snapshot, lost: Sequence[Input] = ()) -> None:
-        """A new robot goes on at `tick` from the last picture of the old one; `lost` is what the old one died of."""
+        """Write that a new robot goes on at `tick` from the last snapshot of the old one.
+
+        Args:
+            tick: the first of the new robot.
+            reason: why the old one was replaced.
+            last: its last snapshot.
+            lost: inputs of the tick that it has not answered.
+        """
         self._mark()
         state = self._codec.shape(Snapshot).encode(last)
         self._write(
@@ -138,20 +145,20 @@ class Journal:
         )
 
     def told(self, tick: int, events: Sequence[Event]) -> None:
-        """Clients were told of something at a tick, in the place of a robot that is gone."""
+        """Write the events that clients got at a tick, in the place of a robot that is gone."""
         self._mark()
         event = self._codec.shape(Event)
         self._write({"told": tick, "events": [event.encode(item) for item in events]})
 
     def take_warning(self, tick: int) -> tuple[Warned, ...]:
-        """That nothing more is written, once."""
+        """Return a warning that nothing more is written, once."""
         if not self.failure or self._is_told:
             return ()
         self._is_told = True
         return (Warned(tick, f"the journal ends here, it cannot be written: {self.failure}"),)
 
     def close(self) -> None:
-        """The session is over."""
+        """Write the end of the session, and close the file."""
         if not self._is_over:
             self._is_over = True
             self._mark()
@@ -211,7 +218,7 @@ class JournalReader:
             raise UsageError(f"{path}: line 1: {error}") from error
 
     def records(self) -> Iterator[dict[str, Any]]:
-        """Every line but the first, with inputs and pictures decoded.
+        """Return every line but the first, with inputs and snapshots decoded.
 
         Raises:
             UsageError: a line that makes no sense; the text names file, line and byte.
