@@ -335,7 +335,7 @@ class VirtualRobot:
         run.look = lambda: self._look(run)
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run
-        if not self.controller.safety.refusal("power_on"):
+        if self.options.power_on and not self.controller.safety.refusal("power_on"):
             self.controller.power_up()
         self._trace = trace if isinstance(trace, Trace) else None
         if trace and self._trace is None:

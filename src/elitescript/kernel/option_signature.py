@@ -48,11 +48,7 @@ class _Signature:
 
         own = list(signature(owner.__init__).parameters.values())[1:]
         defaults = {**DEFAULTS, **IN_VIRTUAL_TIME}
-        kept = [
-            parameter.replace(default=defaults.get(parameter.name, parameter.default))
-            for parameter in own
-            if parameter.kind is not Parameter.VAR_KEYWORD
-        ]
+        kept = [parameter for parameter in own if parameter.kind is not Parameter.VAR_KEYWORD]
         options = [
             Parameter(row.name, Parameter.KEYWORD_ONLY, default=defaults[row.name], annotation=row.type)
             for row in fields(RobotOptions)
