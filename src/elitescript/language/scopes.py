@@ -1,4 +1,4 @@
-"""The regions of a program that have variables of their own.
+"""Scopes: the regions of a program that have variables of their own.
 
 The outermost scope is the body of the program; what Python calls global are here only the names
 that a `global` statement declares. What no scope binds comes from outside: robot commands,
@@ -14,7 +14,7 @@ from enum import StrEnum
 
 
 class Resolution(StrEnum):
-    """Where a name leads from a scope."""
+    """What a name refers to in a scope."""
 
     LOCAL = "local"
     CELL = "cell"
@@ -102,20 +102,13 @@ class Scope:
         return name in self.bindings and name not in self.globals and name not in self.nonlocals
 
     def resolve(self, name: str) -> Resolution:
-        """Return where `name` leads when it is used here."""
+        """Return what `name` refers to when it is used here."""
         if name in self.globals:
             return Resolution.GLOBAL
-        if self.has_local(name):
+        home = self.home(name)
+        if home is self:
             return Resolution.LOCAL
-        scope = self.parent
-        while scope is not None:
-            if scope.kind != "class":
-                if name in scope.globals:
-                    return Resolution.GLOBAL
-                if scope.has_local(name):
-                    return Resolution.CELL
-            scope = scope.parent
-        if name in self.nonlocals:
+        if home is not None or name in self.nonlocals:
             return Resolution.CELL
         return Resolution.GLOBAL if name in self._global_names else Resolution.BUILTIN
 
@@ -136,7 +129,7 @@ class Scope:
         return None
 
     def walk(self) -> Iterator[Scope]:
-        """This scope and all inside it, outer ones first."""
+        """Yield this scope and all inside it, outer ones first."""
         stack = [self]
         while stack:
             scope = stack.pop()

@@ -1,7 +1,7 @@
-"""Remains of Python 2.
+"""Detects remains of Python 2.
 
-People bring them from older manuals, which were written from a Python 2 text. What those manuals
-taught is accepted with a warning and rewritten; the rest gets its name and a repair.
+Older manuals were written from a Python 2 text. What they teach is accepted with a warning and
+rewritten; the rest is named and gets a repair.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _KNOWN_IN_TEXT = _KNOWN_ESCAPES | frozenset("NuU")
 
 
 def read_escapes(draft: Draft) -> None:
-    """Escapes in strings that Python does not have."""
+    """Report escapes in strings that Python does not have, and rewrite those of Python 2."""
     for string in draft.lexed.strings:
         _escapes(draft, string)
 
@@ -34,22 +34,17 @@ def _print(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
         return
     comma = rest.endswith(",")
     closing = ' end=" ")' if comma else ")"
-    if gap:
-        opening = (start + 5, start + 6)
-        repaired_opening = draft.edit(start + 5, start + 5 + gap, "(")
-    else:
-        opening = (start + 5, start + 5)
-        repaired_opening = draft.edit(start + 5, start + 5, "(")
+    opening = draft.edit(start + 5, start + 5 + gap, "(")
     draft.report(
         "E106",
         start,
         start + 5,
         "this is the print statement of Python 2; a Python 3 controller refuses it",
         "write print(...)",
-        Fix("write print(...)", (repaired_opening, draft.edit(end, end, closing)), safe=True),
+        Fix("write print(...)", (opening, draft.edit(end, end, closing)), safe=True),
         draft.tolerated(),
     )
-    draft.replace(*opening, "(")
+    draft.replace(start + 5, start + 5 + min(gap, 1), "(")
     draft.replace(end, end, closing)
 
 
@@ -130,7 +125,7 @@ STATEMENT_RULES: dict[str, Callable[[Draft, LogicalLine, int, int], None]] = {
     "except": _except,
     "exec": _exec,
 }
-"""By the first word of a statement, what to do with it."""
+"""The reader of a statement, by its first word."""
 
 
 # Operators
@@ -222,14 +217,9 @@ def _escapes(draft: Draft, string: StringToken) -> None:
                 end += 1
             new, meaning = "\\0" + text[start + 2 : end], "an octal number"
         else:
-            draft.report(
-                "W210",
-                start,
-                end,
-                f"Python has no escape \\{letter}: the backslash stays in the string",
-                "write \\\\ for a backslash",
-                Fix("double the backslash", (draft.edit(start, start, "\\"),), safe=True),
-            )
+            text_here = f"Python has no escape \\{letter}: the backslash stays in the string"
+            fix = Fix("double the backslash", (draft.edit(start, start, "\\"),), safe=True)
+            draft.report("W210", start, end, text_here, "write \\\\ for a backslash", fix)
             continue
         draft.report(
             "W210",
@@ -247,4 +237,4 @@ MARK_RULES: tuple[tuple[tuple[str, ...], Callable[[Draft], None]], ...] = (
     (("<>",), _diamond),
     (("`",), _backquotes),
 )
-"""What to do with a text that contains one of these marks."""
+"""The readers of a text that contains one of the marks."""
