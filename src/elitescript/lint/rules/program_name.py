@@ -15,7 +15,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from elitescript.language.kinds import SCRIPT
+from elitescript.language.options import SCRIPT
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
