@@ -51,9 +51,6 @@ def get_inverse_kin(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: Op
     Of all solutions and their full turns inside the joint limits it is the one with the least sum of squared joint
     differences to `qnear` (*assumed*: the manual says nearest).
 
-    Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
-
     Raises:
         MotionError: the pose is out of reach or outside the joint limits; `get_inverse_kin_has_solution` tests that.
     """

@@ -21,20 +21,13 @@ def get_actual_joint_positions(robot: Robot) -> JointPositions:
 
     They are the target positions, unless the plant of the simulated robot has a lag or noise; then they are behind the
     target while the arm moves, as those of a real arm.
-
-    Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
     """
     return robot.machine.joints().q_actual
 
 
 @command(family="motion", manual="2.1.5")
 def get_actual_joint_speeds(robot: Robot) -> JointSpeeds:
-    """Return the measured joint speeds.
-
-    Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
-    """
+    """Return the measured joint speeds."""
     return robot.machine.joints().qd_actual
 
 
@@ -96,21 +89,13 @@ def get_joint_torques(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "Nm")]
 
 @command(family="motion", manual="2.1.11")
 def get_target_joint_positions(robot: Robot) -> JointPositions:
-    """Return the commanded joint positions.
-
-    Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
-    """
+    """Return the commanded joint positions."""
     return robot.machine.joints().q_target
 
 
 @command(family="motion", manual="2.1.12")
 def get_target_joint_speeds(robot: Robot) -> JointSpeeds:
-    """Return the commanded joint speeds.
-
-    Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
-    """
+    """Return the commanded joint speeds."""
     return robot.machine.joints().qd_target
 
 

@@ -18,27 +18,12 @@ from elitescript.errors import ProgramError
 from elitescript.language.advice.syntax_errors import explain
 from elitescript.language.checkpoints import insert_checkpoints
 from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
-from elitescript.language.hooks import HOOKS, MAIN
+from elitescript.language.hooks import MAIN
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, syntax_tree
 from elitescript.language.policy import first_too_deep, guard_formats, review
 from elitescript.language.text.source import SourceFile
-
-__all__ = [
-    "HOOKS",
-    "MAIN",
-    "CompiledUnit",
-    "Options",
-    "Statement",
-    "check_unit",
-    "column_of",
-    "compile_expression",
-    "compile_parsed",
-    "compile_statement",
-    "compile_task",
-    "compile_unit",
-]
 
 _SCRIPT_NAME: Final = "main"
 """The name of an unnamed program in qualified names and stack listings."""

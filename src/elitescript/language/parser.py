@@ -323,16 +323,8 @@ class _TextReader:
             return kind, outer_definition(tree)
         for statement in tree.body:
             if isinstance(statement, ast.FunctionDef) and statement.lineno in self.translation.secondaries:
-                self.problems.append(
-                    diagnostic(
-                        "E105",
-                        statement.lineno,
-                        1,
-                        "a secondary program cannot be part of a longer text",
-                        end_column=4,
-                        hint="send it by itself, or write `def`",
-                    )
-                )
+                text, hint = "a secondary program cannot be part of a longer text", "send it by itself, or write `def`"
+                self.problems.append(diagnostic("E105", statement.lineno, 1, text, end_column=4, hint=hint))
         return kind, None
 
 

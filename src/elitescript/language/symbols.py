@@ -52,8 +52,7 @@ class Symbols:
         root: ast.AST = parsed.unit or parsed.tree
         self.body = Scope(self._declared, "body", parsed.name, root, None)
         _Walk(self).run()
-        self.scopes = tuple(self.body.walk())
-        for scope in self.scopes:
+        for scope in tuple(self.body.walk()):
             scope.calls.sort(key=_position)
             scope.children.sort(key=lambda child: _position(child.node))
             for bindings in scope.bindings.values():

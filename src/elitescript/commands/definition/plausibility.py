@@ -191,23 +191,19 @@ def _too_fast(place: str, value: float, unit: str, in_degrees: bool, index: int 
     return Doubt("W232", text, hint, index)
 
 
-def _joint_speeds(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
-    if _is_within(value, JOINT_SPEED_MOST):
-        return
-    for index, number in _numbers(value):
-        if abs(number) > JOINT_SPEED_MOST:
-            yield _too_fast(f"[{index}]", number, "rad/s", True, index)
-            return
+def _speeds(first_turn: int) -> Judge:
+    """Return the judge of a list of speeds: m/s up to an element, rad/s from it on."""
 
-
-def _tool_velocity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
-    if _is_within(value, TOOL_SPEED_MOST):
-        return
-    for index, number in _numbers(value):
-        is_turn = index >= 3
-        if abs(number) > (JOINT_SPEED_MOST if is_turn else TOOL_SPEED_MOST):
-            yield _too_fast(f"[{index}]", number, "rad/s" if is_turn else "m/s", is_turn, index)
+    def judge(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+        if _is_within(value, TOOL_SPEED_MOST if first_turn else JOINT_SPEED_MOST):
             return
+        for index, number in _numbers(value):
+            is_turn = index >= first_turn
+            if abs(number) > (JOINT_SPEED_MOST if is_turn else TOOL_SPEED_MOST):
+                yield _too_fast(f"[{index}]", number, "rad/s" if is_turn else "m/s", is_turn, index)
+                return
+
+    return judge
 
 
 def _blend_radius(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -239,10 +235,10 @@ JUDGES: Final[dict[str, Judge]] = {
     "tcp": _tcp,
     "centre of gravity": _centre_of_gravity,
     "joint speed": _scalar(JOINT_SPEED_MOST, "rad/s", True),
-    "joint speeds": _joint_speeds,
+    "joint speeds": _speeds(0),
     "joint acceleration": _scalar(JOINT_ACCELERATION_MOST, "rad/s^2", True),
     "tool speed": _scalar(TOOL_SPEED_MOST, "m/s", False),
-    "tool velocity": _tool_velocity,
+    "tool velocity": _speeds(3),
     "tool acceleration": _scalar(TOOL_ACCELERATION_MOST, "m/s^2", False),
     "blend radius": _blend_radius,
     "payload": _payload,

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar, get_args
 
-from elitescript.commands.definition.quantities import Anything, Optionally, Quantity
+from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, Vector
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
 from elitescript.messages.profile import release_of
 
@@ -336,7 +336,6 @@ class _Details:
         doc = read_docstring(function.__doc__ or "")
         self.summary = doc.summary
         self.behaviour = doc.behaviour
-        self.returns_text = doc.returns
         self.raises = doc.raises
         texts = {**command.arguments, **doc.args}
         names = function.__code__.co_varnames[: function.__code__.co_argcount]
@@ -359,6 +358,8 @@ class _Details:
         self.indices = {name: index for index, param in enumerate(params) for name in (param.name, *param.spellings)}
         """Index of the parameter that a keyword means."""
         self.returns = _quantity(function, "return") or Anything("None")
+        elements = self.returns.names if isinstance(self.returns, Vector) else ""
+        self.returns_text = doc.returns or (f"{elements}." if elements else "")
         self.judged = _judged(self.params)
         """Index, parameter, judge, and whether it is joints or a pose; see `plausibility`."""
         self.kind = self.returns.meaning if self.returns.meaning in ("joints", "pose") else ""

@@ -73,14 +73,9 @@ def _global(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
     separator = f"\n{indentation}" if alone else "; "
     at = start + found.start("gap")
     edit = draft.edit(at, start + found.end() - 1, f"{separator}{names} ")
-    draft.report(
-        "E108",
-        start,
-        end,
-        "`global` cannot assign: it only says that the name is shared",
-        f"write `global {names}` and below it the assignment",
-        Fix("assign in a statement of its own", (edit,), safe="," not in names),
-    )
+    text = "`global` cannot assign: it only says that the name is shared"
+    fix = Fix("assign in a statement of its own", (edit,), safe="," not in names)
+    draft.report("E108", start, end, text, f"write `global {names}` and below it the assignment", fix)
     draft.hide(line, at, end)
 
 
@@ -116,9 +111,8 @@ def _steps(draft: Draft) -> None:
         if (not rest or rest[0] == ";") and compiled(r"[\w.]+").fullmatch(target):
             begin = line.start + len(target)
             fix = Fix(f"write {sign}= 1", (draft.edit(begin, end, f" {sign}= 1"),), safe=True)
-        draft.report(
-            "E113", start, end, f"`{found.group()}` is an operator of C", f"write `x {sign}= 1` as a statement", fix
-        )
+        text = f"`{found.group()}` is an operator of C"
+        draft.report("E113", start, end, text, f"write `x {sign}= 1` as a statement", fix)
         draft.blank(start, end)
 
 
@@ -242,9 +236,8 @@ def _xor(draft: Draft) -> None:
         if masked[start - 1 : start] == "." or not operand_before(masked[line.start : start]):
             continue
         fix = Fix("write !=", (draft.edit(start, end, "!="),), safe=False)
-        draft.report(
-            "E114", start, end, "`xor` is URScript", "write != between truth values, ^ between bit patterns", fix
-        )
+        hint = "write != between truth values, ^ between bit patterns"
+        draft.report("E114", start, end, "`xor` is URScript", hint, fix)
         draft.replace(start, end, " ^ ")
 
 
@@ -295,14 +288,9 @@ def _look_alikes(draft: Draft) -> None:
             for other in compiled(pattern).finditer(draft.lexed.masked, line.start, line.end)
         )
         plain = _LOOK_ALIKES[character]
-        draft.report(
-            "E001",
-            found.start(),
-            found.end(),
-            f"the character U+{ord(character):04X} only looks like {'a blank' if plain == ' ' else plain}",
-            "type it on the keyboard; text copied from documents often has such characters",
-            Fix("write plain characters", edits, safe=True),
-        )
+        text = f"the character U+{ord(character):04X} only looks like {'a blank' if plain == ' ' else plain}"
+        hint = "type it on the keyboard; text copied from documents often has such characters"
+        draft.report("E001", *found.span(), text, hint, Fix("write plain characters", edits, safe=True))
 
 
 _STATEMENT_RULES: dict[str, Callable[[Draft, LogicalLine, int, int], None]] = {

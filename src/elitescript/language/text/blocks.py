@@ -231,13 +231,9 @@ class _BlockReader:
     def _secondary(self, line: LogicalLine) -> None:
         if self.blocks:
             block = self.blocks[-1]
-            self.draft.report(
-                "E105",
-                line.start,
-                line.start + 3,
-                f"a secondary program cannot stand inside the {block.label} of line {block.header.line}",
-                "move it out and send it by itself, or write `def`",
-            )
+            text = f"a secondary program cannot stand inside the {block.label} of line {block.header.line}"
+            hint = "move it out and send it by itself, or write `def`"
+            self.draft.report("E105", line.start, line.start + 3, text, hint)
         self.draft.secondaries.add(line.line)
         self.draft.replace(line.start, line.start + 3, "def")
 
@@ -252,13 +248,9 @@ class _BlockReader:
             self._repair(block, empty=block.waits)
         elif closed and closed[0].column == line.column and word in _CLAUSES_OF.get(closed[0].word, ()):
             block, end = closed
-            draft.report(
-                "E103",
-                line.start,
-                line.start + len(word),
-                f"`{word}` comes after the `end` of its `{block.word}` in line {end.line}",
-                "one `end` closes the whole statement; put it behind the last clause",
-            )
+            text = f"`{word}` comes after the `end` of its `{block.word}` in line {end.line}"
+            hint = "one `end` closes the whole statement; put it behind the last clause"
+            draft.report("E103", line.start, line.start + len(word), text, hint)
             self.blocks.append(block)
         else:
             if block and block.column == line.column:
@@ -339,13 +331,9 @@ class _BlockReader:
         self.left[block.column] = (block, line)
         if block.waits and line.column == block.column:
             self.lost[block.column] = self.lost.get(block.column, 0) + 1
-            self.draft.report(
-                "E001",
-                line.start,
-                line.start + max(1, len(line.word)),
-                f"the body of the {block.label} of line {block.header.line} should be indented here",
-                "indent the lines that belong to it, or write `pass`",
-            )
+            text = f"the body of the {block.label} of line {block.header.line} should be indented here"
+            hint = "indent the lines that belong to it, or write `pass`"
+            self.draft.report("E001", line.start, line.start + max(1, len(line.word)), text, hint)
             self._repair(block, empty=True)
             return
         self._close(block, line)
@@ -362,15 +350,10 @@ class _BlockReader:
                 self._empty(block)
         self._repair(block, empty=block.waits)
         if block.word == "try" and not block.clauses and not block.opener.broken:
-            opener = block.opener
-            self.draft.report(
-                "E001",
-                opener.start,
-                opener.start + 3,
-                "this `try` has neither `except` nor `finally`",
-                "say behind its body what to do with an error: `except Exception as e:`",
-            )
-            self.draft.replace(opener.start, opener.start + 3, "if 1")
+            start = block.opener.start
+            hint = "say behind its body what to do with an error: `except Exception as e:`"
+            self.draft.report("E001", start, start + 3, "this `try` has neither `except` nor `finally`", hint)
+            self.draft.replace(start, start + 3, "if 1")
 
     def _repair(self, block: _Block, empty: bool) -> None:
         header = block.header

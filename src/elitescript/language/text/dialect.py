@@ -127,16 +127,9 @@ def _unfold(source: SourceFile, lexed: Lexed, problems: list[Diagnostic]) -> tup
             open_headers.append((start, end))
     for start, end in open_headers:
         row, column = lexed.place(start)
-        problems.append(
-            diagnostic(
-                "E102",
-                row,
-                column,
-                f"this `{masked[start:end].partition(' ')[0].rstrip(':')}` has no `end`",
-                end_column=column + end - start,
-                hint="in a single line every block needs its `end`",
-            )
-        )
+        text = f"this `{masked[start:end].partition(' ')[0].rstrip(':')}` has no `end`"
+        hint = "in a single line every block needs its `end`"
+        problems.append(diagnostic("E102", row, column, text, end_column=column + end - start, hint=hint))
     return "\n".join(rows), Unfolding(line.line, tuple(offsets))
 
 

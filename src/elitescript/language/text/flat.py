@@ -45,15 +45,11 @@ def restore_indentation(draft: Draft) -> None:
         ]
         fix = Fix("indent the lines as their `end`s say", tuple(edits), safe=True)
         hint = "indent the lines between each header and its `end` by two or four blanks"
-    draft.report(
-        "E001",
-        first.start,
-        first.start + max(1, len(first.word)),
+    text = (
         f"the indentation is lost: every line begins in column 1, so nothing is inside the `{header.word}` "
-        f"of line {header.line}",
-        hint,
-        fix,
+        f"of line {header.line}"
     )
+    draft.report("E001", first.start, first.start + max(1, len(first.word)), text, hint, fix)
     for line, depth in zip(lines, depths, strict=True):
         if depth:
             line.column = len(INDENT) * depth

@@ -28,9 +28,8 @@ def program_name(program: AnalysedProgram) -> Iterator[Finding]:
         for use in program.unknown:
             if use.name == parsed.name:
                 text = f"`{use.name}` is the name of this program, not of a function: it is not defined here"
-                yield Finding(
-                    use.node, text, "for a loop write `while True:`; for a function, `def` inside the program"
-                )
+                hint = "for a loop write `while True:`; for a function, `def` inside the program"
+                yield Finding(use.node, text, hint)
     if parsed.kind == SCRIPT:
         yield from _trailing_calls(parsed.tree.body)
 
