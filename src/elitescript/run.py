@@ -151,7 +151,7 @@ class Run:
 
     @property
     def is_reproducible(self) -> bool:
-        """Whether another process gives the same bytes, as Python's string hashing has a fixed seed in this one.
+        """Whether another process gives the same bytes, which needs a fixed seed of Python's string hashing.
 
         Without it, only what depends on the order of a set of strings can differ.
         """
