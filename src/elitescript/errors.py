@@ -276,7 +276,7 @@ class ScriptStateError(ScriptError, RuntimeError):
 
 
 class ScriptPermissionError(ScriptError, PermissionError):
-    """The script asked for something that scripts may not have."""
+    """The script requested access that scripts do not have."""
 
     default_code = "R123"
 

@@ -51,7 +51,7 @@ class Run:
             last `RECORDS_MAX`. So it is with the texts.
         events_dropped: how many events have gone, so that a run of days does not fill the memory.
         undelivered: data that the program sent and that did not arrive, as text; each is a warning too.
-        trace: rows, if a trace was asked for; `trace[i].signals` has the signals by name.
+        trace: rows, if a trace was requested; `trace[i].signals` has the signals by name.
         look: returns the present values of the properties; None before the start and after the end.
         threads: script threads at the end of a program that did not end by itself: where each was.
         is_paced: whether a connection to the outside held virtual time back to the wall clock.

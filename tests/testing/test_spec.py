@@ -88,9 +88,9 @@ class TestPages:
     def test_cell_and_inputs_belong_to_their_case(self):
         world = "```cell\n[contact]\n```\n```inputs\n0.5: flag[1] = 1\n1: external_wrench[0] = -2.5\n```\n"
         case, other = parse_page(page("") + world + page("").replace("# T", "# U"))
-        assert case.cell == "[contact]\n"
+        assert case.world == "[contact]\n"
         assert case.inputs == ((0.5, "flag[1]", 1.0), (1.0, "external_wrench[0]", -2.5))
-        assert (other.cell, other.inputs) == ("", ())
+        assert (other.world, other.inputs) == ("", ())
 
     @pytest.mark.parametrize(
         ("text", "place"),

@@ -292,7 +292,7 @@ def modbus_get_error(
         error_source: 0 both, 1 the device, 2 the connection.
 
     Returns:
-        [code of the device, code of the connection], or the one that was asked for. Devices: -2 not connected, -1
+        [code of the device, code of the connection], or the selected one. Devices: -2 not connected, -1
         connecting or not answered yet, 0 nothing, 1 to 11 MODBUS exceptions, 9 also an answer that makes no sense
         (*assumed*); connections: error numbers of TCP/IP, 110 also for a request without an answer within 1 s
         (*assumed*).

@@ -364,7 +364,7 @@ _TEXTS: Final[dict[str, str]] = {
             x = sum(range(10 ** 12))   # R132: compute it in pieces, with sync() between them
         """,
     "R133": """
-        A remote procedure call that failed: no connection, no answer in time, or an answer that says so. The alarm has
+        A remote procedure call that failed: no connection, no answer in time, or a fault as the answer. The alarm has
         the number and the text of the server's fault.
 
             camera = rpc_factory("xmlrpc", "http://192.168.1.9:8080")
@@ -409,7 +409,7 @@ _TEXTS: Final[dict[str, str]] = {
             socket_read_string()               # W272: begins with the line end
         """,
     "R150": """
-        The program has asked for more memory than the run may have. Make shorter lists and texts, or keep fewer of
+        The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of
         them; `run --memory-limit` sets what a run may have.
 
             rows = [0] * 10**12                # R150

@@ -46,7 +46,7 @@ class Use(NamedTuple):
     node: ast.Name
     scope: Scope
     is_call: bool
-    """It is called there."""
+    """Whether it is called there."""
 
     @property
     def name(self) -> str:

@@ -33,7 +33,7 @@ _ENDING: Final = frozenset(("halt", "random"))
 
 
 class Work:
-    """What a part of a program does each time.
+    """Effects of a part of a program.
 
     Attributes:
         is_uncertain: it may wait, or may leave in a way that is not followed.

@@ -90,7 +90,7 @@ class Case:
     line: int
     texts: tuple[ProgramBlock, ...]
     expectations: tuple[Expectation, ...]
-    cell: str = ""
+    world: str = ""
     """The surroundings of the robot, as the text of a world file."""
     inputs: tuple[tuple[float, str, float], ...] = ()
     """Signals that change: time in s, name, value."""
@@ -141,7 +141,7 @@ def parse_page(page: str) -> list[Case]:
     line = 0
     texts: list[ProgramBlock] = []
     expectations: list[Expectation] = []
-    cell: list[str] = []
+    world: list[str] = []
     inputs: list[tuple[float, str, float]] = []
     servers: list[tuple[int | str, int, str]] = []
 
@@ -153,9 +153,9 @@ def parse_page(page: str) -> list[Case]:
                 raise UsageError(f"line {texts[1].line}: several programs in one case must all be `stream`")
             names = [heading for heading in headings if heading]
             title = "/".join(names[1:] or names)
-            around = "".join(cell), tuple(inputs), tuple(servers)
+            around = "".join(world), tuple(inputs), tuple(servers)
             cases.append(Case(title, line, tuple(texts), tuple(expectations), *around))
-        for found in (texts, expectations, cell, inputs, servers):
+        for found in (texts, expectations, world, inputs, servers):
             found.clear()
 
     for number, kind, info, body in _blocks(page):
@@ -170,7 +170,7 @@ def parse_page(page: str) -> list[Case]:
                 raise UsageError(f"line {number}: a program after the expect block; start a new heading")
             texts.append(ProgramBlock(number + 1, body, _words(number, info, TEXT_WORDS)))
         elif info == "cell":
-            cell.append(body)
+            world.append(body)
         elif info == "inputs":
             inputs += _inputs(number + 1, body)
         elif info.split(" ")[0] == "server":

@@ -57,7 +57,7 @@ class _Observed:
             world=MemoryEnvironment(channels=network(self._servers, (end for end, _, _ in case.servers))),
             firmware=self._firmware,
             strict=self._is_strict,
-            contact=ContactConfig.from_table(tomllib.loads(case.cell).get("contact", {})),
+            contact=ContactConfig.from_table(tomllib.loads(case.world).get("contact", {})),
             on_event=lambda event: note_event(self.outcome, event),
         )
         for time_s, name, value in case.inputs:

@@ -74,7 +74,7 @@ class Doubt(NamedTuple):
 
 
 class ArmFacts(Protocol):
-    """What is known of the arm."""
+    """Facts of the arm on which doubts depend."""
 
     @property
     def arm(self) -> Arm: ...

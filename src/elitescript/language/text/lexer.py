@@ -63,7 +63,7 @@ class LogicalLine:
         self.word = ""
         """The identifier or keyword at its start; empty if it starts with something else."""
         self.broken = False
-        """It has a flaw, so Python's parser should not see it."""
+        """Whether it has a flaw, so that Python's parser must not read it."""
 
 
 class Lexed:

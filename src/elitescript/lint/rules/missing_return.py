@@ -100,7 +100,7 @@ def _asks_for_none(use: ast.expr, program: AnalysedProgram) -> bool:
 
 
 def _takes_none(use: ast.expr, program: AnalysedProgram) -> bool:
-    """Return whether a value is only asked whether it is true or equal to something, handed on, or never looked at."""
+    """Return whether a value is only tested for truth or equality, passed on, or ignored."""
     above = program.symbols.parent(use)
     if isinstance(above, ast.Compare):
         return all(isinstance(operator, (ast.Eq, ast.NotEq, ast.Is, ast.IsNot)) for operator in above.ops)
