@@ -27,8 +27,8 @@ from elitescript.kernel.arm import named_model
 from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.option_signature import takes_options
 from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, robot_options
-from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
-from elitescript.language.options import SECONDARY
+from elitescript.language.compiler import CompiledUnit, compile_task, compile_unit
+from elitescript.language.options import SECONDARY, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import UNDELIVERED, Alarm, Event, SignalChanged, Warned
