@@ -430,6 +430,8 @@ class VirtualRobot:
         kernel, controller, channels = self._kernel, self.controller, self._outside.channels
         surroundings = self._outside.surroundings
         idle_ticks = 0
+        idle_from: int | None = None
+        """Since when nothing but clients is due."""
         while not (stays and limit is not None and controller.tick >= limit):
             if pace is not None:
                 pace(controller.tick)
@@ -463,8 +465,15 @@ class VirtualRobot:
                 run.is_paced = True
             if self._drain is not None:
                 due = _earliest(due, max(self._drain.end_tick, controller.tick + 1))
+            if due is not None:
+                idle_from = None
+            elif idle_from is None:
+                idle_from = controller.tick
             if self._clients is not None and self._clients.are_open:
                 due = _earliest(due, self._clients.next_tick(controller.tick))
+                if idle_from is not None and watch is None:
+                    # What a port sends by itself, at whatever rate, gets nothing under way.
+                    idle_ticks = max(idle_ticks, controller.tick - idle_from)
                 if watch is not None:
                     # A client that acts in `watch` may end what looks stuck.
                     idle_ticks, due = 0, controller.tick + 1 if due is None else due

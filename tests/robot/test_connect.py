@@ -550,3 +550,35 @@ def test_a_robot_without_power_stays_so_until_a_client_asks_for_it():
     assert robot.state.robot_mode.name == "POWER_OFF"
     assert robot.current is not None
     assert robot.current.state == "alarm"
+
+
+def test_what_happens_between_two_ticks_reaches_a_client_with_the_next_one():
+    robot = VirtualRobot()
+    robot.run("sleep(2)")
+    client = robot.connect("primary")
+    robot.protective_stop("boo")
+    robot.advance(0.5)
+    assert b"boo" in client.receive()
+
+
+@pytest.mark.parametrize("tick", [25, 26, 27, 30])
+def test_what_watch_causes_reaches_a_client_at_every_tick(tick):
+    robot = VirtualRobot()
+    client = robot.connect("primary")
+
+    def watch(robot):
+        if robot.tick == tick:
+            robot.protective_stop("boo")
+
+    robot.run("for i in range(60):\n  sync()\nend\n", watch=watch)
+    robot.advance(0.5)
+    assert b"boo" in client.receive()
+
+
+@pytest.mark.parametrize("port", ["dashboard", "primary", "rtsi"])
+def test_a_silent_client_does_not_keep_a_stuck_program_alive(port):
+    robot = VirtualRobot(speed=0.0)
+    robot.connect(port)
+    run = robot.run("movej([0.3, -1.4, -1.7, -1.6, 1.57, 0])", until_s=60)
+    assert run.state == "stuck"
+    assert robot.time_s < 2.0

@@ -195,6 +195,20 @@ class TestLink:
 
         with_link(body, files=MemoryFiles({}))
 
+    @pytest.mark.parametrize("line", [2**40, -1, "5", 1.5, True])
+    def test_a_line_that_no_program_has_ends_a_child(self, children, line):  # noqa: F811
+        async def body(link):
+            await link.tick(())
+            child = children[0]
+            child.is_mute = True
+            await link.tick((), reads_snapshot=False)
+            number = link._transport.unanswered[0].number
+            child.say(frames.RESULT, to_text([line, [number, [], [], []]]).encode())
+            await link.tick(())
+            assert child.is_killed
+
+        with_link(body)
+
     def test_when_none_comes_up_from_the_last_picture_one_begins_as_the_first_did(self, children, monkeypatch):  # noqa: F811
         async def body(link):
             await link.tick(())

@@ -79,6 +79,7 @@ class Kernel:
         "_faulty",
         "_handlers",
         "_has_run",
+        "_left",
         "_limit",
         "_on_end",
         "_on_event",
@@ -118,6 +119,8 @@ class Kernel:
         self._posted: list[Input] = []
         self._output: Output | None = None
         self._has_run = False
+        self._left = 0
+        """Events that came after the clients had got the tick before: they get them with the next one."""
         self._description: RobotDescription | None = None
         self._ports: dict[str, Connect] = {}
         self._handlers: InputHandlers | None = None
@@ -252,8 +255,9 @@ class Kernel:
         self.controller.leap(tick)
         if self._has_run:
             self._has_run = False
-            if self._output is None and self._events:
-                self._events.clear()  # no client gets them
+            if self._output is None:
+                del self._events[: self._left]  # no client has taken them in the tick that has run
+            self._left = len(self._events)
             self._output = None
 
     @property
@@ -314,6 +318,7 @@ class Kernel:
         requests = () if self._requests is None else self._requests.take()
         result = self.handlers.result(self._events, requests)
         self._events.clear()
+        self._left = 0
         return result
 
     def snapshot(self) -> Snapshot:

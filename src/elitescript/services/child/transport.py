@@ -22,6 +22,7 @@ from elitescript.kernel import RobotOptions
 from elitescript.messages.inputs import Input, Interpret, LoadTask, PlayTask, Query, RunUnit
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.state import RobotState
 from elitescript.services.child import frames, output_changes
 from elitescript.services.child.jail import Layer
 from elitescript.services.child.output_changes import OutputReader
@@ -84,6 +85,7 @@ class ChildTransport:
         "_codec",
         "_desk",
         "_input_shape",
+        "_line_shape",
         "_on_change",
         "_on_output",
         "_on_question",
@@ -116,6 +118,7 @@ class ChildTransport:
         self._on_question = on_question
         self._on_change = on_change
         self._input_shape = codec.shape(Input)
+        self._line_shape = codec.field_shapes(RobotState)["line"]
         self._result_shape = codec.shape(TickResult)
         self._reader = OutputReader(codec)
         self._reading_s = 0.0
@@ -225,10 +228,10 @@ class ChildTransport:
         line, said = data
         check_list(said, 4)
         output_changes.check_said(said[1:])
-        if type(line) is not int:
-            raise CodecError("a line is a number")
+        line = self._line_shape.decode(line)
+        result = self._result_shape.decode(said)
         self.line = line
-        return self._result_shape.decode(said)
+        return result
 
     def _take_question(self, text: bytes) -> None:
         answer = self._desk.answer(from_text(text))
