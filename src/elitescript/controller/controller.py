@@ -19,7 +19,7 @@ from elitescript.controller.force.contact import ContactConfig
 from elitescript.controller.force.yielding_correction import Caller
 from elitescript.controller.modes import AT_ONCE, WHY_NOT_READY, Power, PowerTimes
 from elitescript.controller.motion.control import MotionControl, motion_limits
-from elitescript.controller.motion.conveyor_encoders import ENCODER_HANDLERS
+from elitescript.controller.motion.conveyor_encoders import ENCODER_HANDLERS, SPEED_SIGNAL
 from elitescript.controller.motion.conveyor_tracking import Tracking
 from elitescript.controller.motion.path_offset import PathOffset
 from elitescript.controller.request_queue import RequestQueue
@@ -213,16 +213,22 @@ class Controller:
 
     def next_tick(self) -> int | None:
         """Return the next tick at which anything is due; None when nothing will ever happen by itself."""
-        tick, arm, program = self._tick, self.arm_state, self.task.program
-        due = (program.next_tick(tick), arm.next_tick, self._inbox.next_tick, self.safety.next_tick(tick))
-        ticks = [at for at in (*due, self.power.next_tick, self._fault_tick) if at is not None]
+        tick, due_arm = self._tick, self.arm_state.next_tick
+        if due_arm == tick + 1 or self.safety.next_tick(tick) is not None:
+            return tick + 1
+        due = self.task.program.next_tick(tick), self._inbox.next_tick, self.power.next_tick, self._fault_tick
+        ticks = [at for at in (due_arm, *due) if at is not None]
         return max(min(ticks), tick + 1) if ticks else None
 
     @property
     def is_idle(self) -> bool:
         """Whether nothing is due but an arm that stands; see `ArmState.is_standing`."""
-        others = self.task.program.next_tick(self._tick), self._inbox.next_tick, self._fault_tick
-        return others == (None, None, None) and self.arm_state.is_standing
+        return (
+            self._inbox.next_tick is None
+            and self._fault_tick is None
+            and self.task.program.next_tick(self._tick) is None
+            and self.arm_state.is_standing
+        )
 
     @property
     def _fault_tick(self) -> int | None:
@@ -564,7 +570,8 @@ class Controller:
         by = self._by
         line = self.task.program.caller[1] if by == PROGRAM else 0
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value, by, line))
-        self.tracking.encoders.signal_changed(name, index, value, self._tick)
+        if name == SPEED_SIGNAL:
+            self.tracking.encoders[index].turn(float(value), self._tick)
         self.safety.signal_changed(name, value, self._tick)
 
     def _write_overridden(self, name: str, index: int, level: Value) -> None:
@@ -649,7 +656,7 @@ def _end_input_faults(controller: Controller, _request: EndInputFaults) -> None:
 
 
 def _set_encoder(controller: Controller, request: Any) -> None:
-    ENCODER_HANDLERS[type(request)](controller.tracking.encoders, request, controller.tick)
+    ENCODER_HANDLERS[type(request)](controller.tracking.encoders[request.index], request, controller.tick)
 
 
 def _set_force(controller: Controller, request: Any) -> None:

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 from elitescript.errors import ScriptStateError
 from elitescript.messages.enums import TaskState
@@ -47,32 +47,15 @@ class ProgramPort(Protocol):
 
 
 class NoProgram:
-    """Stands in until a host is attached."""
+    """Do nothing: the port until a host is attached."""
 
     line = 0
     caller = ("", 0)
 
-    def run_tick(self, tick: int) -> None:
-        """Nothing runs."""
+    def _ignore(self, *_: Any) -> None:
+        pass
 
-    def next_tick(self, tick: int) -> int | None:
-        """Nothing is due."""
-        return None
-
-    def motion_ended(self, move: int, is_complete: bool) -> None:
-        """Nothing waits."""
-
-    def pause(self) -> None:
-        """Nothing runs."""
-
-    def resume(self) -> None:
-        """Nothing runs."""
-
-    def stop(self, reason: str) -> None:
-        """Nothing runs."""
-
-    def fail(self, alarm: Alarm) -> None:
-        """Nothing runs."""
+    run_tick = next_tick = motion_ended = pause = resume = stop = fail = _ignore
 
 
 TRANSITIONS: Final[dict[tuple[TaskState, str], TaskState]] = {

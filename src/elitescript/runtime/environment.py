@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase, TextIOWrapper
-from typing import IO, TYPE_CHECKING, Any, Final, Protocol, cast
+from typing import IO, TYPE_CHECKING, Any, Final, NoReturn, Protocol, cast
 
 from elitescript.errors import ArgumentTypeError, ScriptPermissionError
 
@@ -150,78 +150,47 @@ class ProgramEnvironment(Protocol):
 
 
 class FilesRefused:
-    """The task folder of a world that has none."""
+    """Refuse every file: there is no task folder."""
 
     __slots__ = ()
 
-    def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
-        """Refuse."""
-        raise self._refusal(name)
-
     def kind(self, name: str) -> str:
-        """There is nothing."""
         return "folder" if name == "" else ""
 
-    def size(self, name: str) -> int:
-        """Refuse."""
-        raise self._refusal(name)
-
     def names(self, name: str) -> list[str]:
-        """There is nothing."""
         return []
 
-    def remove(self, name: str) -> None:
-        """Refuse."""
-        raise self._refusal(name)
+    def _refuse(self, name: str, *_details: object, **_options: object) -> NoReturn:
+        raise ScriptPermissionError(f"cannot open {name!r}: this run has no task folder")
 
-    def make_folder(self, name: str) -> None:
-        """Refuse."""
-        raise self._refusal(name)
-
-    @staticmethod
-    def _refusal(name: str) -> ScriptPermissionError:
-        return ScriptPermissionError(f"cannot open {name!r}: this run has no task folder")
+    open = size = remove = make_folder = _refuse
 
 
 class NoChannels:
-    """The network of a world that has none."""
+    """Open no channel: there is no network and no serial line."""
 
     __slots__ = ()
 
     is_real: Final = False
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
-        """There is nothing to connect to."""
         return 0
 
     def open_line(self, device: str, settings: LineSettings) -> int:
-        """There is no line."""
         return 0
 
-    def send(self, channel: int, data: bytes) -> None:
-        """There is no channel."""
-
-    def credit(self, channel: int, size: int) -> None:
-        """There is no channel."""
-
-    def close(self, channel: int) -> None:
-        """There is no channel."""
-
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
-        """Nothing."""
         return ()
 
     def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """Nothing."""
         return ()
 
-    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """Nothing."""
-        return ()
+    give_up = pending
 
-    def next_tick(self, tick: int) -> int | None:
-        """Never."""
-        return None
+    def _ignore(self, *_: Any, **_options: Any) -> None:
+        pass
+
+    send = credit = close = next_tick = _ignore
 
 
 class EmptyEnvironment:

@@ -290,6 +290,8 @@ class ScriptHost:
         if self._ending:
             return tick + 1
         due = self._scheduler.next_tick(tick)
+        if due == tick + 1:
+            return due
         due_secondary = self._secondaries.next_tick(tick)
         due_query = self._queries.next_tick(tick)
         due_watch = None if self.is_paused else self.watchdogs.next_tick()

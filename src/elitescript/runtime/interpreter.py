@@ -62,18 +62,14 @@ class StatementListener(Protocol):
 
 
 class NoStatementListener:
-    """Ignores what becomes of statements."""
+    """Do nothing."""
 
     __slots__ = ()
 
-    def accepted(self, origin: str, number: int, text: str) -> None:
-        """Ignore it."""
+    def _ignore(self, *_: Any, **_options: Any) -> None:
+        pass
 
-    def discarded(self, origin: str, reason: DiscardReason, text: str, trace: str = "") -> None:
-        """Ignore it."""
-
-    def executed(self, number: int, step: str, text: str) -> None:
-        """Ignore it."""
+    accepted = discarded = executed = _ignore
 
 
 class _Held(NamedTuple):

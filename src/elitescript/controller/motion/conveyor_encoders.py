@@ -20,7 +20,6 @@ from typing import Any, Final, NamedTuple
 from elitescript.errors import ArgumentRangeError, ScriptStateError
 from elitescript.messages.enums import PulseDecoder
 from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount
-from elitescript.messages.signals import Value
 from elitescript.messages.timing import TICKS_PER_S
 
 ENCODERS: Final = 2
@@ -103,7 +102,7 @@ class CountLine(NamedTuple):
 
 
 class Encoder:
-    """One encoder.
+    """One encoder; it keeps its settings and its count from one program to the next (*assumed*).
 
     Args:
         index: its number.
@@ -223,38 +222,9 @@ class Encoder:
         return abs(self._speed) * SHARES[self._decoder]
 
 
-class Encoders:
-    """Both encoders; they keep their settings and counts from one program to the next (*assumed*)."""
-
-    __slots__ = ("_encoders",)
-
-    def __init__(self) -> None:
-        self._encoders = tuple(Encoder(index) for index in range(ENCODERS))
-
-    def __getitem__(self, index: int) -> Encoder:
-        return self._encoders[index]
-
-    def signal_changed(self, name: str, index: int, value: Value, tick: int) -> None:
-        """A signal has another value: one of them turns the wheel of a simulated encoder."""
-        if name == SPEED_SIGNAL:
-            self._encoders[index].turn(float(value), tick)
-
-    def prepare(self, request: PrepareEncoder, tick: int) -> None:
-        """See `Encoder.prepare`."""
-        self._encoders[request.index].prepare(request, tick)
-
-    def decode(self, request: DecodePulses, tick: int) -> None:
-        """See `Encoder.decode`."""
-        self._encoders[request.index].decode(request, tick)
-
-    def set_count(self, request: SetEncoderCount, tick: int) -> None:
-        """See `Encoder.set_count`."""
-        self._encoders[request.index].set_count(request, tick)
-
-
-ENCODER_HANDLERS: Final[dict[type, Callable[[Encoders, Any, int], None]]] = {
-    PrepareEncoder: Encoders.prepare,
-    DecodePulses: Encoders.decode,
-    SetEncoderCount: Encoders.set_count,
+ENCODER_HANDLERS: Final[dict[type, Callable[[Encoder, Any, int], None]]] = {
+    PrepareEncoder: Encoder.prepare,
+    DecodePulses: Encoder.decode,
+    SetEncoderCount: Encoder.set_count,
 }
-"""Every request that changes an encoder, and what handles it at a tick."""
+"""Handler of every request that changes an encoder, at a tick."""

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from elitescript.controller.motion.conveyor_encoders import CountLine, Encoder, Encoders
+from elitescript.controller.motion.conveyor_encoders import ENCODERS, CountLine, Encoder
 from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_branch
@@ -111,7 +111,7 @@ class Tracking:
         take_over: Callable[[SpeedProfile, int, str], int],
         on_event: Callable[[Event], None],
     ) -> None:
-        self.encoders = Encoders()
+        self.encoders = tuple(Encoder(index) for index in range(ENCODERS))
         self._arm: Arm = model.arm
         self._limits = limits
         self._deceleration = model.stop_joint_deceleration

@@ -42,7 +42,7 @@ def own_names(name: str, program: Owner) -> dict[str, Any]:
 _MAKERS: Final[dict[str, Callable[[Owner], dict[str, Any]]]] = {
     "elicopy": lambda program: dict(vars(program.shelf.facade("copy"))),
     "itertools": lambda program: itertools_names(step_of(program.scheduler)),
-    "os": lambda program: os_names(program.context, program.processes, Facade),
+    "os": lambda program: os_names(program.context.task_files, program.processes, Facade),
     "random": lambda program: random_names(program.generator()),
     "re": lambda program: re_names(),
     "signal": lambda program: signal_names(),

@@ -8,22 +8,8 @@ from typing import Any, Final
 from elitescript.runtime.stdlib.loader import real
 
 _SHARED: Final = (
-    "accumulate",
-    "chain",
-    "combinations",
-    "combinations_with_replacement",
-    "compress",
-    "dropwhile",
-    "filterfalse",
-    "groupby",
-    "islice",
-    "pairwise",
-    "permutations",
-    "product",
-    "starmap",
-    "takewhile",
-    "tee",
-    "zip_longest",
+    "accumulate chain combinations combinations_with_replacement compress dropwhile filterfalse groupby islice"
+    " pairwise permutations product starmap takewhile tee zip_longest"
 )
 
 _MISSING: Final = object()
@@ -50,7 +36,7 @@ def itertools_names(step: Step) -> dict[str, Any]:
         """A value, over and over or some times."""
         return _repeat(step, value, times)
 
-    names = {name: getattr(host, name) for name in (*_SHARED, "batched") if hasattr(host, name)}
+    names = {name: getattr(host, name) for name in (*_SHARED.split(), "batched") if hasattr(host, name)}
     return {**names, "count": count, "cycle": cycle, "repeat": repeat}
 
 

@@ -17,6 +17,7 @@ from types import CodeType, ModuleType, SimpleNamespace
 from typing import Any, Final
 
 from elitescript.errors import InternalError
+from elitescript.language import modules
 
 KNOWN_PYTHONS: Final = ((3, 11), (3, 12), (3, 13))
 """Versions whose modules were tried as copies; another one may import other names."""
@@ -91,27 +92,7 @@ class CopyLoader:
         return builtins.__import__(name, None, None, fromlist or (), 0)
 
 
-COPIED: Final = frozenset(
-    {
-        "_strptime",
-        "collections",
-        "collections.abc",
-        "dataclasses",
-        "datetime",
-        "enum",
-        "fractions",
-        "functools",
-        "json",
-        "json.decoder",
-        "json.encoder",
-        "json.scanner",
-        "queue",
-        "statistics",
-        "string",
-        "textwrap",
-        "threading",
-    }
-)
+COPIED: Final = modules.COPIED | {"_strptime", "json.decoder", "json.encoder", "json.scanner"}
 """Modules that copies of each other find as copies."""
 
 PACKAGES: Final = frozenset({"json"})
