@@ -18,13 +18,12 @@ from dataclasses import replace
 from elitescript.controller.motion.joint_drive import Drive, JointDrive
 from elitescript.controller.motion.move_sequencing import (
     CurrentMoveAction,
-    MoveCall,
     MoveSequencing,
     bounded,
     lay_behind,
 )
 from elitescript.controller.motion.notices import Notices
-from elitescript.controller.motion.sources import NEVER, Braking, Move
+from elitescript.controller.motion.sources import NEVER, Braking, MotionCall, Move
 from elitescript.controller.motion.stepped_drives import ServoDrive, ToolDrive
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
@@ -185,10 +184,10 @@ class MotionControl:
         self._advance(tick)
         if isinstance(request, StopJ | StopL):
             return self._brake(request, tick, T_flange_tcp)
+        call = MotionCall(self._count + 1, tick, line, thread, T_flange_tcp)
         if isinstance(request, SpeedJ | SpeedL | ServoJ):
-            return self._drive(request, tick, T_flange_tcp, line, thread)
+            return self._drive(request, call)
         rate = 0.0 if self.is_paused else self.speed_scale
-        call = MoveCall(self._count + 1, tick, line, thread, T_flange_tcp)
         move, order, cautions = self._succession.accept(request, call, self._source, self._next, self._q_rest, rate)
         self._count += 1
         if order is CurrentMoveAction.NEXT:
@@ -329,9 +328,9 @@ class MotionControl:
 
     # ---------------------------------------------------------------- drives and brakes
 
-    def _drive(self, request: DriveRequest, tick: int, T_flange_tcp: Transform, line: int, thread: str) -> int:
+    def _drive(self, request: DriveRequest, call: MotionCall) -> int:
         source = self._source
-        number = self._count + 1
+        number, tick = call.number, call.tick
         if isinstance(request, ServoJ):
             joint = joint_outside(self.limits, request.q_target)
             if joint is not None:
@@ -340,10 +339,10 @@ class MotionControl:
                 self._count = number
                 if not source.is_returned:
                     self._on_end(source.number, False)
-                source.take(number, thread, line, request, tick)
+                source.take(call, request)
                 self._changed(tick)
                 return number
-        drive = self._new_drive(request, number, tick, T_flange_tcp, line, thread)
+        drive = self._new_drive(request, call)
         obstacle = drive.obstacle(tick)
         if obstacle is not None and drive.leads_into(obstacle, self.setpoint(tick).q):
             raise obstacle.error()
@@ -352,42 +351,33 @@ class MotionControl:
         if self.is_paused:
             drive.pause(tick)
         self._source = drive
-        self._report_take_over(source, request, tick, line, thread)
+        self._report_take_over(source, request, call)
         if drive.is_lowered:
             name = type(request).__name__.lower()
             text = f"{name} asks for more than the arm can do; it goes as fast as it can, in the same direction"
-            self._notices.once(line, "speed", Warned(tick, text, thread, line))
+            self._notices.once(call.line, "speed", Warned(tick, text, call.thread, call.line))
         self._changed(tick)
         return number
 
-    def _new_drive(
-        self, request: DriveRequest, number: int, tick: int, T_flange_tcp: Transform, line: int, thread: str
-    ) -> AnyDrive:
-        start, deceleration = self.setpoint(tick), self._stop_joint_deceleration
+    def _new_drive(self, request: DriveRequest, call: MotionCall) -> AnyDrive:
+        start, deceleration = self.setpoint(call.tick), self._stop_joint_deceleration
         if isinstance(request, SpeedJ):
-            return JointDrive(number, thread, line, request, tick, start, self.speed_scale, self.limits, deceleration)
+            return JointDrive(call, request, start, self.speed_scale, self.limits, deceleration)
         if isinstance(request, SpeedL):
-            motion = ToolMotion(self._arm, self.limits, T_flange_tcp, deceleration)
-            return ToolDrive(number, thread, line, request, tick, start, self.speed_scale, motion)
-        return ServoDrive(number, thread, line, request, tick, start, self.limits, deceleration)
+            motion = ToolMotion(self._arm, self.limits, call.T_flange_tcp, deceleration)
+            return ToolDrive(call, request, start, self.speed_scale, motion)
+        return ServoDrive(call, request, start, self.limits, deceleration)
 
-    def _report_take_over(
-        self,
-        before: AnySource | None,
-        request: DriveRequest,
-        tick: int,
-        line: int,
-        thread: str,
-    ) -> None:
-        """Say that another motion runs now; a stream of the same request is one motion."""
+    def _report_take_over(self, before: AnySource | None, request: DriveRequest, call: MotionCall) -> None:
+        """Emit the events of a motion that takes over; a stream of the same request is one motion."""
         if isinstance(before, Move | Braking):
-            self._on_event(MotionEnded(tick, False))
+            self._on_event(MotionEnded(call.tick, False))
         if before is not None and before.is_awaited(before.number):
             self._on_end(before.number, False)
         if not isinstance(before, Drive) or before.request != request:
             source = self._source
             duration_s = source.profile.duration_s if isinstance(source, JointDrive) else 0.0
-            self._on_event(MotionStarted(tick, request, line, thread, duration_s))
+            self._on_event(MotionStarted(call.tick, request, call.line, call.thread, duration_s))
 
     def _advance(self, tick: int) -> None:
         """Bring what goes from period to period to a tick, and brake it where it cannot go on."""

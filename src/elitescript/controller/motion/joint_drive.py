@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.controller.motion.sources import NEVER, MotionSource
+from elitescript.controller.motion.sources import NEVER, MotionCall, MotionSource
 from elitescript.errors import MotionError
 from elitescript.messages.motion import DriveRequest, Six, SpeedJ
 from elitescript.messages.state import ZERO_SIX
@@ -31,11 +31,8 @@ class Drive:
     """What all drives have in common: the call, and when it returns.
 
     Args:
-        number: of the call.
-        thread: whose call.
-        line: of the call.
+        call: asks for it.
         request: what it asked for.
-        tick: of the call.
         t_s: time after which the call returns; None returns when the speed is reached.
     """
 
@@ -43,19 +40,17 @@ class Drive:
 
     reaches_end = True
 
-    def __init__(
-        self, number: int, thread: str, line: int, request: DriveRequest, tick: int, t_s: float | None
-    ) -> None:
+    def __init__(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> None:
         self.is_stopping = False
-        self._call(number, thread, line, request, tick, t_s)
+        self._begin_call(call, request, t_s)
 
-    def _call(self, number: int, thread: str, line: int, request: DriveRequest, tick: int, t_s: float | None) -> None:
-        self.number = number
-        self.thread = thread
-        self.line = line
+    def _begin_call(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> None:
+        self.number = call.number
+        self.thread = call.thread
+        self.line = call.line
         self.request = request
         self.is_returned = False
-        self._timeout_tick = None if t_s is None else tick + max(1, ticks_for(t_s))
+        self._timeout_tick = None if t_s is None else call.tick + max(1, ticks_for(t_s))
         self._held_ticks = -1
 
     def is_awaited(self, number: int) -> bool:
@@ -106,22 +101,19 @@ class JointDrive(Drive):
 
     def __init__(
         self,
-        number: int,
-        thread: str,
-        line: int,
+        call: MotionCall,
         request: SpeedJ,
-        tick: int,
         start: Setpoint,
         fraction: float,
         limits: MotionLimits,
         deceleration: float,
     ) -> None:
-        super().__init__(number, thread, line, request, tick, request.t_s)
+        super().__init__(call, request, request.t_s)
         self._qd = within_speed_limits(request.qd, limits)
         self._a = request.a
         self._limits = limits
         self._deceleration = deceleration
-        self._accelerate(tick, start, fraction)
+        self._accelerate(call.tick, start, fraction)
 
     @property
     def is_lowered(self) -> bool:

@@ -10,7 +10,7 @@ from math import hypot
 from typing import Final, NamedTuple
 
 from elitescript.controller.motion.joint_drive import busy_error
-from elitescript.controller.motion.sources import NEVER, MotionSource, Move, MovePChain
+from elitescript.controller.motion.sources import NEVER, MotionCall, MotionSource, Move, MovePChain
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, pose_from_transform
@@ -71,16 +71,6 @@ class AcceptedMove(NamedTuple):
     cautions: tuple[MoveWarning, ...]
 
 
-class MoveCall(NamedTuple):
-    """Who asks, and when."""
-
-    number: int
-    tick: int
-    line: int
-    thread: str
-    T_flange_tcp: Transform
-
-
 class MoveSequencing:
     """Plans moves and finds their place behind others.
 
@@ -98,7 +88,7 @@ class MoveSequencing:
     def accept(
         self,
         request: MoveRequest,
-        call: MoveCall,
+        call: MotionCall,
         source: MotionSource | None,
         waiting: Move | None,
         q_rest: Six,
@@ -166,34 +156,23 @@ class MoveSequencing:
         return plan_movel(self._arm, self._limits, q_start, T_flange_tcp, request, is_entered=is_entered)
 
     def _placed(
-        self, request: MoveRequest, call: MoveCall, plan: Plan, tick: int, scale: TimeScale, order: CurrentMoveAction
+        self, request: MoveRequest, call: MotionCall, plan: Plan, tick: int, scale: TimeScale, order: CurrentMoveAction
     ) -> AcceptedMove:
         waypoint = _waypoint(request, plan)
         move: Move
         if isinstance(request, MoveP) and plan.segment.path.length > 0.0:
-            move = MovePChain(
-                call.number,
-                plan,
-                request.r,
-                tick,
-                scale,
-                call.thread,
-                call.line,
-                waypoint,
-                call.T_flange_tcp,
-                begins_now=order is CurrentMoveAction.NOW,
-            )
+            move = MovePChain(call, plan, request.r, tick, scale, waypoint, order is CurrentMoveAction.NOW)
         else:
-            move = Move(call.number, plan, tick, scale, call.thread, call.line, waypoint, call.T_flange_tcp)
+            move = Move(call, plan, tick, scale, waypoint)
         return AcceptedMove(move, order, _noted(plan, call))
 
-    def _extended(self, request: MoveRequest, call: MoveCall, chain: MovePChain) -> AcceptedMove:
+    def _extended(self, request: MoveRequest, call: MotionCall, chain: MovePChain) -> AcceptedMove:
         plan = self.plan(request, chain.segment.q_end, call.T_flange_tcp, is_entered=True)
         waypoint = _waypoint(request, plan)
-        chain.extend(call.number, plan, request.r, call.tick, call.thread, call.line, waypoint, self._limits)
+        chain.extend(call, plan, request.r, waypoint, self._limits)
         return AcceptedMove(chain, CurrentMoveAction.EXTENDED, _noted(plan, call))
 
-    def _blended(self, request: MoveRequest, call: MoveCall, source: Move, plan: Plan) -> AcceptedMove | None:
+    def _blended(self, request: MoveRequest, call: MotionCall, source: Move, plan: Plan) -> AcceptedMove | None:
         if isinstance(request, MoveP) or source.T_flange_tcp != call.T_flange_tcp:
             return None
         t_s = source.path_time_s(call.tick)
@@ -252,7 +231,7 @@ def _waypoint(request: MoveRequest, plan: Plan) -> Six:
     return request.p_target
 
 
-def _noted(plan: Plan, call: MoveCall) -> tuple[MoveWarning, ...]:
+def _noted(plan: Plan, call: MotionCall) -> tuple[MoveWarning, ...]:
     return tuple(MoveWarning(call.line, note.kind, note.text, call.line, note.code, note.hint) for note in plan.notes)
 
 
@@ -283,7 +262,7 @@ def _slow(source: Move, speed: float, least_speed: Callable[[], float], request:
     return MoveWarning(source.line, SLOW_BLEND, text, source.line)
 
 
-def _stopping(source: Move, request: MoveRequest, call: MoveCall) -> MoveWarning:
+def _stopping(source: Move, request: MoveRequest, call: MotionCall) -> MoveWarning:
     """Return the warning for a waypoint with a radius at which the arm stops all the same."""
     if isinstance(request, MoveP):
         why = "a chain of movep begins at standstill"

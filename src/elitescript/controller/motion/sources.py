@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, isinf
-from typing import Final, Protocol
+from typing import Final, NamedTuple, Protocol
 
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
@@ -25,6 +25,16 @@ from elitescript.motion.timing.timescale import TimeScale, change_ramp, stop_ram
 
 NEVER: Final = 1 << 62
 """Tick of what does not happen by itself."""
+
+
+class MotionCall(NamedTuple):
+    """The call of a program that asks for a motion."""
+
+    number: int
+    tick: int
+    line: int
+    thread: str
+    T_flange_tcp: Transform
 
 
 class MotionSource(Protocol):
@@ -64,14 +74,11 @@ class Move:
     its waypoint, and whoever asks for the next one in that very tick has it blended.
 
     Args:
-        number: of the call.
+        call: asks for it.
         plan: of the move; its own segment, or the one that a blend has made of it.
         start_tick: its beginning.
         scale: how its time passes.
-        thread: whose call.
-        line: of the call.
         waypoint: pose of its end.
-        T_flange_tcp: TCP offset that it guides.
     """
 
     __slots__ = (
@@ -94,26 +101,16 @@ class Move:
         "waypoint",
     )
 
-    def __init__(
-        self,
-        number: int,
-        plan: Plan,
-        start_tick: int,
-        scale: TimeScale,
-        thread: str,
-        line: int,
-        waypoint: Six,
-        T_flange_tcp: Transform,
-    ) -> None:
-        self.number = number
+    def __init__(self, call: MotionCall, plan: Plan, start_tick: int, scale: TimeScale, waypoint: Six) -> None:
+        self.number = call.number
         self.plan = plan
         self.segment = plan.segment
         self.start_tick = start_tick
         self.scale = scale
-        self.thread = thread
-        self.line = line
+        self.thread = call.thread
+        self.line = call.line
         self.waypoint = waypoint
-        self.T_flange_tcp = T_flange_tcp
+        self.T_flange_tcp = call.T_flange_tcp
         self.is_stopping = False
         self.is_paused = False
         self.is_returned = False
@@ -231,22 +228,10 @@ class MovePChain(Move):
     __slots__ = ("_path",)
 
     def __init__(
-        self,
-        number: int,
-        plan: Plan,
-        r: float,
-        start_tick: int,
-        scale: TimeScale,
-        thread: str,
-        line: int,
-        waypoint: Six,
-        T_flange_tcp: Transform,
-        *,
-        begins_now: bool,
+        self, call: MotionCall, plan: Plan, r: float, start_tick: int, scale: TimeScale, waypoint: Six, begins_now: bool
     ) -> None:
         known = begun(_link(plan, r))
-        plan = replace(plan, segment=known.segment)
-        super().__init__(number, plan, start_tick, scale, thread, line, waypoint, T_flange_tcp)
+        super().__init__(call, replace(plan, segment=known.segment), start_tick, scale, waypoint)
         self._path = known.path
         self._return_s = known.feed_s
         self._lay()
@@ -261,20 +246,18 @@ class MovePChain(Move):
         is_going_on = not (self.is_stopping or self.is_paused)
         return self.is_returned and is_going_on and T_flange_tcp == self.T_flange_tcp
 
-    def extend(
-        self, number: int, plan: Plan, r: float, tick: int, thread: str, line: int, waypoint: Six, limits: MotionLimits
-    ) -> None:
+    def extend(self, call: MotionCall, plan: Plan, r: float, waypoint: Six, limits: MotionLimits) -> None:
         """Take one more line, planned from the end of the last."""
         track = plan.segment.path
         assert isinstance(track, JointTrack)
-        self.number, self.thread, self.line, self.waypoint = number, thread, line, waypoint
+        self.number, self.thread, self.line, self.waypoint = call.number, call.thread, call.line, waypoint
         self.is_returned = False
         if track.length == 0.0:
             # Nothing to go for: the call takes the tick that every call of a move takes.
             self._return_s = 0.0
             self._lay()
             return
-        begin_tick = max(tick, self.start_tick)
+        begin_tick = max(call.tick, self.start_tick)
         position, speed = self.segment.profile.at(self.path_time_s(begin_tick))
         known = extended(track.arm, limits, self._path, position, speed, _link(plan, r), self.T_flange_tcp)
         self.segment = known.segment

@@ -8,7 +8,7 @@ from math import hypot
 from typing import Final
 
 from elitescript.controller.motion.joint_drive import Drive
-from elitescript.controller.motion.sources import NEVER
+from elitescript.controller.motion.sources import NEVER, MotionCall
 from elitescript.kinematics.jacobian import joint_speeds
 from elitescript.messages.motion import DriveRequest, ServoJ, Six, SpeedL
 from elitescript.messages.state import ZERO_SIX
@@ -28,11 +28,11 @@ class Stepped(Drive, ABC):
 
     __slots__ = ("_ahead", "_tick")
 
-    def __init__(
-        self, number: int, thread: str, line: int, request: DriveRequest, tick: int, t_s: float | None
-    ) -> None:
-        super().__init__(number, thread, line, request, tick, t_s)
-        self._tick = tick
+    _ahead: TwistState | ServoState | Obstacle | None
+
+    def __init__(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> None:
+        super().__init__(call, request, t_s)
+        self._tick = call.tick
 
     @property
     def due_tick(self) -> int:
@@ -61,12 +61,40 @@ class Stepped(Drive, ABC):
     def _setpoint(self) -> Setpoint: ...
 
     @abstractmethod
+    def _next(self) -> TwistState | ServoState | Obstacle:
+        """Return the state of the next tick, or what stands in its way."""
+
+    @abstractmethod
     def _look_ahead(self) -> Setpoint:
-        """Return the state of the next tick."""
+        """Return the setpoint of the next tick."""
 
     @abstractmethod
     def _step(self) -> None:
         """Take the state of the next tick."""
+
+    @abstractmethod
+    def set_fraction(self, tick: int, fraction: float) -> None:
+        """Set the speed percentage; the acceleration of the call leads to it."""
+
+    def _change(self) -> None:
+        self._ahead = None
+
+    def obstacle(self, tick: int) -> Obstacle | None:
+        """Return what keeps the drive from going on beyond a tick."""
+        if self._stands_still:
+            return None
+        ahead = self._next()
+        return ahead if isinstance(ahead, Obstacle) else None
+
+    def pause(self, tick: int) -> None:
+        """Brake, to go on later."""
+        self._hold(tick)
+        self._change()
+
+    def resume(self, tick: int, fraction: float) -> None:
+        """Go on after a pause."""
+        self._release(tick)
+        self.set_fraction(tick, fraction)
 
     def setpoint(self, tick: float) -> Setpoint:
         """Return the target joints at a tick up to `due_tick`."""
@@ -89,18 +117,8 @@ class ToolDrive(Stepped):
 
     _ahead: TwistState | Obstacle | None
 
-    def __init__(
-        self,
-        number: int,
-        thread: str,
-        line: int,
-        request: SpeedL,
-        tick: int,
-        start: Setpoint,
-        fraction: float,
-        motion: ToolMotion,
-    ) -> None:
-        super().__init__(number, thread, line, request, tick, request.t_s)
+    def __init__(self, call: MotionCall, request: SpeedL, start: Setpoint, fraction: float, motion: ToolMotion) -> None:
+        super().__init__(call, request, request.t_s)
         self._motion = motion
         self._xd = motion.within_limits(request.xd)
         limits = motion.limits
@@ -154,27 +172,9 @@ class ToolDrive(Stepped):
     def _has_arrived(self) -> bool:
         return self._is_reached and self.state.qd == ZERO_SIX and self._xd == ZERO_SIX
 
-    def obstacle(self, tick: int) -> Obstacle | None:
-        """Return what keeps the drive from going on beyond a tick."""
-        if self._stands_still:
-            return None
-        ahead = self._next()
-        return ahead if isinstance(ahead, Obstacle) else None
-
     def set_fraction(self, tick: int, fraction: float) -> None:
-        """New speed percentage; the acceleration of the call leads to it."""
         self._fraction = fraction
         self._change()
-
-    def pause(self, tick: int) -> None:
-        """Brake, to go on later."""
-        self._hold(tick)
-        self._change()
-
-    def resume(self, tick: int, fraction: float) -> None:
-        """Go on after a pause."""
-        self._release(tick)
-        self.set_fraction(tick, fraction)
 
     def stop(self, number: int, a: float) -> None:
         """Brake along the path, m/s^2 and rad/s^2 alike; the call of that number waits for standstill."""
@@ -192,7 +192,7 @@ class ToolDrive(Stepped):
         return 0 if self.is_stopping else super()._may_end_tick
 
     def _change(self) -> None:
-        self._ahead = None
+        super()._change()
         self._is_reached = False
 
     def _next(self) -> TwistState | Obstacle:
@@ -226,28 +226,20 @@ class ServoDrive(Stepped):
     _ahead: ServoState | Obstacle | None
 
     def __init__(
-        self,
-        number: int,
-        thread: str,
-        line: int,
-        request: ServoJ,
-        tick: int,
-        start: Setpoint,
-        limits: MotionLimits,
-        deceleration: float,
+        self, call: MotionCall, request: ServoJ, start: Setpoint, limits: MotionLimits, deceleration: float
     ) -> None:
-        super().__init__(number, thread, line, request, tick, request.t_s)
+        super().__init__(call, request, request.t_s)
         self._limits = limits
         self._deceleration = deceleration
         self.state = begun(start)
-        self.take(number, thread, line, request, tick)
+        self.take(call, request)
 
-    def take(self, number: int, thread: str, line: int, request: ServoJ, tick: int) -> None:
-        """The next target of the stream."""
+    def take(self, call: MotionCall, request: ServoJ) -> None:
+        """Take the next target of the stream."""
         was_paused = self.is_paused
-        self._call(number, thread, line, request, tick, request.t_s)
+        self._begin_call(call, request, request.t_s)
         if was_paused:
-            self._hold(tick)
+            self._hold(call.tick)
         self._q_target = request.q_target
         self._gain = request.gain
         self._window = min(max(1, ticks_for(request.lookahead_s)), LOOKAHEAD_TICKS_MAX)
@@ -276,33 +268,17 @@ class ServoDrive(Stepped):
     def _has_arrived(self) -> bool:
         return self.state.is_at(self._q_target)
 
-    def obstacle(self, tick: int) -> Obstacle | None:
-        """Return what keeps the drive from going on beyond a tick."""
-        if self._stands_still:
-            return None
-        ahead = self._next()
-        return ahead if isinstance(ahead, Obstacle) else None
-
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
         """Return whether it is meant to go there; a target is inside the range, so the arm only brakes first."""
         return False
 
     def set_fraction(self, tick: int, fraction: float) -> None:
-        """The stream alone says how fast the arm goes."""
+        """Work the next state out anew; the speed percentage does not count."""
+        self._change()
 
     def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
         """None, for the same reason."""
         return iter(())
-
-    def pause(self, tick: int) -> None:
-        """Brake, to go on later."""
-        self._hold(tick)
-        self._ahead = None
-
-    def resume(self, tick: int, fraction: float) -> None:
-        """Go on after a pause."""
-        self._release(tick)
-        self._ahead = None
 
     def _next(self) -> ServoState | Obstacle:
         if self._ahead is None:
