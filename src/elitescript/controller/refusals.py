@@ -1,4 +1,4 @@
-"""How a refused request is told to people: the action in their words, what is in the way, and what to do about it."""
+"""Writes the message for a refused request: the action, the reason and a hint."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ ACTIONS: Final[dict[type, str]] = {
     machine.EndInputFaults: "end the faults of inputs",
     machine.AskSafety: "change the state of the safety system",
 }
-"""What each request asks for, as it follows `cannot`; a format text that is given the request."""
+"""Action of each request, as it follows `cannot`; a format text with the request as its argument."""
 
 
 def refusal_text(request: machine.MachineRequest, error: Exception) -> str:
     """Return one line about a request that was refused.
 
     Args:
-        request: what was asked for.
-        error: why it was refused; its `hint`, if it has one, says what to do.
+        request: the request.
+        error: the reason, perhaps with a `hint`.
     """
     why, hint = str(error), getattr(error, "hint", None)
     if not why.startswith("cannot "):

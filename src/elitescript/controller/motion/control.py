@@ -1,13 +1,12 @@
-"""Takes motion requests, holds the one active source of motion, and says where the arm is at any tick.
+"""Accepts motion requests, holds the active source of motion, and gives the nominal joints at any tick.
 
-A move that is accepted at tick N begins at the time of tick N. The setpoint of tick K is the state at the
-time of tick K: what scripts read during tick K, and what the plant reached after the motion phase of tick K-1. Speed
-percentage, pause, resume and stop change only how path time of a planned move runs against time
-(`motion.timing.timescale`), so its position never jumps; whatever takes over from something else begins with its
-position and speed.
+A move that is accepted at tick N begins at the time of tick N. The setpoint of tick K is the state at the time of tick
+K: scripts read it during tick K, and the plant reached it after the motion phase of tick K-1. Speed percentage, pause,
+resume and stop change only how path time of a planned move runs against time (`motion.timing.timescale`), so its
+position never jumps; a motion that takes over begins with the present position and speed.
 
-A planned move begins at standstill, or with a blend (`succession`). Motions at a speed and streams (`drives`) begin in
-any state, and end what ran before.
+A planned move begins at standstill, or with a blend (`move_sequencing`). Motions at a speed and streams (drives) begin
+in any state, and end the motion before.
 """
 
 from __future__ import annotations
@@ -53,14 +52,14 @@ AnySource = Move | Braking | AnyDrive
 
 
 class MotionControl:
-    """Gives the arm's nominal position, now and for as long as nothing else is requested.
+    """Gives the nominal joints of the arm, now and until the next request.
 
     Args:
         arm: geometry.
         limits: joint and tool limits.
         home: joint positions at power-on.
         stop_joint_deceleration: rad/s^2, for a program that is stopped.
-        speed_ramp_s: time in which a new speed percentage takes hold of a planned move.
+        speed_ramp_s: time in which a planned move takes on a new speed percentage.
         on_event: receives motion events and warnings.
         on_end: called with number and completeness of a move when the arm has come to rest.
 
@@ -121,7 +120,7 @@ class MotionControl:
         self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
 
     def begin_program(self) -> None:
-        """Say again, once for each line, what has been said to the program before."""
+        """Forget which warnings were emitted: a program begins."""
         self._notices.said.clear()
 
     @property
@@ -130,18 +129,18 @@ class MotionControl:
         return self._source is not None
 
     def rate(self, tick: int) -> float:
-        """Return how fast planned time passes, 0 to 1; the speed percentage while no planned move runs."""
+        """Return the rate of path time, 0 to 1; the speed percentage while no planned move runs."""
         source = self._source
         return source.scale.rate(tick * PERIOD_S) if isinstance(source, Move) else self.speed_scale
 
     @property
     def source(self) -> AnySource | None:
-        """What moves the arm; None at standstill."""
+        """Present motion; None at standstill."""
         return self._source
 
     @property
     def next_tick(self) -> int | None:
-        """Tick at which the present motion changes by itself; None while it will not."""
+        """Tick at which the present motion changes by itself; None if it does not."""
         source = self._source
         return None if source is None or source.due_tick >= NEVER else source.due_tick
 
@@ -157,7 +156,7 @@ class MotionControl:
         return self._next is None and (self._source is None or self._source.end_tick <= tick)
 
     def rebase(self, q: Six) -> None:
-        """Take another place (rad) as the one where the arm rests: a correction of its motion has ended there."""
+        """Take other joints (rad) as those of the resting arm: a correction has ended there."""
         self._q_rest = q
         self._sampled_tick = -1
 
@@ -213,14 +212,14 @@ class MotionControl:
         return all(source is None or not source.is_awaited(number) for source in (self._source, self._next))
 
     def cancel(self, number: int, tick: int) -> None:
-        """Brake what that call waits for, if it is under way or about to be."""
+        """Brake the motion of that call, if it is under way or waits."""
         if self._next is not None and self._next.number == number:
             self._drop_next()
         elif self._source is not None and self._source.is_awaited(number):
             self.stop(tick)
 
     def stop(self, tick: int) -> None:
-        """Brake whatever is under way with the program-stop deceleration."""
+        """Brake the present motion with the program-stop deceleration."""
         self._drop_next()
         self._advance(tick)
         source = self._source
@@ -233,7 +232,7 @@ class MotionControl:
             self._brake_joints(source.number, tick, max(map(abs, qd)) / self._stop_joint_deceleration)
 
     def finish(self, tick: int) -> None:
-        """The program is over by itself: what goes on to its target after its call may arrive, anything else brakes."""
+        """Let a move whose call has returned arrive, and brake other motions: the program has finished."""
         source = self._source
         if not (isinstance(source, Move) and source.is_returned and self._next is None):
             self.stop(tick)
@@ -249,13 +248,13 @@ class MotionControl:
         return number
 
     def set_speed_scale(self, fraction: float, tick: int) -> None:
-        """New speed percentage, taken on in a ramp."""
+        """Set the speed percentage, reached in a ramp."""
         self.speed_scale = fraction
         if not self.is_paused:
             self._set_rates(fraction, tick)
 
     def path_rate(self, rate: float, tick: int) -> None:
-        """Let the move under way reach a rate, which the joints have to be able to do, at the next tick and keep it."""
+        """Let the present move reach a rate at the next tick; the joints must be able to follow."""
         source = self._source
         if isinstance(source, Move):
             source.set_rate(tick, rate, PERIOD_S)
@@ -264,7 +263,7 @@ class MotionControl:
             self._changed(tick)
 
     def pause(self, tick: int) -> None:
-        """Brake, to go on later."""
+        """Brake until `resume`."""
         self.is_paused = True
         self._advance(tick)
         source = self._source
@@ -274,11 +273,11 @@ class MotionControl:
             source.pause(tick)
         self._changed(tick)
         if source is not None and self._next is not None:
-            # A move that is nearly over comes to its end all the same.
+            # A move that is nearly over still reaches its end.
             self._next.hold(min(source.end_tick, self._next.start_tick))
 
     def resume(self, tick: int) -> None:
-        """Go on after a pause, with the speed percentage of now."""
+        """Go on after a pause, with the present speed percentage."""
         self.is_paused = False
         self._advance(tick)
         source = self._source
@@ -289,7 +288,7 @@ class MotionControl:
             self._set_rates(self.speed_scale, tick)
 
     def settle(self, tick: int) -> None:
-        """Note what has happened by `tick`; call it before scripts run in that tick."""
+        """Emit what has ended by `tick`; called before scripts run in that tick."""
         self._advance(tick)
         while (source := self._source) is not None and source.end_tick <= tick:
             self._q_rest = source.q_rest
@@ -380,7 +379,7 @@ class MotionControl:
             self._on_event(MotionStarted(call.tick, request, call.line, call.thread, duration_s))
 
     def _advance(self, tick: int) -> None:
-        """Bring what goes from period to period to a tick, and brake it where it cannot go on."""
+        """Advance a drive to a tick, and brake it in front of an obstacle."""
         if isinstance(self._source, Drive):
             self._source.advance(tick)
             self._guard(tick)
@@ -438,7 +437,7 @@ class MotionControl:
         return self._brake_joints(source.number, tick, ramp_s)
 
     def _brake_joints(self, number: int, tick: int, ramp_s: float) -> int:
-        """Bring the joints to rest; a braking under way is taken over if that is sooner."""
+        """Bring the joints to rest; a braking under way is replaced if that is sooner."""
         source = self._source
         assert source is not None
         braking = Braking(number, source.thread, braked(self.setpoint(tick), ramp_s, self.limits), tick)

@@ -24,7 +24,7 @@ LOOKAHEAD_TICKS_MAX: Final = 50
 
 
 class Stepped(Drive, ABC):
-    """A drive that goes from period to period; the next state is worked out when somebody looks."""
+    """A drive that advances tick by tick; the next state is computed when it is read."""
 
     __slots__ = ("_ahead", "_tick")
 
@@ -36,25 +36,25 @@ class Stepped(Drive, ABC):
 
     @property
     def due_tick(self) -> int:
-        """The next tick; only an arm that stands still lets time go by."""
+        """The next tick; a later one only at standstill."""
         if self._stands_still:
             return min(self.return_tick, self.end_tick)
         return self._tick + 1
 
     @property
     def end_tick(self) -> int:
-        """Tick at which the arm rests for good; known when it does."""
+        """Tick at which the arm rests for good; NEVER before."""
         return max(self._tick, self._may_end_tick) if self._has_arrived else NEVER
 
     @property
     @abstractmethod
     def _stands_still(self) -> bool:
-        """Whether nothing will change."""
+        """Whether the arm stands, perhaps in a pause."""
 
     @property
     @abstractmethod
     def _has_arrived(self) -> bool:
-        """Whether nothing will change until somebody asks for something else."""
+        """Whether the arm stands until the next request."""
 
     @property
     @abstractmethod
@@ -62,7 +62,7 @@ class Stepped(Drive, ABC):
 
     @abstractmethod
     def _next(self) -> TwistState | ServoState | Obstacle:
-        """Return the state of the next tick, or what stands in its way."""
+        """Return the state of the next tick, or the obstacle in its way."""
 
     @abstractmethod
     def _look_ahead(self) -> Setpoint:
@@ -80,14 +80,14 @@ class Stepped(Drive, ABC):
         self._ahead = None
 
     def obstacle(self, tick: int) -> Obstacle | None:
-        """Return what keeps the drive from going on beyond a tick."""
+        """Return the obstacle that the drive meets at a tick."""
         if self._stands_still:
             return None
         ahead = self._next()
         return ahead if isinstance(ahead, Obstacle) else None
 
     def pause(self, tick: int) -> None:
-        """Brake, to go on later."""
+        """Brake until `resume`."""
         self._hold(tick)
         self._change()
 
@@ -101,7 +101,7 @@ class Stepped(Drive, ABC):
         return self._setpoint if tick <= self._tick or self._stands_still else self._look_ahead()
 
     def advance(self, tick: int) -> None:
-        """Go on to a tick."""
+        """Advance to a tick."""
         while self._tick < tick:
             if self._stands_still:
                 self._tick = tick
@@ -111,7 +111,7 @@ class Stepped(Drive, ABC):
 
 
 class ToolDrive(Stepped):
-    """`speedl`: the TCP at a velocity."""
+    """Runs `speedl`: the TCP at a velocity."""
 
     __slots__ = ("_a", "_a_rot", "_fraction", "_is_reached", "_motion", "_xd", "state")
 
@@ -131,20 +131,20 @@ class ToolDrive(Stepped):
 
     @property
     def is_lowered(self) -> bool:
-        """Whether the tool cannot go as fast as asked."""
+        """Whether the tool cannot reach the requested speed."""
         return isinstance(self.request, SpeedL) and self._xd != self.request.xd
 
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
-        """Return whether it is meant to go there: standstill may be asked for anywhere."""
+        """Return whether it is to go there; standstill may be requested anywhere."""
         return self._xd != ZERO_SIX
 
     @property
     def q_rest(self) -> Six:
-        """Where the arm is, rad."""
+        """Present joints, rad."""
         return self.state.q
 
     def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
-        """Yield the present place, with the velocity that was asked for."""
+        """Yield the present joints with the requested velocity."""
         q, motion = self.state.q, self._motion
         yield Setpoint(q, joint_speeds(motion.arm, q, self._xd, motion.T_flange_tcp) or self.state.qd)
 
@@ -219,7 +219,7 @@ class ToolDrive(Stepped):
 
 
 class ServoDrive(Stepped):
-    """`servoj`: the arm behind a stream of targets; the speed percentage does not count (*assumed*)."""
+    """Runs `servoj`: the arm follows a stream of targets; the speed percentage does not count (*assumed*)."""
 
     __slots__ = ("_deceleration", "_gain", "_limits", "_q_target", "_window", "state")
 
@@ -248,7 +248,7 @@ class ServoDrive(Stepped):
 
     @property
     def is_lowered(self) -> bool:
-        """Whether a joint is as fast as it can be and still behind."""
+        """Whether a joint at its largest speed is behind the targets."""
         return self.state.is_limited
 
     @property
@@ -269,15 +269,15 @@ class ServoDrive(Stepped):
         return self.state.is_at(self._q_target)
 
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
-        """Return whether it is meant to go there; a target is inside the range, so the arm only brakes first."""
+        """Return False: a target is inside the range, so the arm only brakes in front of it."""
         return False
 
     def set_fraction(self, tick: int, fraction: float) -> None:
-        """Work the next state out anew; the speed percentage does not count."""
+        """Do not change the speed."""
         self._change()
 
     def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
-        """None, for the same reason."""
+        """Yield nothing: the stream alone determines the speed."""
         return iter(())
 
     def _next(self) -> ServoState | Obstacle:
