@@ -1,8 +1,8 @@
 """Sources of motion: planned moves, chains and braking.
 
 A *source* gives the joints at any tick from its beginning up to `due_tick`, the next tick at which it changes by
-itself. `MotionControl` holds one at a time. A source in closed form is due rarely; a stepped one (`stepped_drives`) is due at
-every tick while it moves.
+itself. `MotionControl` holds one at a time. A source in closed form is due rarely; a stepped one
+(`stepped_drives`) is due at every tick while it moves.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Our own modules by name: what each needs of the program that imports it."""
+"""Makes the modules of the runtime by name."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Owner(Protocol):
 
 
 def own_names(name: str, program: Owner) -> dict[str, Any]:
-    """Public names of one of our modules, for one program."""
+    """Return the public names of a module of the runtime, for one program."""
     return _MAKERS[name](program)
 
 
