@@ -1,4 +1,4 @@
-"""Iterators that would feed a built-in function for ever, with a checkpoint in each step."""
+"""Endless iterators with a checkpoint in each step."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Step = Callable[[], object]
 
 
 def itertools_names(step: Step) -> dict[str, Any]:
-    """Public names of `itertools` for one program."""
+    """Return the public names of `itertools` for one program."""
     host = real("itertools")
 
     def count(start: Any = 0, step_by: Any = 1, **options: Any) -> Iterator[Any]:
@@ -41,7 +41,7 @@ def itertools_names(step: Step) -> dict[str, Any]:
 
 
 def iter_until(step: Step) -> Callable[..., Iterator[Any]]:
-    """`iter`, whose form with two arguments comes to a checkpoint in each step."""
+    """Return `iter`; its form with two arguments has a checkpoint in each step."""
 
     def checked_iter(source: Any, sentinel: Any = _MISSING) -> Iterator[Any]:
         if sentinel is _MISSING:

@@ -1,4 +1,4 @@
-"""`os`, `os.path` and `signal` for scripts: the task folder, and signals to processes that do not exist."""
+"""`os`, `os.path` and `signal` for scripts: the task folder, and signals to simulated processes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from elitescript.runtime.stdlib.subprocess_module import FIRST_PID, HARMLESS, Pr
 
 
 def os_names(files: Files, table: ProcessTable, facade: Callable[[str, dict[str, Any]], Any]) -> dict[str, Any]:
-    """Public names of `os` for one program.
+    """Return the public names of `os` for one program.
 
     Args:
         files: the task folder.
@@ -21,7 +21,7 @@ def os_names(files: Files, table: ProcessTable, facade: Callable[[str, dict[str,
     """
 
     def kill(pid: int, number: int) -> None:
-        """End a process of the table, unless the signal is one of those that end nothing."""
+        """End a process of the table, unless the signal is harmless."""
         if number in HARMLESS and pid in table.running:
             return
         table.end(pid, -int(number))
@@ -86,7 +86,7 @@ def _path_names(files: Files) -> dict[str, Any]:
         return str(posixpath.normpath(posixpath.join(TASK_PATH, path)))
 
     def realpath(path: str, *, strict: bool = False) -> str:
-        """The same: programs see no links."""
+        """Return the absolute path: programs see no links."""
         if strict and not kind(path):
             raise FileNotFoundError(2, "No such file or directory", path)
         return abspath(path)
@@ -96,7 +96,7 @@ def _path_names(files: Files) -> dict[str, Any]:
         return str(posixpath.relpath(abspath(path), abspath(start)))
 
     def expanduser(path: str) -> str:
-        """The path as it is: nobody has a home on the robot (*assumed*)."""
+        """Return the path as it is: there are no home folders on the robot (*assumed*)."""
         return str(posixpath.join(path))
 
     def getmtime(path: str) -> float:
@@ -143,7 +143,7 @@ _UNHANDLED: Final = frozenset((9, 19))
 
 
 def signal_names() -> dict[str, Any]:
-    """Public names of `signal` for one program. Handlers are kept and never called: no signal ever arrives."""
+    """Return the public names of `signal` for one program. Handlers are kept and never called: no signal arrives."""
     handlers: dict[int, Any] = {}
 
     def signal(number: int, handler: Any) -> Any:

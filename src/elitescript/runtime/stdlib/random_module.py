@@ -14,12 +14,12 @@ _METHODS: Final = (
 
 
 def new_generator(seed: int) -> Any:
-    """A seeded generator: `random.Random`."""
+    """Return a seeded generator: `random.Random`."""
     return real("random").Random(seed)
 
 
 def random_names(generator: Any) -> dict[str, Any]:
-    """Public names of `random` for one program.
+    """Return the public names of `random` for one program.
 
     Args:
         generator: draws for the functions of the module, and seeds generators that get no seed.

@@ -26,7 +26,7 @@ _FLAGS: Final = {
 
 
 def re_names() -> dict[str, Any]:
-    """Public names of `re`."""
+    """Return the public names of `re`."""
     host = real("re")
     names: dict[str, Any] = {name: forwarded(getattr(host, name)) for name in _FUNCTIONS.split()}
     return {**names, **_FLAGS, "Match": host.Match, "Pattern": host.Pattern, "error": host.error}

@@ -1,6 +1,6 @@
 """`typing` for scripts: annotations mean nothing while a program runs, so most names stand for nothing.
 
-The real module keeps annotations in text form and evaluates them, which would be a way round the compiler.
+The real module evaluates annotations in text form, which would bypass the compiler.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class TypingForm(metaclass=Sealed):
 
 
 def typing_names(namedtuple: Callable[..., Any]) -> dict[str, Any]:
-    """Public names of `typing` for one program.
+    """Return the public names of `typing` for one program.
 
     Args:
         namedtuple: `collections.namedtuple` of that program.
