@@ -4,10 +4,12 @@ from random import Random
 
 import pytest
 
-from elitescript.controller.motion.conveyor_encoders import GAP_TICKS, RANGES, CountLine, Encoder, Encoders
+from elitescript.controller.controller import Controller
+from elitescript.controller.motion.conveyor_encoders import GAP_TICKS, RANGES, CountLine, Encoder
 from elitescript.errors import ArgumentRangeError, ScriptStateError
 from elitescript.messages.enums import PulseDecoder
-from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount
+from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount, WriteSignal
+from elitescript.models.model import load_model
 
 BOUNDS = [(-2147483648, 2147483647), (0, 255), (0, 65535), (0, 16777215), (0, 4294967295)]
 
@@ -173,8 +175,9 @@ class TestBetweenCountsThatAreSet:
 
 
 def test_both_encoders_are_apart():
-    encoders = Encoders()
-    encoders.prepare(PrepareEncoder(1, 1), 0)
-    encoders.set_count(SetEncoderCount(1, 7.0), 0)
-    encoders[0].turn(250.0, 0)
-    assert (encoders[0].count(3), encoders[1].count(3)) == (3.0, 7.0)
+    controller = Controller(load_model("CS66"), epoch_s=0.0, on_event=lambda event: None)
+    controller.request(PrepareEncoder(1, 1))
+    controller.request(SetEncoderCount(1, 7.0))
+    controller.request(WriteSignal("encoder_speed", 0, 250.0))
+    controller.leap(3)
+    assert (controller.encoder_count(0), controller.encoder_count(1)) == (3.0, 7.0)

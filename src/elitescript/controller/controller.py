@@ -1,7 +1,7 @@
-"""Runs the virtual controller: one tick at a time, or straight to the next tick at which something happens.
+"""Runs the virtual controller: one tick at a time, or straight to the next tick that is due.
 
-`run_tick` reads like the list of phases of a control period. Between two ticks at which something is due, the machine
-is a function of time: getters and traces sample it, and a leap gives the same as the ticks that it leaves out.
+`run_tick` lists the phases of a control period. Between two ticks that are due, the machine is a function of time:
+getters and traces sample it, and a leap gives the same as the ticks that it leaves out.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from elitescript.controller.force.contact import ContactConfig
 from elitescript.controller.force.yielding_correction import Caller
 from elitescript.controller.modes import AT_ONCE, WHY_NOT_READY, Power, PowerTimes
 from elitescript.controller.motion.control import MotionControl, motion_limits
-from elitescript.controller.motion.conveyor_encoders import ENCODER_HANDLERS
+from elitescript.controller.motion.conveyor_encoders import ENCODER_HANDLERS, SPEED_SIGNAL
 from elitescript.controller.motion.conveyor_tracking import Tracking
 from elitescript.controller.motion.path_offset import PathOffset
 from elitescript.controller.request_queue import RequestQueue
@@ -69,13 +69,13 @@ if TYPE_CHECKING:
     from elitescript.modbus.port_image import PortImage
 
 PROGRAM: Final = "program"
-"""`SignalChanged.by` of what the program does, and of what is not asked for from outside."""
+"""`SignalChanged.by` of changes that no request from outside has caused."""
 
 FAULT: Final = "fault"
-"""`SignalChanged.by` of what an input reads because of a fault."""
+"""`SignalChanged.by` of a level that an input reads because of a fault."""
 
 STOPS: Final = (StopJ, StopL, StopTracking, EndForceMode, EndFreedrive)
-"""Requests that only end something: an arm that rests without power takes them too."""
+"""Requests that only end a motion or mode; they are also accepted by an arm that rests without power."""
 
 
 class Controller:
@@ -88,10 +88,10 @@ class Controller:
         home: joint positions at the start, rad; the model's home if None.
         speed_scale: speed percentage at the start, as a fraction.
         contact: what the TCP can touch; nothing if None.
-        safety: what the safety system watches.
-        plant: how the joints follow their targets; exactly if None.
-        is_powered: whether the arm is ready to move at the start, its brakes open.
-        power_times: how long powering on and releasing the brakes take.
+        safety: limits of the safety system.
+        plant: dynamics of the joints; exact if None.
+        is_powered: whether power is on and the brakes are open at the start.
+        power_times: durations of powering on and releasing the brakes.
     """
 
     __slots__ = (
@@ -183,7 +183,7 @@ class Controller:
             part.on_obstacle = self.safety.meet_obstacle
 
     def attach(self, program: ProgramPort) -> None:
-        """Set what runs scripts in the phase `program`."""
+        """Set the host of scripts."""
         self.task.program = program
 
     # ---------------------------------------------------------------- time
@@ -194,10 +194,10 @@ class Controller:
         return self._tick
 
     def run_tick(self, take: Callable[[], None] = lambda: None) -> None:
-        """All phases of the present tick; `leap` then goes on to the next one.
+        """Run all phases of the present tick; `leap` then goes on to the next one.
 
         Args:
-            take: called in the inbox phase, after what was `put` for this tick.
+            take: called in the inbox phase, after the requests that were `put` for this tick.
         """
         self.arm_state.settle(self._tick)
         faults = self.signals.faults
@@ -212,21 +212,27 @@ class Controller:
         self.task.program.run_tick(self._tick)
 
     def next_tick(self) -> int | None:
-        """Return the next tick at which anything is due; None when nothing will ever happen by itself."""
-        tick, arm, program = self._tick, self.arm_state, self.task.program
-        due = (program.next_tick(tick), arm.next_tick, self._inbox.next_tick, self.safety.next_tick(tick))
-        ticks = [at for at in (*due, self.power.next_tick, self._fault_tick) if at is not None]
+        """Return the next tick at which anything is due; None if nothing will happen by itself."""
+        tick, due_arm = self._tick, self.arm_state.next_tick
+        if due_arm == tick + 1 or self.safety.next_tick(tick) is not None:
+            return tick + 1
+        due = self.task.program.next_tick(tick), self._inbox.next_tick, self.power.next_tick, self._fault_tick
+        ticks = [at for at in (due_arm, *due) if at is not None]
         return max(min(ticks), tick + 1) if ticks else None
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is due but an arm that stands; see `ArmState.is_standing`."""
-        others = self.task.program.next_tick(self._tick), self._inbox.next_tick, self._fault_tick
-        return others == (None, None, None) and self.arm_state.is_standing
+        """Whether nothing but an arm at standstill can be due; see `ArmState.is_standing`."""
+        return (
+            self._inbox.next_tick is None
+            and self._fault_tick is None
+            and self.task.program.next_tick(self._tick) is None
+            and self.arm_state.is_standing
+        )
 
     @property
     def _fault_tick(self) -> int | None:
-        """The next tick at which a fault of an input does something."""
+        """Next tick at which a fault of an input takes effect."""
         return None if self.signals.faults is None else self.signals.faults.next_tick
 
     def leap(self, tick: int) -> None:
@@ -235,13 +241,7 @@ class Controller:
         self._tick = tick
 
     def put(self, tick: int, request: MachineRequest, by: str = "client") -> None:
-        """Have a request from outside handled at a tick; a refusal becomes a warning event.
-
-        Args:
-            tick: when, now at the earliest.
-            request: what is asked for.
-            by: see `request_from`.
-        """
+        """Queue a request from outside for a tick, not before the present one; a refusal becomes a warning."""
         self._inbox.put(max(tick, self._tick), request, by)
 
     # ---------------------------------------------------------------- reading
@@ -264,7 +264,7 @@ class Controller:
 
     @property
     def tcp_offset(self) -> Six:
-        """Active TCP, flange to TCP."""
+        """Active TCP in the flange frame."""
         return self.setup.tcp_offset
 
     @property
@@ -274,17 +274,17 @@ class Controller:
 
     @property
     def target_waypoint(self) -> Six:
-        """Pose of the waypoint that the arm moves to, or moved to last; before any move the present target pose."""
+        """Pose of the last waypoint; before any move the present target pose."""
         return self.motion.waypoint or self.tcp_pose(self.joints().q_target)
 
     @property
     def joint_temperatures(self) -> Six:
-        """degC; see `controller.arm.thermal_model`."""
+        """Joint temperatures, degC; see `arm.thermal_model`."""
         return self.loads.temperatures(self._tick)[0]
 
     @property
     def controller_temperature(self) -> float:
-        """degC; see `controller.arm.thermal_model`."""
+        """Temperature of the control box, degC; see `arm.thermal_model`."""
         return self.loads.temperatures(self._tick)[1]
 
     def is_within_safety_limits(self, q: Six, pairs: Sequence[bool] | None = None) -> bool:
@@ -298,7 +298,7 @@ class Controller:
 
     @property
     def task_state(self) -> TaskState:
-        """What the program is doing."""
+        """State of the program."""
         return self.task.state
 
     @property
@@ -321,7 +321,7 @@ class Controller:
         return self.joints_at(self._tick)
 
     def joint_torques(self) -> Six:
-        """Return torques of this tick without those that the arm needs to carry and to move itself, N m."""
+        """Return the torques of this tick less those that the arm alone needs, N m."""
         return self.loads.remaining_torques(self._tick)
 
     @property
@@ -335,11 +335,11 @@ class Controller:
         return self.arm_state.is_resting and self._joint_encoders.is_exact
 
     def tcp_wrench(self, is_compensated: bool) -> Six:
-        """Return what the surroundings exert on the TCP in this tick, TCP frame; see `wrench_sensor`."""
+        """Return the wrench on the TCP in this tick, TCP frame; see `wrench_sensor`."""
         return self.yielding.wrench(self.arm_state, self._tick, is_compensated)
 
     def joints_at(self, tick: int) -> JointState:
-        """Return target and measured joints at a tick, from the present one up to the next that is due."""
+        """Return target and measured joints at a tick, from the present one to the next that is due."""
         return self._joint_encoders.read(tick, self.arm_state.joints(tick))
 
     def tcp_pose(self, q: Six) -> Six:
@@ -356,7 +356,7 @@ class Controller:
         return self.tcp_pose(self.path_offset.without(Setpoint(joints.q_target, joints.qd_target)).q)
 
     def state_at(self, tick: int) -> RobotState:
-        """Return the machine at such a tick."""
+        """Return the state of the machine at a tick, as `joints_at`."""
         joints = self.joints_at(tick)
         setup = self.setup
         places = self._places.places(joints, setup.T_flange_tcp)
@@ -385,11 +385,11 @@ class Controller:
         )
 
     def state(self) -> RobotState:
-        """Return the machine at the present tick."""
+        """Return the state of the machine at the present tick."""
         return self.state_at(self._tick)
 
     def read(self, name: str, index: int = 0) -> Value:
-        """Return one point of the signal image."""
+        """Return the level of a signal."""
         return self.signals.read(name, index)
 
     def port_register(self, address: int, version: tuple[int, ...]) -> int:
@@ -401,12 +401,12 @@ class Controller:
         return self.port_image(()).coils(address, 1)[0]
 
     def port_image(self, version: tuple[int, ...]) -> PortImage:
-        """Return the registers and coils of the controller's own Modbus server, as they are now.
+        """Return the registers and coils of the controller's own Modbus server at this moment.
 
         Args:
             version: of the controller: major, minor, bug fix.
         """
-        # Few programs read them; the others need not pay for the import.
+        # Imported late: few programs read them.
         from elitescript.controller.signals.modbus_access import LivePortSource
         from elitescript.modbus.port_image import PortImage
         from elitescript.modbus.port_map import View
@@ -419,11 +419,11 @@ class Controller:
         return self.signals.tool_pin(index)
 
     def non_default_signals(self) -> dict[str, Value]:
-        """Return every signal that is not at its default."""
+        """Return every signal that is not at its default, by name."""
         return self.signals.non_defaults()
 
     def encoder_count(self, index: int) -> float:
-        """Return what the counter of a conveyor encoder shows."""
+        """Return the count of a conveyor encoder."""
         return self.tracking.encoders[index].count(self._tick)
 
     def encoder_unwound(self, index: int, delta: float) -> float:
@@ -465,11 +465,11 @@ class Controller:
         self.path_offset.request(request, self._tick, line, thread)
 
     def _unshifted(self) -> Setpoint:
-        """Return what path offsets shift, at the present tick."""
+        """Return the setpoint that path offsets shift, at the present tick."""
         return self.tracking.setpoint if self.tracking.is_active else self.motion.setpoint(self._tick)
 
     def _halt(self, braking: SpeedProfile, tick: int, thread: str) -> None:
-        """Bring to rest what path offsets shift, together with them."""
+        """Bring the motion that path offsets shift to rest together with them."""
         self.tracking.abandon(tick)
         self.motion.take_over(braking, tick, thread)
 
@@ -482,18 +482,18 @@ class Controller:
         self.motion.cancel(move, self._tick)
 
     def request(self, request: MachineRequest) -> None:
-        """Hand a request to its handler."""
+        """Carry out a request."""
         HANDLERS[type(request)](self, request)
 
     def request_from(self, request: MachineRequest, by: str) -> None:
-        """Handle a request that does not come from the program.
+        """Carry out a request that does not come from the program.
 
         Args:
-            request: what is asked for.
-            by: where it comes from, for the signals that it changes; see `events.SignalChanged.by`.
+            request: the request.
+            by: its origin, for the signals that it changes; see `events.SignalChanged.by`.
 
         Raises:
-            ScriptError: the request makes no sense now; nothing has changed.
+            ScriptError: the request is not possible now; nothing has changed.
         """
         before, self._by = self._by, by
         try:
@@ -502,13 +502,13 @@ class Controller:
             self._by = before
 
     def emit(self, event: Event) -> None:
-        """Record what happened."""
+        """Record an event."""
         self._on_event(event)
 
     # ---------------------------------------------------------------- the task, for the runtime and robot.py
 
     def power_up(self) -> None:
-        """Power on and release the brakes, as far as that is not done.
+        """Power on and release the brakes where necessary.
 
         Raises:
             ScriptStateError: the safety system does not allow it.
@@ -517,7 +517,7 @@ class Controller:
         self.power.go_up(RobotMode.RUNNING, self._tick)
 
     def task_started(self, name: str) -> None:
-        """A program begins in this tick."""
+        """Begin the task of a program in this tick."""
         self.task.name = name
         self._node = (0, "")
         self.motion.begin_program()
@@ -527,7 +527,7 @@ class Controller:
         self.safety.task_started()
 
     def task_ended(self, ending: str = "stopped") -> None:
-        """End the task: the arm brakes, but goes on to its waypoint after a program that has finished.
+        """End the task: the arm brakes; after a program that has finished it goes on to its waypoint.
 
         Args:
             ending: `finished`, `alarm` or `stopped`.
@@ -547,7 +547,7 @@ class Controller:
         if after is TaskState.STOPPED:
             self.arm_state.stop(self._tick, arrives=ending == "finished")
         if TaskState.STOPPED in (before, after):
-            # Outputs that are tied to the program follow the program, also if a client starts or stops it.
+            # Outputs tied to the program follow it, also if a client starts or stops it.
             by, self._by = self._by, PROGRAM
             self.signals.set_running(self.task.is_running)
             self._by = by
@@ -564,7 +564,8 @@ class Controller:
         by = self._by
         line = self.task.program.caller[1] if by == PROGRAM else 0
         self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value, by, line))
-        self.tracking.encoders.signal_changed(name, index, value, self._tick)
+        if name == SPEED_SIGNAL:
+            self.tracking.encoders[index].turn(float(value), self._tick)
         self.safety.signal_changed(name, value, self._tick)
 
     def _write_overridden(self, name: str, index: int, level: Value) -> None:
@@ -577,9 +578,9 @@ class Controller:
         self.emit(Warned(self._tick, text, thread, line, "W271", hint))
 
     def disturb_input(self, request: DisturbInput) -> None:
-        """Let an input read something else than what is applied to it; see `input_faults`."""
+        """Let an input read another level than the applied one; see `input_faults`."""
         if self.signals.faults is None:
-            # Few robots have such faults; the others need not pay for the import.
+            # Imported late: few robots have such faults.
             from elitescript.controller.signals.input_faults import InputFaults
 
             self.signals.faults = InputFaults(lambda: self._tick, self.signals.highest, self._show_input)
@@ -593,12 +594,12 @@ class Controller:
         self._by = before
 
     def mark(self, number: int, label: str) -> None:
-        """The program has reached a node of its tree."""
+        """Record that the program has reached a node of its tree."""
         self._node = (number, label)
         self.emit(LineMarked(self._tick, number, label))
 
     def guide_by_input(self) -> None:
-        """Begin or end hand guiding as the inputs ask for it, when one may have changed."""
+        """Begin or end hand guiding by the inputs that are bound to it."""
         why_not = WHY_NOT_READY.get(self.power.mode) or self.safety.refusal("move")
         self.yielding.guide_by_input(why_not, self.arm_state, self._tick)
 
@@ -649,7 +650,7 @@ def _end_input_faults(controller: Controller, _request: EndInputFaults) -> None:
 
 
 def _set_encoder(controller: Controller, request: Any) -> None:
-    ENCODER_HANDLERS[type(request)](controller.tracking.encoders, request, controller.tick)
+    ENCODER_HANDLERS[type(request)](controller.tracking.encoders[request.index], request, controller.tick)
 
 
 def _set_force(controller: Controller, request: Any) -> None:
@@ -657,7 +658,7 @@ def _set_force(controller: Controller, request: Any) -> None:
 
 
 def _write_port(controller: Controller, request: WritePortCoils | WritePortRegisters) -> None:
-    # Few programs do; the others need not pay for the import.
+    # Imported late: few programs write them.
     from elitescript.controller.signals.modbus_access import port_writes
 
     for part in port_writes(controller.signals, request):
@@ -682,4 +683,4 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     **dict.fromkeys(ENCODER_HANDLERS, _set_encoder),
     **dict.fromkeys(YIELD_SETTINGS, _set_force),
 }
-"""The handler of every kind of machine request."""
+"""Handler of every kind of machine request."""

@@ -1,10 +1,9 @@
-"""Robot modes: what the arm's power and brakes are doing, as a table.
+"""Robot modes as a table: power and brakes of the arm.
 
-`TRANSITIONS` says which step leads where, `STEPS` how a robot that is to go up goes from each mode to the next and how
-long it has been in that mode by then.
+`TRANSITIONS` has every step between modes, `STEPS` those of powering up with the time spent in each mode before.
 
 Evidence: modes and their order are *documented* (vendor's SDK: power on ends in idle, releasing the brakes in running;
-clients wait 30 s for each). How long the steps take is *assumed*.
+clients wait 30 s for each). The durations of the steps are *assumed*.
 """
 
 from __future__ import annotations
@@ -41,12 +40,12 @@ WHY_NOT_READY: Final[dict[RobotMode, str]] = {
 }
 
 SWITCH_ON: Final = "power on and release the brakes"
-"""What helps when the arm has no power; a front door may add how it is done there."""
+"""Hint for an arm without power; a front end may add how it is done there."""
 
 
 @dataclass(frozen=True, slots=True)
 class PowerTimes:
-    """How long the arm takes to go up, in seconds (*assumed*: clients wait much longer, real arms take seconds)."""
+    """Durations of powering up, s (*assumed*: clients wait much longer, real arms take seconds)."""
 
     power_on_s: float = 0.4
     """From the command until the joints boot."""
@@ -70,7 +69,7 @@ STEPS: Final[dict[RobotMode, tuple[str, Callable[[PowerTimes], float]]]] = {
     BOOTING: ("initialise", lambda times: times.boot_s),
     IDLE: ("release_brakes", lambda times: times.release_s),
 }
-"""The next step on the way up, and after what time in the mode."""
+"""Next step of powering up, and after what time in the mode."""
 
 _WAY_UP: Final = (OFF, ON, BOOTING, IDLE, RUNNING)
 
@@ -81,7 +80,7 @@ class Power:
     Args:
         on_change: called with every new mode.
         mode: at the start.
-        times: how long going up takes.
+        times: durations of powering up.
     """
 
     __slots__ = ("_goal", "_on_change", "_since_tick", "_times", "is_going_off", "mode")
@@ -98,13 +97,13 @@ class Power:
 
     @property
     def next_tick(self) -> int | None:
-        """Tick of the next step on the way up; None if the arm is not on it."""
+        """Tick of the next step of powering up; None if there is none."""
         if self._goal is None:
             return None
         return self._since_tick + ticks_for(STEPS[self.mode][1](self._times))
 
     def require_ready(self) -> None:
-        """Let a motion pass.
+        """Check that the arm can move.
 
         Raises:
             ScriptStateError: the arm is off, goes off, or its brakes are engaged.
@@ -114,7 +113,7 @@ class Power:
             raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint=SWITCH_ON)
 
     def go_up(self, goal: RobotMode, tick: int) -> None:
-        """Power on, and for the goal `RUNNING` release the brakes, as far as that is not done; steps take their time.
+        """Power on, and for the goal `RUNNING` release the brakes, where necessary.
 
         Args:
             goal: `IDLE` or `RUNNING`.
@@ -143,7 +142,7 @@ class Power:
         self.is_going_off = True
 
     def settle(self, is_moving: bool) -> None:
-        """Power off if that is due and the arm stands still."""
+        """Power off if that was asked for and the arm stands still."""
         if self.is_going_off and not is_moving:
             self.is_going_off = False
             if self.mode is not OFF:

@@ -1,90 +1,55 @@
-"""How a refused request is told to people: the action in their words, what is in the way, and what to do about it."""
+"""Writes the message for a refused request: the action, the reason and a hint."""
 
 from __future__ import annotations
 
 from typing import Final
 
-from elitescript.messages.machine import (
-    AskSafety,
-    DecodePulses,
-    DisturbInput,
-    EndInputFaults,
-    MachineRequest,
-    PauseTask,
-    PowerDown,
-    PowerOff,
-    PowerOn,
-    PrepareEncoder,
-    ReleaseBrakes,
-    ResetInputActions,
-    ResumeTask,
-    SetAnalogDomain,
-    SetAnalogFraction,
-    SetClientSensor,
-    SetEncoderCount,
-    SetForceDamping,
-    SetForceGain,
-    SetGravity,
-    SetInputAction,
-    SetLineMark,
-    SetOption,
-    SetPayload,
-    SetRunstateChoice,
-    SetSpeedScale,
-    SetTcp,
-    SetToolAnalogMode,
-    SetToolPin,
-    StopTask,
-    WritePortCoils,
-    WritePortRegisters,
-    WriteSignal,
-    ZeroForceSensor,
-)
+from elitescript.messages import machine
 
 ACTIONS: Final[dict[type, str]] = {
-    WriteSignal: "set {0.name}[{0.index}] to {0.value}",
-    WritePortCoils: "set coils from {0.first} on",
-    WritePortRegisters: "set registers from {0.first} on",
-    SetAnalogDomain: "set the domain of {0.name}[{0.index}]",
-    SetAnalogFraction: "set {0.name}[{0.index}] to a fraction of {0.fraction:g}",
-    SetRunstateChoice: "tie {0.name}[{0.index}] to the program",
-    SetInputAction: "bind {0.name}[{0.index}]",
-    ResetInputActions: "unbind the inputs",
-    SetToolAnalogMode: "set the mode of the tool's analog pins to {0.mode}",
-    SetToolPin: "configure tool pin {0.index}",
-    SetTcp: "set the TCP",
-    SetPayload: "set the payload to {0.mass_kg:g} kg",
-    SetGravity: "set the direction of gravity",
-    SetSpeedScale: "set the speed to {0.fraction:g}",
-    SetOption: "set {0.name}",
-    SetLineMark: "mark line {0.number}",
-    PrepareEncoder: "prepare encoder {0.index}",
-    DecodePulses: "have encoder {0.index} count pulses",
-    SetEncoderCount: "set the count of encoder {0.index}",
-    PowerOn: "power on",
-    ReleaseBrakes: "release the brakes",
-    PowerOff: "power off",
-    PowerDown: "shut down",
-    PauseTask: "pause",
-    ResumeTask: "resume",
-    StopTask: "stop",
-    SetForceGain: "set the gain of force control to {0.scaling:g}",
-    SetForceDamping: "set the damping of force control to {0.damping:g}",
-    ZeroForceSensor: "zero the force sensor",
-    SetClientSensor: "change the force sensor",
-    DisturbInput: "disturb {0.name}[{0.index}]",
-    EndInputFaults: "end the faults of inputs",
-    AskSafety: "change the state of the safety system",
+    machine.WriteSignal: "set {0.name}[{0.index}] to {0.value}",
+    machine.WritePortCoils: "set coils from {0.first} on",
+    machine.WritePortRegisters: "set registers from {0.first} on",
+    machine.SetAnalogDomain: "set the domain of {0.name}[{0.index}]",
+    machine.SetAnalogFraction: "set {0.name}[{0.index}] to a fraction of {0.fraction:g}",
+    machine.SetRunstateChoice: "tie {0.name}[{0.index}] to the program",
+    machine.SetInputAction: "bind {0.name}[{0.index}]",
+    machine.ResetInputActions: "unbind the inputs",
+    machine.SetToolAnalogMode: "set the mode of the tool's analog pins to {0.mode}",
+    machine.SetToolPin: "configure tool pin {0.index}",
+    machine.SetTcp: "set the TCP",
+    machine.SetPayload: "set the payload to {0.mass_kg:g} kg",
+    machine.SetGravity: "set the direction of gravity",
+    machine.SetSpeedScale: "set the speed to {0.fraction:g}",
+    machine.SetOption: "set {0.name}",
+    machine.SetLineMark: "mark line {0.number}",
+    machine.PrepareEncoder: "prepare encoder {0.index}",
+    machine.DecodePulses: "have encoder {0.index} count pulses",
+    machine.SetEncoderCount: "set the count of encoder {0.index}",
+    machine.PowerOn: "power on",
+    machine.ReleaseBrakes: "release the brakes",
+    machine.PowerOff: "power off",
+    machine.PowerDown: "shut down",
+    machine.PauseTask: "pause",
+    machine.ResumeTask: "resume",
+    machine.StopTask: "stop",
+    machine.SetForceGain: "set the gain of force control to {0.scaling:g}",
+    machine.SetForceDamping: "set the damping of force control to {0.damping:g}",
+    machine.ZeroForceSensor: "zero the force sensor",
+    machine.SetClientSensor: "change the force sensor",
+    machine.DisturbInput: "disturb {0.name}[{0.index}]",
+    machine.EndInputFaults: "end the faults of inputs",
+    machine.AskSafety: "change the state of the safety system",
 }
-"""What each request asks for, as it follows `cannot`; a format text that is given the request."""
+"""Action of each request, as it follows `cannot`; a format text with the request as its argument."""
 
 
-def refusal_text(request: MachineRequest, error: Exception) -> str:
+def refusal_text(request: machine.MachineRequest, error: Exception) -> str:
     """Return one line about a request that was refused.
 
     Args:
-        request: what was asked for.
-        error: why it was refused; its `hint`, if it has one, says what to do.
+        request: the request.
+        error: the reason, perhaps with a `hint`.
     """
     why, hint = str(error), getattr(error, "hint", None)
     if not why.startswith("cannot "):

@@ -1,7 +1,6 @@
-"""What comes from outside, in the order of its ticks: one bounded queue.
+"""Queues requests from outside by tick.
 
-Every outside influence enters here and takes effect at a tick boundary, so that a run is a function of
-its program and of this list.
+They take effect at tick boundaries, so a run is a function of its program and of this queue.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from elitescript.messages.events import Warned
 from elitescript.messages.machine import MachineRequest
 
 CAPACITY: Final = 1_000_000
-"""Most entries that may wait; a full inbox refuses the newcomer and says so."""
+"""Most entries that may wait; a full queue raises `UsageError`."""
 
 
 class RequestQueue:
@@ -29,15 +28,15 @@ class RequestQueue:
         self._sequence = 0
 
     def put(self, tick: int, request: MachineRequest, by: str = "client") -> None:
-        """Have `request` handled at `tick`, after those that were put before it for the same tick.
+        """Queue a request for `tick`, after those for the same tick that were put before it.
 
         Args:
-            tick: when.
-            request: what.
-            by: where it comes from, as `events.SignalChanged.by`.
+            tick: at which it is carried out.
+            request: the request.
+            by: its origin, as `events.SignalChanged.by`.
 
         Raises:
-            UsageError: the inbox is full.
+            UsageError: the queue is full.
         """
         if len(self._heap) >= CAPACITY:
             raise UsageError(f"the controller's inbox is full: {CAPACITY} requests wait already")
@@ -47,7 +46,7 @@ class RequestQueue:
     def deliver(
         self, tick: int, handle: Callable[[MachineRequest, str], None], refuse: Callable[[Warned], None]
     ) -> None:
-        """Hand over what is due at `tick`, each request with where it comes from; a refusal becomes a warning."""
+        """Hand over the requests due at `tick`, each with its origin; a refusal becomes a warning."""
         while self._heap and self._heap[0][0] <= tick:
             _, _, by, request = heappop(self._heap)
             try:

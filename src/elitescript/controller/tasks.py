@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 from elitescript.errors import ScriptStateError
 from elitescript.messages.enums import TaskState
@@ -14,28 +14,28 @@ from elitescript.messages.events import Alarm
 
 
 class ProgramPort(Protocol):
-    """Lists what the controller asks of the host of scripts."""
+    """Lists the methods of the host of scripts that the controller calls."""
 
     def run_tick(self, tick: int) -> None:
-        """Run every script thread that is due, until each waits or has used up this tick's work."""
+        """Run every script thread that is due until it waits or has used up this tick's work."""
 
     def next_tick(self, tick: int) -> int | None:
         """Return the earliest tick after `tick` at which a script thread is due; None while there is none."""
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
-        """Take note that a move is over; threads that wait for it go on at the next `run_tick`."""
+        """Wake the threads that wait for a move; they go on at the next `run_tick`."""
 
     def pause(self) -> None:
-        """Let no script thread go on."""
+        """Suspend the script threads."""
 
     def resume(self) -> None:
-        """Let the script threads go on."""
+        """Let the script threads go on after a pause."""
 
     def stop(self, reason: str) -> None:
         """End every script thread at the next `run_tick`."""
 
     def fail(self, alarm: Alarm) -> None:
-        """End them as an alarm does, which the program has not caused and cannot catch."""
+        """End every script thread with an alarm that the program cannot catch."""
 
     @property
     def line(self) -> int:
@@ -43,36 +43,19 @@ class ProgramPort(Protocol):
 
     @property
     def caller(self) -> tuple[str, int]:
-        """Name and line of the thread that runs at this moment; an empty name and 0 while none does."""
+        """Name and line of the running thread; an empty name and 0 while none runs."""
 
 
 class NoProgram:
-    """Stands in until a host is attached."""
+    """Do nothing: the port until a host is attached."""
 
     line = 0
     caller = ("", 0)
 
-    def run_tick(self, tick: int) -> None:
-        """Nothing runs."""
+    def _ignore(self, *_: Any) -> None:
+        pass
 
-    def next_tick(self, tick: int) -> int | None:
-        """Nothing is due."""
-        return None
-
-    def motion_ended(self, move: int, is_complete: bool) -> None:
-        """Nothing waits."""
-
-    def pause(self) -> None:
-        """Nothing runs."""
-
-    def resume(self) -> None:
-        """Nothing runs."""
-
-    def stop(self, reason: str) -> None:
-        """Nothing runs."""
-
-    def fail(self, alarm: Alarm) -> None:
-        """Nothing runs."""
+    run_tick = next_tick = motion_ended = pause = resume = stop = fail = _ignore
 
 
 TRANSITIONS: Final[dict[tuple[TaskState, str], TaskState]] = {
@@ -102,7 +85,7 @@ class Task:
 
     Attributes:
         name: of the program that runs or ran last.
-        program: runs its threads.
+        program: host of its threads.
         state: of the task.
     """
 
@@ -126,7 +109,7 @@ class Task:
         self._is_held = False
 
     def pause(self) -> None:
-        """Pause the task; one that a safeguard holds already stays paused when the safeguard is closed."""
+        """Pause the task; a task held by a safeguard then stays paused when the safeguard is closed."""
         if self._is_held:
             self._is_held = False
             return
@@ -139,7 +122,7 @@ class Task:
         self.program.resume()
 
     def stop(self, reason: str) -> None:
-        """Have the program end its threads, and then the task.
+        """End the threads of the program, and then the task.
 
         Raises:
             ScriptStateError: no task runs.
@@ -149,19 +132,19 @@ class Task:
         self.program.stop(reason)
 
     def hold(self) -> None:
-        """Pause a task that plays until `release`."""
+        """Pause a running task until `release`."""
         self.apply("pause")
         self.program.pause()
         self._is_held = True
 
     def release(self) -> None:
-        """Let a task go on that `hold` has paused, unless it was paused or stopped otherwise since."""
+        """Resume a task that `hold` has paused, unless it was paused or stopped otherwise since."""
         was_held, self._is_held = self._is_held, False
         if was_held and self.state is TaskState.PAUSED:
             self.resume()
 
     def fail(self, alarm: Alarm) -> None:
-        """End the task with an alarm; nothing happens if none runs."""
+        """End the task, if one runs, with an alarm."""
         self._is_held = False
         if self.is_running:
             self.program.fail(alarm)

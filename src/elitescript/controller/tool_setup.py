@@ -1,4 +1,4 @@
-"""What programs declare about tool, payload and mounting; it moves nothing by itself."""
+"""Holds tool, payload and mounting as programs declare them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Setup:
     """Tool, payload, gravity and options of one robot.
 
     Args:
-        model: the arm; says what it can carry.
+        model: the arm, with its rated payload.
     """
 
     __slots__ = ("T_flange_tcp", "_model", "gravity", "options", "payload", "tcp_offset")
@@ -32,12 +32,12 @@ class Setup:
         self.options: dict[str, Value] = {}
 
     def set_tcp(self, request: SetTcp) -> None:
-        """Active TCP."""
+        """Set the active TCP."""
         self.tcp_offset = request.offset
         self.T_flange_tcp = transform_from_pose(request.offset)
 
     def set_payload(self, request: SetPayload) -> None:
-        """Payload at the flange.
+        """Set the payload at the flange.
 
         Raises:
             ArgumentRangeError: heavier than the model carries.
@@ -52,11 +52,11 @@ class Setup:
         self.payload = Payload(request.mass_kg, request.cog, request.inertia)
 
     def set_gravity(self, request: SetGravity) -> None:
-        """Acceleration that the base feels."""
+        """Set the acceleration of gravity in the base frame."""
         self.gravity = request.vector
 
     def set_option(self, request: SetOption) -> None:
-        """A setting without effect on the simulation."""
+        """Keep a setting that has no effect on the simulation."""
         self.options[request.name] = request.value
 
 
@@ -66,4 +66,4 @@ SETUP_HANDLERS: Final[dict[type, Callable[[Setup, Any], None]]] = {
     SetGravity: Setup.set_gravity,
     SetOption: Setup.set_option,
 }
-"""Every request that only declares something, and what handles it."""
+"""Handlers of the requests that only declare something."""

@@ -1,6 +1,6 @@
-"""An exception that a program did not catch, as an alarm: what, where in its text, and which of its arguments.
+"""Makes an alarm of an uncaught exception: text, place in the program, details.
 
-Frames of ours are not shown. The place is the innermost line of script text on the way of the exception.
+The place is the innermost line of script text in the traceback; frames of the runtime are not shown.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ MEMORY_HINT: Final = (
 
 
 class Place(NamedTuple):
-    """Where in a program's text."""
+    """A place in a program's text."""
 
     line: int
     column: int
     """From 1, in characters; 0 if unknown."""
     source_line: str
     names: tuple[str, ...]
-    """Names that the code there could have used."""
+    """Names visible to the code there."""
     inner: str = ""
-    """Where in a text that the program made for `eval` or `exec`, in words."""
+    """Place in a text of `eval` or `exec`, in words."""
     source: SourceFile | None = None
     """The text."""
     expression: str = ""
-    """What was computed there, as it is written; empty if unknown."""
+    """Source of the failing expression; empty if unknown."""
     frame: FrameType | None = None
-    """Where the variables are."""
+    """Frame with the variables."""
 
 
 NOWHERE: Final = Place(0, 0, "", ())
@@ -62,17 +62,17 @@ def alarm_of(
     catalogue: Catalogue,
     profile: Profile,
 ) -> Alarm:
-    """The alarm that an uncaught exception makes.
+    """Return the alarm for an uncaught exception.
 
     Args:
         error: the exception, with its traceback.
-        clock: tells the present tick; read last, because the text of an exception is made by the program, in its time.
+        clock: gives the present tick; read last, because program code that makes the text of an exception takes time.
         thread: name of the thread.
-        started_line: where it was started: the place of a call that failed before any line of it ran.
-        builtins: the built-ins of the program, by which its frames are known.
-        known: names that a program finds without defining them, to suggest one for an unknown name.
-        sources: its texts, by name.
-        catalogue: the commands, of which a newer firmware may have the unknown name.
+        started_line: line that has started it: the place of a call that failed before any line of it ran.
+        builtins: the built-ins of the program, by which its frames are recognised.
+        known: predefined names, to suggest one for an unknown name.
+        sources: texts of the program, by name.
+        catalogue: the commands; an unknown name may be one of a newer firmware.
         profile: the firmware.
     """
     place = place_of(error.__traceback__, builtins, sources)
@@ -100,7 +100,7 @@ def alarm_of(
 
 
 def memory_text() -> str:
-    """Return what is wrong when there is not enough memory, with the limit of the process if it has one."""
+    """Return the text for missing memory, with the limit of the process if it has one."""
     text = "there is not enough memory for what this line asks for"
     try:
         import resource
@@ -112,18 +112,18 @@ def memory_text() -> str:
 
 
 def abandoned(strand: Strand, tick: int) -> Alarm:
-    """The alarm of a thread that does not end when it is stopped."""
+    """Return the alarm for a thread that does not end when it is stopped."""
     text = f"thread {strand.name!r} does not let itself be stopped; it is given up where it stands"
     return Alarm(tick, "R131", "RuntimeError", text, strand.line, 0, strand.name)
 
 
 def summary_of(error: BaseException) -> str:
-    """Class and text in one line, as `[SEC] Exception:` shows them."""
+    """Return class and text in one line, as `[SEC] Exception:` shows them."""
     return f"{class_name_of(error)}: {text_of(error)}"
 
 
 def class_name_of(error: BaseException) -> str:
-    """The class as a Python programmer knows it: for errors of commands, the built-in class that they extend."""
+    """Return the class name of an exception; for errors of commands, the built-in class that they extend."""
     if isinstance(error, ScriptError):
         for kind in type(error).__mro__:
             if kind.__module__ == "builtins" and kind is not Exception:
@@ -134,7 +134,7 @@ def class_name_of(error: BaseException) -> str:
 
 
 def text_of(error: BaseException) -> str:
-    """What the exception says; never raises, and shows no address that differs from run to run."""
+    """Return the text of an exception without addresses, which differ from run to run; never raises."""
     try:
         if isinstance(error, ProgramError):
             return "; ".join(str(getattr(problem, "text", problem)) for problem in error.problems)
@@ -144,21 +144,21 @@ def text_of(error: BaseException) -> str:
 
 
 def details_of(error: ScriptError) -> dict[str, Any]:
-    """The fields of a command's error that are known, as plain values."""
+    """Return the fields of a command's error that are set, as plain values."""
     names = ("command", "argument", "value", "limit", "unit", "hint")
     fields = {name: _plain(getattr(error, name, None)) for name in names}
     return {name: value for name, value in fields.items() if value not in (None, "")}
 
 
 def _plain(value: Any) -> Any:
-    """A value that can be written down: a number, a text, or how the value shows."""
+    """Return a number or text as it is, another value as its text."""
     if value is None or type(value) in (bool, int, float, str):
         return value
     return without_addresses(shown(value))
 
 
 def place_of(trace: TracebackType | None, builtins: dict[str, Any], sources: Mapping[str, SourceFile]) -> Place:
-    """The innermost line of the program's own text in a traceback; of a text that it made only if there is no other."""
+    """Return the innermost place of a traceback in the program's own text, or else in a text of `eval`."""
     found = inner = None
     while trace is not None:
         if trace.tb_frame.f_builtins is builtins:
@@ -186,11 +186,11 @@ def place_of(trace: TracebackType | None, builtins: dict[str, Any], sources: Map
 
 
 _LONGEST_EXPRESSION: Final = 20
-"""Lines of an expression that is looked at."""
+"""Most lines of an expression that is shown."""
 
 
 def _between(source: SourceFile, line: int, column: int, end_line: int, end_column: int) -> str:
-    """The text from one place to another."""
+    """Return the text from one place to another."""
     if end_line - line > _LONGEST_EXPRESSION:
         return ""
     rows = [source.line(number) for number in range(line, end_line + 1)]
@@ -207,7 +207,7 @@ def _inner_place(trace: TracebackType) -> str:
 
 
 def _position(code: CodeType, instruction: int, line: int) -> tuple[Any, Any, Any, Any]:
-    """Line, end line, UTF-8 column and end column, from 0, of an instruction; None for what is not known."""
+    """Return line, end line, UTF-8 column and end column, from 0, of an instruction; None if unknown."""
     index = instruction // 2
     for number, (start, end, column, end_column) in enumerate(code.co_positions()):
         if number == index:
@@ -218,7 +218,7 @@ def _position(code: CodeType, instruction: int, line: int) -> tuple[Any, Any, An
 def _unknown_name(
     name: str, text: str, place: Place, known: Iterable[str], catalogue: Catalogue, profile: Profile
 ) -> tuple[str, str, str, dict[str, Any]]:
-    """Code, class, text and details for a name that means nothing."""
+    """Return code, class, text and details for an unknown name."""
     command = catalogue.get(name)
     if command is not None and release_of(command.since) > profile.release:
         text = newer_firmware_text(name, command.since, profile)
@@ -228,7 +228,7 @@ def _unknown_name(
 
 
 def _advice(name: str, place: Place, known: Iterable[str], profile: Profile) -> str:
-    """What `check` says to the same name in the same place; of a text that the program made, what is written alike."""
+    """Return the hint of `check` for the name in this place; in a text of `eval` a similar name."""
     from elitescript.language.advice.unknown_names import advice, nearest
 
     if place.source is not None and not place.inner:
@@ -245,7 +245,7 @@ def _advice(name: str, place: Place, known: Iterable[str], profile: Profile) -> 
 
 
 def _in_plain_words(class_name: str, text: str, place: Place) -> tuple[str, dict[str, Any]]:
-    """Text and details for an exception of Python's own."""
+    """Return text and details for a built-in exception."""
     from elitescript.runtime.plain_words import Scene, plain_words
 
     frame = place.frame
@@ -258,7 +258,7 @@ _ADDRESS: Final = r" at 0x[0-9a-fA-F]{8,16}>"
 
 
 def without_addresses(text: str) -> str:
-    """A text without the memory addresses that Python shows for objects; they differ from run to run."""
+    """Return a text without the memory addresses of objects, which differ from run to run."""
     if " at 0x" not in text:
         return text
     return re.sub(_ADDRESS, ">", text)

@@ -1,19 +1,15 @@
-"""What lies outside a program, as an interface.
+"""Defines the environment of programs: files of the task folder, TCP connections and serial lines.
 
-A program reaches nothing by itself: files of its task folder and TCP connections, and later serial lines, remote
-procedure calls and Modbus peers, each as one more part of `ProgramEnvironment`. An environment is local (this
-computer), in memory (tests) or remote (a controller whose scripts run in a process of their own); programs cannot
-tell which.
-
-Names of files are virtual. Scripts see the task folder as `/task/`; what reaches a world is a name relative to
-that folder, with `/` between its parts and without `..`.
+An environment is local (this computer), in memory (tests) or remote (the scripts run in a child process); programs see
+no difference. Names of files are virtual: scripts see the task folder as `/task/`; an environment gets a name relative
+to that folder, with `/` between its parts and without `..`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase, TextIOWrapper
-from typing import IO, TYPE_CHECKING, Any, Final, Protocol, cast
+from typing import IO, TYPE_CHECKING, Any, Final, NoReturn, Protocol, cast
 
 from elitescript.errors import ArgumentTypeError, ScriptPermissionError
 
@@ -35,7 +31,7 @@ class Files(Protocol):
     """
 
     def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
-        """Open a file; what is flushed is seen by whoever else has it open.
+        """Open a file; flushed data is visible to all that have it open.
 
         Args:
             name: relative to the task folder.
@@ -49,13 +45,13 @@ class Files(Protocol):
         """
 
     def kind(self, name: str) -> str:
-        """`file`, `folder` or, when there is nothing of that name, an empty text."""
+        """Return `file`, `folder`, or an empty text if the name does not exist."""
 
     def size(self, name: str) -> int:
-        """Bytes of a file."""
+        """Return the size of a file in bytes."""
 
     def names(self, name: str) -> list[str]:
-        """Sorted names in a folder."""
+        """Return the sorted names in a folder."""
 
     def remove(self, name: str) -> None:
         """Delete a file."""
@@ -67,14 +63,14 @@ class Files(Protocol):
 def opened(
     raw: RawIOBase, mode: str, encoding: str | None, newline: str | None, *, read_ahead: int = READ_AHEAD
 ) -> IO[Any]:
-    """Put Python's buffers over a file of a world, so that files of all worlds are buffered alike.
+    """Put Python's buffers over a file, so that files of all environments are buffered alike.
 
     Args:
         raw: the file.
         mode: see `Files.open`.
         encoding: see `Files.open`.
         newline: see `Files.open`.
-        read_ahead: bytes that are read at once from a file for reading.
+        read_ahead: buffer size of a file for reading.
     """
     file: BufferedRandom | BufferedReader | BufferedWriter
     if "+" in mode:
@@ -85,23 +81,23 @@ def opened(
         file = BufferedWriter(raw)
     if encoding is None:
         return cast("IO[bytes]", file)
-    # Text is written through, so that what is flushed is all that was written.
+    # Text is written through, so that a flush writes all of it.
     return TextIOWrapper(cast("IO[bytes]", file), encoding=encoding, newline=newline, write_through=True)
 
 
 class Channels(Protocol):
     """Connections to TCP servers, and serial lines, by number.
 
-    Nothing here waits: what comes of a request arrives as an event at a later tick. At most `CHANNEL_WINDOW` bytes are
+    No method waits: the result of a request arrives as an event at a later tick. At most `CHANNEL_WINDOW` bytes are
     on their way in each direction; see `messages.outputs`.
     """
 
     @property
     def is_real(self) -> bool:
-        """Whether one leads to a peer that lives in wall-clock time."""
+        """Whether one leads to a peer in wall-clock time."""
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
-        """Try to connect; return the channel, or 0 if there is nothing to connect to. Ends in `ChannelOpened`."""
+        """Begin to connect; return the channel, or 0 without a network. Ends in `ChannelOpened`."""
 
     def open_line(self, device: str, settings: LineSettings) -> int:
         """Open a serial line; return the channel, or 0 if there are no lines. Ends in `ChannelOpened`.
@@ -112,33 +108,33 @@ class Channels(Protocol):
         """
 
     def send(self, channel: int, data: bytes) -> None:
-        """Send bytes; `ChannelCredit` tells when they have left."""
+        """Send bytes; `ChannelCredit` arrives when they have left."""
 
     def credit(self, channel: int, size: int) -> None:
-        """Let the peer send so many bytes more: as many have been taken."""
+        """Let the peer send `size` more bytes: as many have been read."""
 
     def close(self, channel: int) -> None:
-        """Close, once what was sent before is on its way; nothing of that channel arrives any more."""
+        """Close after all bytes have been sent; no event of that channel arrives any more."""
 
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
-        """What has happened; asked before each tick that is run, which for real channels is held back to its time."""
+        """Return the events that have arrived, before each tick that is run."""
 
     def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """Bytes that were sent and have not arrived, and connections whose end has not: a text for each channel.
+        """Return a text for each channel with sent bytes, or a close, that have not arrived.
 
         Args:
             ignoring: open channels that do not count.
         """
 
     def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """Drop what is pending; return it, with what was lost on closed channels since the last call."""
+        """Drop pending bytes; return them as `pending`, with those lost on closed channels since the last call."""
 
     def next_tick(self, tick: int) -> int | None:
-        """The next tick at which something may arrive."""
+        """Return the next tick at which an event may arrive."""
 
 
 class ProgramEnvironment(Protocol):
-    """Everything outside, in parts."""
+    """Everything that a program can reach outside."""
 
     @property
     def files(self) -> Files:
@@ -150,82 +146,51 @@ class ProgramEnvironment(Protocol):
 
 
 class FilesRefused:
-    """The task folder of a world that has none."""
+    """Refuse every file: there is no task folder."""
 
     __slots__ = ()
 
-    def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
-        """Refuse."""
-        raise self._refusal(name)
-
     def kind(self, name: str) -> str:
-        """There is nothing."""
         return "folder" if name == "" else ""
 
-    def size(self, name: str) -> int:
-        """Refuse."""
-        raise self._refusal(name)
-
     def names(self, name: str) -> list[str]:
-        """There is nothing."""
         return []
 
-    def remove(self, name: str) -> None:
-        """Refuse."""
-        raise self._refusal(name)
+    def _refuse(self, name: str, *_details: object, **_options: object) -> NoReturn:
+        raise ScriptPermissionError(f"cannot open {name!r}: this run has no task folder")
 
-    def make_folder(self, name: str) -> None:
-        """Refuse."""
-        raise self._refusal(name)
-
-    @staticmethod
-    def _refusal(name: str) -> ScriptPermissionError:
-        return ScriptPermissionError(f"cannot open {name!r}: this run has no task folder")
+    open = size = remove = make_folder = _refuse
 
 
 class NoChannels:
-    """The network of a world that has none."""
+    """Open no channel: there is no network and no serial line."""
 
     __slots__ = ()
 
     is_real: Final = False
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
-        """There is nothing to connect to."""
         return 0
 
     def open_line(self, device: str, settings: LineSettings) -> int:
-        """There is no line."""
         return 0
 
-    def send(self, channel: int, data: bytes) -> None:
-        """There is no channel."""
-
-    def credit(self, channel: int, size: int) -> None:
-        """There is no channel."""
-
-    def close(self, channel: int) -> None:
-        """There is no channel."""
-
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
-        """Nothing."""
         return ()
 
     def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """Nothing."""
         return ()
 
-    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """Nothing."""
-        return ()
+    give_up = pending
 
-    def next_tick(self, tick: int) -> int | None:
-        """Never."""
-        return None
+    def _ignore(self, *_: Any, **_options: Any) -> None:
+        pass
+
+    send = credit = close = next_tick = _ignore
 
 
 class EmptyEnvironment:
-    """A world in which there is nothing."""
+    """An environment without files and connections."""
 
     __slots__ = ("channels", "files")
 
@@ -235,7 +200,7 @@ class EmptyEnvironment:
 
 
 def relative_name(path: object) -> str:
-    """The name in the task folder that a script's path means; empty for the folder itself.
+    """Return the name in the task folder for a path of a script; empty for the folder itself.
 
     A relative path counts from the task folder (*assumed*). `//` and `.` are dropped, `..` goes up.
 

@@ -1,8 +1,7 @@
 """File objects for scripts.
 
-A script holds a `ScriptFile`; the file that a world has opened stays behind it, because real file objects lead
-to their buffers, descriptors and paths. When the last reference to it goes, the file is closed, as in CPython:
-what was written is then there for others to read.
+A script holds a `ScriptFile`, which hides the real file: that would lead to buffers, descriptors and paths. When the
+last reference to it goes, the file is closed, as in CPython.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ OPEN_FILES_MAX: Final = 256
 _MODE_LETTERS: Final = frozenset("rwxabt+")
 
 _NAMES_SHOWN: Final = 3
-"""File names that a message offers for one that does not exist."""
+"""Most file names in the hint for a missing file."""
 
 
 class OpenFiles:
@@ -39,15 +38,15 @@ class OpenFiles:
     def open(
         self, path: Any, mode: Any = "r", encoding: Any = None, newline: Any = None, errors: Any = None
     ) -> ScriptFile:
-        """`open` for scripts, which writes the same bytes on every system.
+        """Open a file for a script; the same bytes are written on every system.
 
         Text files are UTF-8 unless the script says otherwise, and a line feed is written as one unless `newline`
         says otherwise.
 
         Raises:
             OSError: as Python's `open`; `PermissionError` for what lies outside the task folder.
-            LookupError: no such encoding, or no such way to treat errors.
-            ScriptError: arguments that make no sense.
+            LookupError: unknown encoding or error handler.
+            ScriptError: invalid arguments.
         """
         name = relative_name(path)
         _check_mode(mode)
@@ -67,7 +66,7 @@ class OpenFiles:
         return file_over(file, mode, name)
 
     def close(self) -> None:
-        """Close what the program has left open.
+        """Close the files that the program has left open.
 
         Raises:
             OSError: of the first file that could not be written; the others are closed all the same.
@@ -101,7 +100,7 @@ def _check_mode(mode: Any) -> None:
 
 
 def _check_text(encoding: Any, newline: Any, errors: Any) -> None:
-    """Look at the options of a text file before the file is opened, which may empty it."""
+    """Check the options of a text file before it is opened, which may truncate it."""
     for option, value in (("encoding", encoding), ("newline", newline), ("errors", errors)):
         if value is not None and type(value) is not str:
             raise ArgumentTypeError(f"{option} must be a str or None, not {type(value).__name__}", value=value)
@@ -137,7 +136,7 @@ class _ChangedText(TextIOWrapper):
         return _with_line_feeds(line) if size < 0 else self._completed(line)
 
     def _completed(self, text: str) -> str:
-        r"""The text with line feeds; a `\n` in the file that belongs to a `\r` at its end is read too."""
+        r"""Return the text with line feeds; a `\n` that follows a `\r` at its end is read too."""
         if text.endswith("\r"):
             place = self.tell()
             if super().read(1) != "\n":
@@ -150,7 +149,7 @@ def _with_line_feeds(text: str) -> str:
 
 
 def _text(file: IO[bytes], mode: str, encoding: str, newline: str | None, errors: str | None) -> IO[str]:
-    """The text of an open file. Text is written through, so that what is flushed is all that was written."""
+    """Return the text layer of an open file; text is written through, so that a flush writes all of it."""
     kind: type[TextIOWrapper] = TextIOWrapper
     if newline is None and "+" in mode:
         kind, newline = _ChangedText, ""

@@ -1,8 +1,7 @@
-"""Hosts a program and its secondary programs for the controller and `robot.py`.
+"""Hosts a program and its secondary programs.
 
-One host runs one program at a time. Secondary programs run beside it, one after the other, with its globals;
-without a program they get an empty namespace. Everything that happens goes to the machine as an event, and the
-end of the program to the callback of the constructor.
+One host runs one program at a time. Secondary programs run beside it, one after the other, with its globals; without a
+program they get an empty namespace. Results go to the machine as events.
 """
 
 from __future__ import annotations
@@ -46,24 +45,23 @@ class ScriptHost:
     Args:
         machine: the controller.
         profile: the firmware.
-        world: everything outside; nothing by default.
-        seed: of the program's random numbers; every program begins with it.
+        world: environment; an empty one by default.
+        seed: of the random numbers of every program.
         on_end: called with `finished`, `alarm` or `stopped` when a program is over.
-        confirms_popups: whether a popup that blocks is confirmed at once, for runs without a person; if not,
-            `confirm_popup` does it.
+        confirms_popups: whether a blocking popup is confirmed at once; if not, `confirm_popup` does it.
         work_per_tick: checkpoints that a thread may pass in one tick.
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         is_rtsi_input: whether clients can send an input of that name.
 
     Attributes:
-        result: how the last program ended; empty while one runs and before the first.
-        alarm: what ended it, if an alarm did.
-        background: what goes on whether a program runs or not.
+        result: end of the last program; empty while one runs and before the first.
+        alarm: the alarm that ended it, if any.
+        background: MODBUS signals and serial lines, which outlive a program.
         interpreter: statements of interpreter mode.
         moves: threads that wait for moves.
         rpc_timeout_s: see above.
-        connections: what receives from each open channel.
-        watchdogs: RTSI inputs that the program watches.
+        connections: receiver of each open channel.
+        watchdogs: on RTSI inputs.
     """
 
     __slots__ = (
@@ -134,8 +132,8 @@ class ScriptHost:
 
         Args:
             unit: a program, script or line.
-            presets: program globals that have a value before it begins.
-            world: everything outside, from now on; as before if None.
+            presets: initial values of program globals.
+            world: new environment; as before if None.
 
         Raises:
             ScriptStateError: a program is running.
@@ -155,7 +153,7 @@ class ScriptHost:
 
         Args:
             unit: the secondary program.
-            world: everything outside, from now on; as before if None.
+            world: new environment; as before if None.
 
         Raises:
             ScriptStateError: too many wait.
@@ -165,7 +163,7 @@ class ScriptHost:
         self._secondaries.put(unit)
 
     def query(self, text: str, answer: Callable[[str | None], None]) -> None:
-        """Work out the value of an expression, as a secondary program would.
+        """Evaluate an expression as a secondary program.
 
         Args:
             text: the expression.
@@ -182,7 +180,7 @@ class ScriptHost:
         self.moves.abort()
 
     def pause(self) -> None:
-        """Let no thread of the program go on. Virtual time does, and their waits last longer by it."""
+        """Suspend the threads of the program; virtual time goes on, and their waits are longer by the pause."""
         if self.is_running:
             self._scheduler.pause()
 
@@ -195,12 +193,12 @@ class ScriptHost:
         """End the program in the `run_tick` that runs or in the next one; secondary programs go on.
 
         Args:
-            reason: documents the call; the result is `stopped`.
+            reason: not used; the result is `stopped`.
         """
         self._end(STOPPED)
 
     def end_now(self, tick: int) -> None:
-        """End the program at once, in the inbox phase of a tick: another one is to take its place in this tick."""
+        """End the program at once, in the inbox phase of a tick, so that another one can start in this tick."""
         if self._main is None or self._program is None:
             return
         self._scheduler.begin_tick(tick)
@@ -211,7 +209,7 @@ class ScriptHost:
             self._scheduler.end_tick()
 
     def fail(self, alarm: Alarm) -> None:
-        """End the program as `stop` does, with an alarm that it can neither catch nor outlive."""
+        """End the program as `stop` does, with an alarm that it cannot catch."""
         if self._program is not None and self._main is not None and not self._ending:
             self.alarm = self._program.shown(alarm)
             self._machine.emit(self.alarm)
@@ -222,7 +220,7 @@ class ScriptHost:
         self._scheduler.interrupt()
 
     def confirm_popup(self) -> None:
-        """Press the button of the popups that threads wait for."""
+        """Confirm the popups that threads wait for."""
         for strand in self._scheduler.strands:
             if strand.waits_for == POPUP:
                 self._scheduler.wake(strand)
@@ -230,7 +228,7 @@ class ScriptHost:
     # ---------------------------------------------------------------- reading
 
     def spend_event(self) -> None:
-        """Have the running thread pay for an event with a part of its tick."""
+        """Charge the running thread a part of its tick for an event."""
         self._scheduler.spend_event()
 
     @property
@@ -255,16 +253,16 @@ class ScriptHost:
 
     @property
     def caller(self) -> tuple[str, int]:
-        """Name and line of the thread that runs at this moment; an empty name and 0 while none does."""
+        """Name and line of the running thread; an empty name and 0 while none runs."""
         strand = self._scheduler.current
         return ("", 0) if strand is None else (strand.name, strand.line)
 
     def monitor(self) -> dict[str, Any]:
-        """The variable monitor: globals of the program that runs or ran last, in the order of first assignment."""
+        """Return the globals of the program that runs or ran last, in the order of first assignment."""
         return {} if self._program is None else self._program.monitor()
 
     def threads(self) -> tuple[ThreadState, ...]:
-        """Every script thread, the main one first: where it is and what it waits for."""
+        """Return the states of the script threads, the main one first."""
         return tuple(map(state_of, self._scheduler.strands))
 
     # ---------------------------------------------------------------- time
@@ -286,10 +284,12 @@ class ScriptHost:
             scheduler.end_tick()
 
     def next_tick(self, tick: int) -> int | None:
-        """Earliest tick after `tick` at which a thread is due; None while all wait for something else."""
+        """Return the earliest tick after `tick` at which a thread is due; None while all wait for something else."""
         if self._ending:
             return tick + 1
         due = self._scheduler.next_tick(tick)
+        if due == tick + 1:
+            return due
         due_secondary = self._secondaries.next_tick(tick)
         due_query = self._queries.next_tick(tick)
         due_watch = None if self.is_paused else self.watchdogs.next_tick()
@@ -311,7 +311,7 @@ class ScriptHost:
         self._scheduler.lag_ticks = ticks
 
     def _settle(self) -> bool:
-        """Do what must be done between two strands; whether there was anything."""
+        """End and begin programs between two strands; return whether anything was done."""
         scheduler = self._scheduler
         has_changed = scheduler.needs_attention
         scheduler.needs_attention = False
@@ -352,13 +352,13 @@ class ScriptHost:
         return self._scheduler.spawn(name, body, program.builtins, is_secondary=is_secondary)
 
     def _end(self, state: str) -> None:
-        """Have the program ended with a state; the first one counts."""
+        """Request the end of the program with a state; the first one counts."""
         if self._main is not None and not self._ending:
             self._ending = state
         self._scheduler.call_attention()
 
     def _end_program(self, program: Program) -> None:
-        """End every thread of the program, in the order of their start, and say how it ended."""
+        """End every thread of the program, in the order of their start, and report its end."""
         main = self._main
         self._main = None
         # A thread that is stopped may start none, so one pass over them is enough.
@@ -384,7 +384,7 @@ class ScriptHost:
         self._machine.emit(abandoned(strand, self._machine.tick))
 
     def _failed(self, error: BaseException, program: Program) -> None:
-        """An exception left a strand. What a stopped one raises on its way out is lost with it."""
+        """Report an exception that has left a strand; one of a stopped strand is ignored."""
         strand = self._scheduler.current
         if strand is None or strand.is_dying:
             return
@@ -396,14 +396,14 @@ class ScriptHost:
             self._end(ALARM)
 
     def _left(self, program: Program) -> None:
-        """`raise SystemExit`."""
+        """End the program after `raise SystemExit`."""
         program.context.warn("SystemExit ends the program like halt()")
         self._end(STOPPED)
 
     # ---------------------------------------------------------------- secondary programs
 
     def _namespace(self) -> tuple[Program, Program | None]:
-        """The running program, or an empty one; that one twice."""
+        """Return the running program and None, or twice an empty one."""
         if self._program is not None and self._main is not None:
             return self._program, None
         own = self._new_program({})
@@ -418,7 +418,7 @@ class ScriptHost:
         place = strand.line if line is None else line
         self._machine.emit(Warned(self._machine.tick, SECONDARY_WARNING + text, strand.name, place, is_exception=True))
 
-    # ---------------------------------------------------------------- what contexts ask
+    # ---------------------------------------------------------------- calls of contexts
 
     def spawn_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> Strand:
         """Start a thread of the program."""
@@ -430,15 +430,15 @@ class ScriptHost:
         return strand
 
     def thread_count(self) -> int:
-        """Living threads of the program besides its main one."""
+        """Return the number of threads of the program besides its main one."""
         return sum(1 for strand in self._scheduler.strands if not strand.is_secondary and strand is not self._main)
 
     def halt(self) -> None:
-        """Have the program stopped as soon as the calling strand gives way."""
+        """Stop the program as soon as the calling strand is suspended."""
         self._end(STOPPED)
 
     def thread_failed(self, error: BaseException) -> None:
-        """An exception left the function of a `threading.Thread`."""
+        """Report an exception that has left the function of a `threading.Thread`."""
         if isinstance(error, KeyboardInterrupt):
             raise error
         if self._program is not None:
@@ -448,5 +448,5 @@ class ScriptHost:
                 self._failed(error, self._program)
 
     def wait_for_confirmation(self) -> bool:
-        """Whether a popup that blocks is confirmed at once."""
+        """Return whether a blocking popup is confirmed at once."""
         return self._confirms_popups

@@ -1,4 +1,4 @@
-"""Interpreter mode: a program stands still in `interpreter_mode()` and runs statements that clients send.
+"""Interpreter mode: a program waits in `interpreter_mode()` and runs statements that clients send.
 
 Statements are numbered from 1 in each program and run in the order in which they came, in the main thread, in the
 place of the call. They read and change the variables of the function that has made the call and the program globals.
@@ -6,10 +6,10 @@ What else they define, functions and variables, is visible to later statements a
 
 An exception that a statement does not catch ends the session and is raised by the call.
 
-Evidence: queue, numbers, words and clearing are *documented* (manual 2.14, interpreter mode). *Assumed*: how many
-statements run in a tick, that names which are neither local nor global can be used until they are cleared, what is
-thrown away when a session ends with `clearOnEnd=False` (nothing), and what counts as cleared: statements that are
-thrown away before they begin, and those whose definitions are forgotten.
+Evidence: queue, numbers, replies and clearing are *documented* (manual 2.14, interpreter mode). *Assumed*: how many
+statements run in a tick, that names which are neither local nor global can be used until they are cleared, that a
+session which ends with `clearOnEnd=False` discards nothing, and that statements count as cleared which are discarded
+before they begin, or whose definitions are forgotten.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand, is_stop
 
 STATEMENT: Final = "a statement of interpreter mode"
-"""What the main thread waits for."""
+"""Reason of the wait of the main thread."""
 
 STATEMENTS_PER_TICK: Final = 50
-"""Statements that run in one tick if they take no time (*assumed*)."""
+"""Most statements in one tick, if they take no time (*assumed*)."""
 
 FILE: Final = "<interpreter>"
 """File of a statement, as places in its code show it."""
@@ -46,34 +46,27 @@ SKIPPED: Final = "skipped"
 
 
 class StatementListener(Protocol):
-    """Takes notice of what becomes of statements."""
+    """Receives the results of statements."""
 
     def accepted(self, origin: str, number: int, text: str) -> None:
-        """Take notice of a statement that will run, under that number."""
+        """Receive a statement that will run, with its number."""
 
     def discarded(self, origin: str, reason: DiscardReason, text: str, trace: str = "") -> None:
-        """Take notice of a statement that will not run; `trace` says why and where it does not compile."""
+        """Receive a statement that will not run; `trace` is the place and text of a compile error."""
 
     def executed(self, number: int, step: str, text: str) -> None:
-        """Take notice of a statement that has begun or is over; `step` is one of the constants above.
-
-        The text of a failure says why it failed.
-        """
+        """Receive a step of a statement, one of the constants above; `text` of a failure is its reason."""
 
 
 class NoStatementListener:
-    """Ignores what becomes of statements."""
+    """Do nothing."""
 
     __slots__ = ()
 
-    def accepted(self, origin: str, number: int, text: str) -> None:
-        """Ignore it."""
+    def _ignore(self, *_: Any, **_options: Any) -> None:
+        pass
 
-    def discarded(self, origin: str, reason: DiscardReason, text: str, trace: str = "") -> None:
-        """Ignore it."""
-
-    def executed(self, number: int, step: str, text: str) -> None:
-        """Ignore it."""
+    accepted = discarded = executed = _ignore
 
 
 class _Held(NamedTuple):
@@ -90,7 +83,7 @@ class _Waiting(NamedTuple):
 
 
 class _Program(NamedTuple):
-    """What statements need of the program that runs."""
+    """Parts of the running program that statements use."""
 
     main: Strand
     globals: ProgramGlobals
@@ -102,14 +95,14 @@ class Interpreter:
 
     Args:
         scheduler: runs the main thread.
-        limit: statements that may wait.
+        limit: most statements in the queue.
 
     Attributes:
-        answers: takes notice of what has become of each statement.
+        answers: receives the result of each statement.
         is_running: whether a session runs.
         last_accepted: number of the last statement that was accepted.
-        last_executed: number of the one that is being executed or was last.
-        last_cleared: number of the last one that was cleared: thrown away before it began, or forgotten.
+        last_executed: number of the statement that runs or ran last.
+        last_cleared: number of the last statement that was discarded before it began, or forgotten.
     """
 
     __slots__ = (
@@ -141,17 +134,17 @@ class Interpreter:
         self.is_running = False
         self.last_accepted = self.last_executed = self.last_cleared = 0
 
-    # ---------------------------------------------------------------- what clients send
+    # ---------------------------------------------------------------- calls of clients
 
     def submit(self, origin: str, text: str, problem: str = "") -> None:
-        """Take a statement: answer it, and run it after those before it.
+        """Accept or discard a statement; an accepted one runs after those before it.
 
         After `clear_interpreter()` was accepted, further statements wait unanswered until it has been executed.
 
         Args:
             origin: connection that sent it.
             text: the statement.
-            problem: why it cannot be one, whatever it says; empty if it can.
+            problem: reason why it is invalid; empty if there is none.
         """
         if len(self._queue) + len(self._held) >= self._limit:
             self.answers.discarded(origin, DiscardReason.TOO_MANY, text)
@@ -161,13 +154,10 @@ class Interpreter:
             self._accept(_Held(origin, text, problem))
 
     def skip(self) -> None:
-        """Throw away every statement that has come so far and has not begun, also those that are not answered yet.
-
-        Those are accepted when their turn to be answered comes, and thrown away then.
-        """
+        """Discard every statement that has not begun; unanswered ones are first accepted, in their order."""
         self._skips_held = len(self._held)
         if self._drop_queue():
-            # A clearing statement was among them: nothing is to wait for its execution.
+            # A clearing statement was among them: nothing waits for its execution.
             self._release_held()
 
     @property
@@ -214,13 +204,13 @@ class Interpreter:
         Args:
             main: its main thread.
             program_globals: its globals.
-            execute: runs a statement; gets the mapping of its variables besides.
+            execute: runs a statement with the mapping of its variables.
         """
         self._program = _Program(main, program_globals, execute)
         self.last_accepted = self.last_executed = self.last_cleared = 0
 
     def end_program(self) -> None:
-        """Discard what waits: the program is over, and so is the session."""
+        """Discard waiting statements and end the session: the program is over."""
         self._discard_queue(DiscardReason.CLEARED_AT_END)
         self.last_cleared = self.last_accepted
         self._program = None
@@ -228,14 +218,14 @@ class Interpreter:
         self._release_held()
         self._skips_held = 0
 
-    # ---------------------------------------------------------------- what programs call
+    # ---------------------------------------------------------------- calls of programs
 
     def run(self, *, clears_queue: bool, clears_at_end: bool) -> None:
         """Run statements until one of them, or another thread, ends the session.
 
         Raises:
             ScriptStateError: not the main thread, or a session runs already.
-            BaseException: whatever a statement has raised.
+            BaseException: raised by a statement.
         """
         program, scheduler = self._program, self._scheduler
         strand = scheduler.current
@@ -276,13 +266,13 @@ class Interpreter:
                 self._forget(program)
 
     def end(self) -> None:
-        """End the session after the statement that runs; without one there is nothing to end."""
+        """End the session, if there is one, after the statement that runs."""
         if self.is_running:
             self._is_ending = True
             self._wake()
 
     def clear(self) -> None:
-        """Throw away the statements that wait, and forget what statements have defined."""
+        """Discard the waiting statements, and delete the names that statements have defined."""
         if self._program is not None:
             self._discard_queue(DiscardReason.CLEARED)
             self._forget(self._program)
@@ -304,7 +294,7 @@ class Interpreter:
             raise
         self.answers.executed(number, DONE, text)
         if _clears(waiting.statement) and not self._queue:
-            # It may have come to its end without having cleared anything.
+            # It may have ended without clearing.
             self._release_held()
 
     def _forget(self, program: _Program) -> None:
@@ -313,7 +303,7 @@ class Interpreter:
         self._release_held()
 
     def _release_held(self) -> None:
-        """Answer the statements that were held back, up to the next one that clears."""
+        """Accept the statements that were held back, up to the next one that clears."""
         self._is_clearing = False
         while self._held and not self._is_clearing:
             self._accept(self._held.popleft())
@@ -323,7 +313,7 @@ class Interpreter:
                     self._is_clearing = False
 
     def _drop_queue(self) -> bool:
-        """Throw away what waits without a word to its clients; whether one of them clears."""
+        """Discard the queue without replies; return whether one of its statements clears."""
         queue, self._queue = self._queue, deque()
         for waiting in queue:
             self.last_cleared = waiting.number

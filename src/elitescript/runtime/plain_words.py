@@ -1,4 +1,4 @@
-"""Python's own messages of uncaught exceptions in plain words, with the values that were involved.
+"""Rewrites Python's messages of uncaught exceptions in plain words, with the values involved.
 
 The wording of Python's messages differs between versions and names things that programs do not have
 (`main.<locals>.f()`, `NoneType`). What a program raises itself, and what commands refuse, is left as it is; a program
@@ -25,19 +25,19 @@ _LARGEST: Final = 1e15
 
 
 class _Unknown:
-    """Stands for a value that cannot be had without running the program."""
+    """Stands for a value that is unknown without running the program."""
 
 
 UNKNOWN: Final = _Unknown()
 
 
 class Scene:
-    """Where an exception was raised: the expression there, and the variables that it could use.
+    """The place where an exception was raised: expression and variables.
 
     Args:
-        text: the failing expression or statement as the author wrote it; empty if it is not known.
+        text: source of the failing expression or statement; empty if unknown.
         line: its whole line.
-        names: local and global variables, looked at and never called.
+        names: local and global variables; read, never called.
     """
 
     __slots__ = ("_names", "line", "node")
@@ -48,12 +48,12 @@ class Scene:
         self.line = line
 
     def statement(self) -> ast.AST | None:
-        """The statement on the line; of one with a block, its header."""
+        """Return the statement on the line; of one with a block, its header."""
         row = self.line.strip()
         return _node_of(row) or _node_of(f"{row} pass")
 
     def value(self, node: ast.AST | None) -> Any:
-        """The value of an expression, if no code has to run for it; else `UNKNOWN`."""
+        """Return the value of an expression, if no code has to run for it; else `UNKNOWN`."""
         if isinstance(node, ast.Constant):
             return node.value
         if isinstance(node, ast.Name):
@@ -73,7 +73,7 @@ class Scene:
         return UNKNOWN
 
     def said(self, node: ast.AST | None) -> str:
-        """What an expression is called in a message: its text, and its value if that is known and not the same."""
+        """Return an expression for a message: its text, and its value if that is known and differs."""
         if node is None:
             return ""
         text = ast.unparse(node)
@@ -84,7 +84,7 @@ class Scene:
 
 
 class Words(NamedTuple):
-    """What is said in place of Python's message."""
+    """Text and hint in place of Python's message."""
 
     text: str
     hint: str = ""
@@ -107,7 +107,7 @@ def plain_words(class_name: str, text: str, scene: Scene) -> Words:
 
 
 def without_insides(text: str) -> str:
-    """Return a message without the names that Python gives to what is inside a function, and without `NoneType`."""
+    """Return a message without `<locals>` and `NoneType`."""
     text = re.sub(r"(?:[^\W\d]\w*\.)+<locals>\.", "", text)
     return text.replace("'NoneType' object", "None").replace("'NoneType'", "None").replace("NoneType", "None")
 
@@ -116,7 +116,7 @@ def without_insides(text: str) -> str:
 
 
 def _node_of(text: str) -> ast.AST | None:
-    """The expression, or the statement, that a text is."""
+    """Return the syntax tree of a text: an expression or a statement."""
     for source, mode in ((f"({text}\n)", "eval"), (text, "exec")):
         try:
             tree = ast.parse(source, mode=mode)
@@ -168,12 +168,8 @@ _KINDS: Final = {
 
 
 def _kind(name: str) -> str:
-    """A type in words, from Python's name of it."""
+    """Return a type in words, from Python's name of it."""
     return _KINDS.get(name, f"an object of class {name}")
-
-
-def _kind_of(value: Any) -> str:
-    return _kind(type(value).__name__)
 
 
 _NUMBERS: Final = ("int", "float", "bool")
@@ -193,7 +189,7 @@ def _division(_found: re.Match[str], scene: Scene) -> Words:
     if isinstance(divisor, ast.Constant):
         return Words(f"division by zero: the divisor is {name}")
     value = scene.value(divisor)
-    # What the names in it hold says why it is zero.
+    # The values of its names show why it is zero.
     parts = sorted({node.id for node in ast.walk(divisor) if isinstance(node, ast.Name)} - {name})
     values = {part: scene.value(ast.Name(part)) for part in parts}
     known = [f"{part} = {shown(held)}" for part, held in values.items() if _is_shown(held)]
@@ -203,7 +199,7 @@ def _division(_found: re.Match[str], scene: Scene) -> Words:
 
 
 def _operands(scene: Scene) -> tuple[ast.AST | None, str, ast.AST | None]:
-    """Left operand, sign and right operand of what failed; None where they are not known."""
+    """Return left operand, sign and right operand of the failed operation; None where unknown."""
     node = scene.node
     if isinstance(node, ast.BinOp):
         return node.left, _SIGNS.get(type(node.op), ""), node.right
@@ -236,7 +232,7 @@ _SIGNS: Final[dict[type, str]] = {
 
 
 def _pair(sign: str, left: str, right: str, scene: Scene) -> Words:
-    """An operator between two types for which there is none."""
+    """Return the words for an operator that two types do not have."""
     first, _, second = _operands(scene)
     where = f": {scene.said(first)} and {scene.said(second)}" if first is not None else ""
     text = f"`{sign}` does not work between {_kind(left)} and {_kind(right)}{where}"
@@ -301,7 +297,7 @@ def _unary(found: re.Match[str], scene: Scene) -> Words:
 
 
 def _function_name(qualified: str, scene: Scene) -> tuple[str, int]:
-    """The name of a function as the program calls it, and how many of its arguments Python passes by itself."""
+    """Return the name of a function as the program calls it, and the number of arguments that Python adds."""
     name = without_insides(qualified)
     holder, _, method = name.rpartition(".")
     if method == "__call__" and isinstance(scene.node, ast.Call):
@@ -316,7 +312,7 @@ def _plural(number: int) -> str:
 
 
 def _defined_as(name: str, scene: Scene) -> str:
-    """How a function of the program is defined."""
+    """Return the definition of a function of the program, in words."""
     function = scene.value(scene.node.func) if isinstance(scene.node, ast.Call) else UNKNOWN
     if type(function) is not FunctionType or function.__name__ != name:
         return ""
@@ -372,7 +368,7 @@ def _not_callable(found: re.Match[str], scene: Scene) -> Words:
 
 
 def _said_value(node: ast.AST, kind: str, scene: Scene) -> str:
-    """`x` is an int (5)."""
+    """Return a text such as `x` is an int (5)."""
     name, value = ast.unparse(node), scene.value(node)
     shows = _is_shown(value) and value is not None and not isinstance(node, (ast.Constant, ast.List, ast.Tuple))
     return f"`{name}` is {_kind(kind)}{f' ({shown(value)})' if shows else ''}"

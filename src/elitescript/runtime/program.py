@@ -1,4 +1,4 @@
-"""The namespace and the resources of one run."""
+"""Holds namespace and resources of one run."""
 
 from __future__ import annotations
 
@@ -39,23 +39,23 @@ _NOT_SHOWN: Final = (FunctionType, BuiltinFunctionType, type, ModuleType, Facade
 
 
 class Program:
-    """One run: its globals, its built-ins and what it holds open.
+    """One run: its globals, built-ins and open resources.
 
     Args:
         machine: the controller.
         scheduler: runs its threads.
         profile: the firmware.
-        world: everything outside.
+        world: environment.
         seed: of its random numbers.
         port: the host.
         presets: program globals that have a value before it begins.
 
     Attributes:
-        context: what its commands use.
-        bindings: names that it finds without importing.
-        builtins: those of them that its code has named by now.
+        context: for the bodies of commands.
+        bindings: predefined names.
+        builtins: those of them that its code has named so far.
         globals: its program globals.
-        main: the strand of its body, once it is there.
+        main: the strand of its body.
     """
 
     __slots__ = (
@@ -118,7 +118,7 @@ class Program:
         self._main = strand
 
     def body_of(self, unit: CompiledUnit) -> Callable[[], None]:
-        """The body of a unit as a function; its names are those of this program."""
+        """Return the body of a unit as a function with the names of this program."""
         self._add_source(unit.source)
         self.bindings.bind(unit.code)
 
@@ -139,9 +139,8 @@ class Program:
         exec(statement.code, self.globals.values, names)
 
     def value_of(self, code: CodeType) -> Any:
-        """Evaluate an expression that was compiled; it sees the program globals and changes none by assignment."""
-        names = _Scope(self.globals.values, {})
-        return self._value(code, names)
+        """Evaluate a compiled expression; it sees the program globals and changes none by assignment."""
+        return self._value(code, _Scope(self.globals.values, {}))
 
     def _value(self, code: CodeType, names: _Scope) -> Any:
         self.bindings.bind(code)
@@ -149,7 +148,7 @@ class Program:
         return eval(code, names)
 
     def alarm(self, error: BaseException, strand: Strand) -> Alarm:
-        """The alarm that an uncaught exception makes."""
+        """Return the alarm for an uncaught exception."""
         return alarm_of(
             error,
             clock=lambda: self.context.machine.tick,
@@ -163,7 +162,7 @@ class Program:
         )
 
     def shown(self, alarm: Alarm) -> Alarm:
-        """An alarm that comes from outside, with the line of the program at which it found it."""
+        """Return an alarm from outside with the text of the program's line."""
         source = next(iter(self._sources.values()), None)
         if source is None or not alarm.line:
             return alarm
@@ -171,7 +170,7 @@ class Program:
         return replace(alarm, column=len(text) - len(text.lstrip()) + 1, source_line=text)
 
     def close(self) -> None:
-        """Let go of what the program holds; its globals stay readable."""
+        """Release the resources of the program; its globals stay readable."""
         self.context.flush()
         self.context.close_connections()
         self._files.close()
@@ -185,12 +184,10 @@ class Program:
 
     def _evaluator(self) -> Callable[..., Any]:
         def evaluate(expression: Any, scope: Any = None, inner: Any = None) -> Any:
-            """`eval`: an expression, compiled like the program itself.
-
-            It sees the variables of the calling function and the program globals.
+            """Evaluate an expression with the variables of the calling function and the program globals.
 
             Raises:
-                SyntaxError: it is not an expression, or names what programs may not use.
+                SyntaxError: no expression, or a forbidden name.
             """
             if type(expression) is not str:
                 raise TypeError(f"eval() takes a str, not {type(expression).__name__}")
@@ -211,10 +208,10 @@ class Program:
 
     def _executor(self) -> Callable[..., None]:
         def execute(text: Any) -> None:
-            """`exec`: statements, compiled like the program itself; they share its globals, not its variables.
+            """Run statements that share the program globals, but not the local variables.
 
             Raises:
-                SyntaxError: it is not a program, or names what programs may not use.
+                SyntaxError: no program, or a forbidden name.
             """
             if type(text) is not str:
                 raise TypeError(f"exec() takes a str, not {type(text).__name__}")
@@ -230,13 +227,13 @@ class Program:
     # ---------------------------------------------------------------- modules
 
     def module_names(self, name: str) -> dict[str, Any]:
-        """Names of one of our own modules."""
+        """Return the names of a module of the runtime."""
         from elitescript.runtime.names.own_modules import own_names
 
         return own_names(name, self)
 
     def copy_replacements(self, is_loading_threads: Callable[[], bool]) -> dict[str, Any]:
-        """What private copies get in the place of modules."""
+        """Return the replacements of modules for private copies."""
         from types import SimpleNamespace
 
         from elitescript.runtime.stdlib.thread_module import thread_module
@@ -258,12 +255,12 @@ class Program:
         self.context.thread_failed(error)
 
     def generator(self) -> Any:
-        """The generator of the program's random numbers, for the module `random`."""
+        """Return the generator of the program's random numbers, for the module `random`."""
         return self._generator.made()
 
     @property
     def processes(self) -> ProcessTable:
-        """The processes of the program, none of which exists."""
+        """The simulated processes of the program."""
         if self._processes is None:
             from elitescript.runtime.stdlib.subprocess_module import ProcessTable
 
@@ -272,7 +269,7 @@ class Program:
 
 
 class _LazyGenerator:
-    """A generator that is made when the first number is drawn."""
+    """A random generator that is made when the first number is drawn."""
 
     __slots__ = ("_made", "_seed")
 
@@ -292,7 +289,7 @@ class _LazyGenerator:
 
 
 class _Scope(dict[str, Any]):
-    """Names of an expression: those of the calling function, then the program globals as they are at that moment."""
+    """Names of an expression: those of the calling function, then the present program globals."""
 
     __slots__ = ("_outer",)
 
@@ -305,10 +302,10 @@ class _Scope(dict[str, Any]):
 
 
 def _checked_scope(scope: Any) -> dict[str, Any]:
-    """A dict of names for `eval`.
+    """Return a copy of a dict of names for `eval`.
 
     Raises:
-        ScriptPermissionError: it holds names that programs may not use.
+        ScriptPermissionError: a forbidden name.
     """
     if type(scope) is not dict:
         raise TypeError(f"eval() takes its names from a dict, not {type(scope).__name__}")

@@ -1,4 +1,4 @@
-"""Holds the program globals of one run, and knows which of them statements of interpreter mode have defined."""
+"""Holds the program globals of one run, and the names that statements of interpreter mode have defined."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class ProgramGlobals:
         self._defined: set[str] = set()
 
     def has(self, name: str) -> bool:
-        """Whether the program itself has a global of that name."""
+        """Return whether the program itself has a global of that name."""
         return name in self.values and name not in self._defined
 
     def assign(self, name: str, value: object) -> None:

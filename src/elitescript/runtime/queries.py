@@ -1,4 +1,4 @@
-"""Answers queries of clients for the value of an expression, by the rules of secondary programs (*documented*)."""
+"""Evaluates expressions for clients, by the rules of secondary programs (*documented*)."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ VALUE_MAX: Final = 65536
 
 
 class WaitingQuery(NamedTuple):
-    """An expression that waits for its turn."""
+    """A waiting expression."""
 
     code: CodeType
     answer: Callable[[str | None], None]
-    """Gets the value as `repr` writes it; None if there is none."""
+    """Called with the value as `repr` writes it; None if there is none."""
 
 
 class Queries(Secondaries[WaitingQuery]):
@@ -38,7 +38,7 @@ class Queries(Secondaries[WaitingQuery]):
 
     Args:
         scheduler: runs them.
-        namespace: gives the running program, or an empty one that is made for a query alone; that one twice.
+        namespace: gives the running program and None, or twice an empty one that is made for a query alone.
         spawn: starts a strand of a program.
     """
 
@@ -66,7 +66,7 @@ class Queries(Secondaries[WaitingQuery]):
 
 
 def _body_of(query: WaitingQuery, program: Program) -> Callable[[], None]:
-    """What a strand runs: it works the value out and answers exactly once, also if it is stopped."""
+    """Return the body of a strand that evaluates a query and answers exactly once, also if it is stopped."""
 
     def body() -> None:
         value: str | None = None

@@ -1,8 +1,7 @@
-"""Makes classes for objects that scripts hold without reaching what is in them.
+"""Makes classes for objects whose state scripts cannot reach.
 
 A hidden slot is storage in every instance without an attribute: its descriptor is taken out of the class, so
-no attribute name, spelled or computed, leads to it. A sealed class cannot be patched, so that one program
-cannot change what the next one gets.
+no attribute name leads to it. A sealed class cannot be patched, so one program cannot change it for the next.
 """
 
 from __future__ import annotations
@@ -28,5 +27,5 @@ def hidden_slot(cls: type, name: str) -> Any:
 
 
 def no_copy(self: object, protocol: object = None) -> NoReturn:
-    """`__reduce_ex__` of objects that are more than their attributes."""
+    """Refuse to copy or pickle: `__reduce_ex__` of objects with hidden state."""
     raise TypeError(f"cannot copy or pickle {type(self).__name__!r} object")

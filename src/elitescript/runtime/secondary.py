@@ -1,4 +1,4 @@
-"""Secondary programs (`sec`): short ones that run beside the program, one after the other."""
+"""Runs secondary programs (`sec`) beside the program, one after the other."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ Item = TypeVar("Item")
 
 
 class Secondaries(Generic[Item]):
-    """What a host runs beside its program, one after the other: secondary programs, or queries.
+    """Runs secondary programs, or queries, beside the program of a host, one after the other.
 
     Args:
         scheduler: runs them.
-        begin: starts one; returns its strand, and the program that was made for it alone, if there is no running one.
-        warn: tells what went wrong with one.
-        limit_ticks: virtual time that one may take.
-        queue_max: how many may wait.
+        begin: starts one; returns its strand, and the program that was made for it alone, if no program runs.
+        warn: reports an error of one.
+        limit_ticks: longest virtual time of one.
+        queue_max: most that wait.
     """
 
     __slots__ = (
@@ -69,7 +69,7 @@ class Secondaries(Generic[Item]):
         return self._strand is None and not self._queue
 
     def put(self, item: Item) -> None:
-        """Have one run as soon as those before it are over.
+        """Queue one.
 
         Raises:
             ScriptStateError: too many wait.
@@ -85,7 +85,7 @@ class Secondaries(Generic[Item]):
         return max(self._deadline, tick + 1)
 
     def settle(self) -> bool:
-        """End the one that has run too long, begin the next one; whether there was anything to do."""
+        """End the one that has run too long, begin the next one; return whether anything was done."""
         has_changed = False
         strand = self._strand
         if strand is not None and self._scheduler.now >= self._deadline:
@@ -99,7 +99,7 @@ class Secondaries(Generic[Item]):
         return has_changed
 
     def ended(self, strand: Strand) -> None:
-        """A strand is over; if it is the one that runs, the next one can begin."""
+        """Note the end of a strand; after the running one the next can begin."""
         if strand is self._strand:
             self._strand = None
             if self._own_program is not None:

@@ -1,7 +1,7 @@
-"""Watchdogs on RTSI inputs: what happens when a client sends one less often than a program wants.
+"""Watchdogs on RTSI inputs: pause or stop the program when a client sends one too rarely.
 
-Evidence: frequency and the three actions are *documented* (manual, `rtsi_set_watchdog`), and that all watches end with
-the program. That one tick of delay is forgiven, and that the time of a pause does not count, is *assumed*.
+Evidence: frequency, the three actions, and the end with the program are *documented* (manual, `rtsi_set_watchdog`).
+*Assumed*: one tick of delay is tolerated, and the time of a pause does not count.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Watch(NamedTuple):
 
 
 class Watchdogs:
-    """The watches of one program.
+    """The watchdogs of one program.
 
     Args:
         machine: pauses or stops the program.
@@ -42,7 +42,7 @@ class Watchdogs:
         self._last: dict[str, int] = {}
 
     def set(self, variable: str, frequency_hz: float, action: str) -> None:
-        """Watch an input from now on; the action `ignore` watches it no more.
+        """Watch an input from now on; the action `ignore` ends that.
 
         Raises:
             InvalidValueError: there is no such input.
@@ -55,26 +55,26 @@ class Watchdogs:
             self._last[variable] = self._machine.tick
 
     def clear(self) -> None:
-        """The program is over."""
+        """End all watchdogs."""
         self._watches.clear()
 
     def arrived(self, variables: Iterable[str], tick: int) -> None:
-        """A client has sent these."""
+        """Note inputs that a client has sent."""
         if self._watches:
             for variable in self._watches.keys() & frozenset(variables):
                 self._last[variable] = tick
 
     def restart(self, tick: int) -> None:
-        """What went by until now does not count."""
+        """Restart all watchdogs at a tick."""
         for variable in self._watches:
             self._last[variable] = tick
 
     def next_tick(self) -> int | None:
-        """Tick of the next expiry if nothing comes."""
+        """Return the tick of the next expiry if no input arrives; None without a watchdog."""
         return min((self._last[name] + watch.period_ticks for name, watch in self._watches.items()), default=None)
 
     def look(self, tick: int) -> None:
-        """Pause or stop the program if an input has not come in time; it is watched anew from this tick on."""
+        """Pause or stop the program if an input is late, and restart the watchdogs."""
         for name, watch in self._watches.items():
             silent_ticks = tick - self._last[name]
             if silent_ticks < watch.period_ticks:

@@ -1,4 +1,4 @@
-"""Works out poses and speeds of TCP and flange from the joints."""
+"""Computes poses and speeds of TCP and flange from the joints."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class CartesianState(NamedTuple):
 
 
 class CartesianStateFinder:
-    """Works them out, anew only for other joints or another TCP: for an arm that rests they are the same in every tick.
+    """Computes Cartesian states, anew only for other joints or another TCP.
 
     Args:
         arm: the kinematics.
@@ -37,7 +37,7 @@ class CartesianStateFinder:
         self._places = CartesianState(ZERO_SIX, ZERO_SIX, ZERO_SIX, ZERO_SIX, ZERO_SIX)
 
     def places(self, joints: JointState, T_flange_tcp: Transform) -> CartesianState:
-        """Return what follows from joints (rad, rad/s) and the TCP."""
+        """Return the Cartesian state for joints (rad, rad/s) and the TCP."""
         if T_flange_tcp is not self._T_flange_tcp or not _are_same(joints, self._joints):
             self._joints, self._T_flange_tcp = joints, T_flange_tcp
             self._places = self._worked_out(joints, T_flange_tcp)
@@ -57,7 +57,7 @@ class CartesianStateFinder:
 
 
 def _are_same(joints: JointState, other: JointState | None) -> bool:
-    """Return whether they are the very same tuples; equal ones may differ in the sign of a zero."""
+    """Return whether both hold the identical tuples; equal ones may differ in the sign of a zero."""
     return other is not None and (
         joints.q_target is other.q_target
         and joints.qd_target is other.qd_target

@@ -1,4 +1,4 @@
-"""What the joints of a model have to apply: the arm alone, and with what it carries; torques and currents."""
+"""Computes joint torques and motor currents of an arm and its payload."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 class ArmDynamics:
     """Torques of one model, N m, positive about the joint; see `kinematics.dynamics`.
 
-    Few programs ask for torques; the others pay neither for the import nor for the links.
+    The rigid-body code is imported on first use: few programs ask for torques.
 
     Args:
         model: geometry and links.
-        plant: says how much friction there is.
+        plant: friction of the joints.
     """
 
     __slots__ = ("_carried", "_carried_of", "_effort_max", "_has_friction", "_links", "_model", "_plant", "_qd_max")
@@ -37,22 +37,22 @@ class ArmDynamics:
         self._carried: RigidBody | None = None
 
     def measured_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload) -> Six:
-        """Return what the joints apply altogether.
+        """Return the torques of all joints, friction included.
 
-        What is declared as payload is what hangs on the flange (*assumed*), and nothing else touches the arm.
+        The declared payload is the load at the flange (*assumed*), and nothing else touches the arm.
         """
         return self._with_friction(self.rigid_torques(q, qd, qdd, gravity, payload), qd)
 
     def remaining_torques(
         self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload
     ) -> Six:
-        """Return the measured torques less those that the arm needs itself; exactly zero without a payload."""
+        """Return the torques less those that the arm alone needs; exactly zero without a payload."""
         m1, m2, m3, m4, m5, m6 = self.rigid_torques(q, qd, qdd, gravity, payload)
         o1, o2, o3, o4, o5, o6 = self.rigid_torques(q, qd, qdd, gravity, Payload())
         return m1 - o1, m2 - o2, m3 - o3, m4 - o4, m5 - o5, m6 - o6
 
     def currents(self, torques: Six) -> Six:
-        """Return the currents that the motors of the joints take for torques, A; the torque constants are *assumed*."""
+        """Return the motor currents for joint torques, A; the torque constants are *assumed*."""
         a, b, c, d, e, f = [
             torque / joint.torque_constant for torque, joint in zip(torques, self._model.joints, strict=True)
         ]
@@ -66,7 +66,7 @@ class ArmDynamics:
         return (a + g, b + h, c + i, d + j, e + k, f + m)
 
     def rigid_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload) -> Six:
-        """Return what masses and inertias ask for, without friction."""
+        """Return the torques of masses and inertias, without friction."""
         from elitescript.kinematics.dynamics import RigidBody, joint_torques
 
         if not self._links:

@@ -1,7 +1,6 @@
-"""What the encoders make of the joints: positions with noise, and speeds from one period to the next.
+"""Measures joints: positions with noise, and speeds as differences over one period.
 
-The noise of a tick is a function of seed, tick and joint alone: whoever looks, however often and in whatever order,
-finds the same, and an arm that rests may still be looked at at any tick.
+The noise of a tick is a function of seed, tick and joint alone, so the order and number of readings do not matter.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ class JointEncoders:
     """Six encoders with independent, normally distributed noise.
 
     Args:
-        noise_rad: standard deviation; 0 for encoders that tell the truth.
+        noise_rad: standard deviation; 0 for exact encoders.
         seed: of the noise.
     """
 
@@ -34,7 +33,7 @@ class JointEncoders:
         self._noise: Six = ZERO_SIX
 
     def read(self, tick: int, joints: JointState) -> JointState:
-        """Return the joints of a tick with what the encoders measure as their actual state: rad, rad/s."""
+        """Return the joints of a tick with the measured positions and speeds as actual state: rad, rad/s."""
         if self.is_exact:
             return joints
         before, here = self.noise(tick - 1), self.noise(tick)
@@ -61,7 +60,7 @@ class JointEncoders:
 
 
 def mixed(word: int) -> int:
-    """Return 64 bits in which every bit of `word` has a say (SplitMix64: Steele, Lea and Flood 2014)."""
+    """Return the 64-bit hash of `word` (SplitMix64: Steele, Lea and Flood 2014)."""
     word = (word + 0x9E3779B97F4A7C15) & _WORD
     word = ((word ^ (word >> 30)) * 0xBF58476D1CE4E5B9) & _WORD
     word = ((word ^ (word >> 27)) * 0x94D049BB133111EB) & _WORD

@@ -1,4 +1,4 @@
-"""Works out what the joints carry at the present tick: torques, currents, temperatures."""
+"""Computes torques, currents and temperatures of the joints at the present tick."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from elitescript.models.model import RobotModel
 
 
 class JointLoads:
-    """Works them out when they are read; what is not read costs a look at the joints every ten seconds.
+    """Computes joint loads when they are read; only temperatures sample the joints, every ten seconds.
 
     Args:
         model: the arm.
-        plant: says how much friction there is.
-        arm_state: how it moves.
-        setup: what it carries.
+        plant: friction of the joints.
+        arm_state: its joints.
+        setup: its payload.
     """
 
     __slots__ = ("_arm_state", "_dynamics", "_setup", "_thermal")
@@ -30,23 +30,23 @@ class JointLoads:
         self._thermal = ThermalModel(model, self._dynamics)
 
     def remaining_torques(self, tick: int) -> Six:
-        """Return the torques of this tick without those that the arm needs to carry and to move itself, N m."""
+        """Return the torques of this tick less those that the arm alone needs, N m."""
         joints, qdd = self._arm_state.joints(tick), self._arm_state.actual_acceleration()
         setup = self._setup
         return self._dynamics.remaining_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
 
     def measured(self, tick: int) -> tuple[Six, Six]:
-        """Return torques that the joints apply altogether, N m, and currents of their motors, A (*assumed*)."""
+        """Return the torques of all joints, N m, and the currents of their motors, A (*assumed*)."""
         joints, qdd = self._arm_state.joints(tick), self._arm_state.actual_acceleration()
         setup = self._setup
         torques = self._dynamics.measured_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
         return torques, self._dynamics.currents(torques)
 
     def temperatures(self, tick: int) -> tuple[Six, float]:
-        """Return temperatures of the joints and of the control box, degC; see `controller.arm.thermal_model`."""
+        """Return temperatures of the joints and of the control box, degC; see `thermal_model`."""
         return self._thermal.temperatures(tick)
 
     def leap(self, tick: int) -> None:
-        """Let time go on to a tick that is not later than the next one that is due."""
+        """Sample the joints up to a tick that is not later than the next one due."""
         if self._thermal.next_look < tick:
             self._thermal.go_on(self._arm_state, self._setup, tick)

@@ -1,13 +1,13 @@
-"""Makes actual joints from target joints: drives that lag behind and have to overcome friction.
+"""Computes actual joints from target joints: drives with lag and friction.
 
-Each joint is a critically damped second-order system that is drawn to its target r,
+Each joint is a critically damped second-order system that follows its target r,
 
     x'' = w^2 (r - x) - 2 w x' - f,    w = 2 / lag
 
-The deceleration f by friction is that of its Coulomb part, against the motion, and of its viscous part. The drive knows
-neither. At a constant speed v the joint is behind by lag * v + f / w^2, at rest it is where the target is, and it never
-overshoots a target that does not turn back. Over one period the target is taken as a straight line; then the
-solution is a closed form and holds for any lag, however short beside the period.
+The deceleration f is that of Coulomb and viscous friction; the drive compensates neither. At a constant speed v the
+joint is behind by lag * v + f / w^2, at rest it is at the target, and it never overshoots a target that does not turn
+back. Over one period the target is taken as a straight line; then the solution is a
+closed form that holds for any lag.
 
 Friction holds a standing joint as long as the drive pulls less than its Coulomb part. When the target stands too, the
 integral part of the drive takes the rest of the way (*assumed*): the Coulomb part counts only while the target moves.
@@ -27,11 +27,11 @@ from elitescript.motion.segment import Setpoint
 
 SETTLED_RAD: Final = 1e-8
 SETTLED_RAD_PER_S: Final = 1e-6
-"""So near to a target that stands, a joint has arrived: far below what an encoder tells apart."""
+"""Limits within which a joint has arrived at a resting target: far below the resolution of an encoder."""
 
 
 class LaggingJoints:
-    """Implements `controller.arm.state.Plant`.
+    """The joints of one arm with lag and friction.
 
     Args:
         config: with `lag_s` above 0.
@@ -60,7 +60,7 @@ class LaggingJoints:
         return Setpoint((a[0], b[0], c[0], d[0], e[0], f[0]), (a[1], b[1], c[1], d[1], e[1], f[1]))
 
     def commit(self, tick: int, target: Setpoint, now: JointState) -> None:
-        """Go on to that tick."""
+        """Advance to that tick."""
         self.is_settled = target.q == now.q_target and not any(target.qd) and self.peek(tick, target, now) == target
 
     def _joint(

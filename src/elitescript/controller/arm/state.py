@@ -1,9 +1,8 @@
-"""Where the arm is: from the nominal motion over its corrections to the target, and over the plant to the joints.
+"""Computes target and actual joints: nominal motion, corrections, plant.
 
-The nominal motion (`motion_control`) is a function of time. *Corrections* (conveyor tracking, force control) change it
-and the *plant* follows the target; both go from tick to tick. While one of them is at work every tick is due, and the
-state of the next tick is worked out from that of the present one. While none is, target and actual are the nominal
-setpoint, at any tick.
+The nominal motion (`motion.control`) is a function of time. *Corrections* (conveyor tracking, force control) change it
+and the *plant* follows the target; both advance tick by tick. While one of them is active every tick is due, and the
+next state is computed from the present one. While none is, target and actual are the nominal setpoint at any tick.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final, Protocol
 
+from elitescript.controller.arm.plant import LaggingJoints
 from elitescript.controller.motion.control import MotionControl
 from elitescript.messages.motion import Six
 from elitescript.messages.state import JointState
@@ -18,22 +18,22 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.segment import Setpoint
 
 _INSTANT_S: Final = 1e-6
-"""Over this time the acceleration is taken as constant. Rounding of the speeds makes up some 1e-8 rad/s^2 of the
+"""Time over which the acceleration is taken as constant. Rounding of the speeds makes up some 1e-8 rad/s^2 of the
 difference, the bending of a path some 1e-5."""
 
 STANDING_RAD_PER_S: Final = 1e-6
-"""Joints that are slower than this stand: what a law leaves that comes to rest without end."""
+"""Slower joints stand: a law that approaches rest asymptotically never reaches it."""
 
 
 class Correction(Protocol):
     """Changes the nominal setpoint from tick to tick.
 
-    It hears of pauses and stops whether it is active or not.
+    Pauses and stops are passed to it whether it is active or not.
     """
 
     @property
     def is_active(self) -> bool:
-        """Whether it changes anything; every tick is due then."""
+        """Whether it changes the setpoint; every tick is due then."""
 
     def peek(self, tick: int, nominal: Setpoint, now: JointState) -> Setpoint:
         """Return the target of a tick, one after the present one; changes nothing.
@@ -45,43 +45,29 @@ class Correction(Protocol):
         """
 
     def commit(self, tick: int, nominal: Setpoint, now: JointState, is_resting: bool) -> None:
-        """Go on to that tick: take on what `peek` of the same arguments works out.
+        """Advance to that tick: take the result of `peek` of the same arguments.
 
         Args:
             tick: present tick + 1.
             nominal: as for `peek`.
             now: as for `peek`.
-            is_resting: whether the nominal motion stands still at that tick, and no correction that comes before is
-                active; only then a correction may end with the arm away from its nominal place, which is then moved
-                to where this correction has left the arm.
+            is_resting: whether the nominal motion stands still at that tick and no correction before this one is
+                active; only then a correction may end with the arm away from its nominal place, which then becomes
+                the place of the arm.
         """
 
     def pause(self, tick: int) -> None:
-        """The task is paused: come to rest, to go on later."""
+        """Come to rest until `resume`: the task is paused."""
 
     def resume(self, tick: int) -> None:
-        """The task goes on."""
+        """Go on after a pause."""
 
     def stop(self, tick: int) -> None:
-        """The program is over: come to rest and end."""
-
-
-class Plant(Protocol):
-    """What the joints do with their targets."""
-
-    @property
-    def is_settled(self) -> bool:
-        """Whether the joints are where the target is and rest there."""
-
-    def peek(self, tick: int, target: Setpoint, now: JointState) -> Setpoint:
-        """Return actual positions and speeds of a tick, one after the present one; changes nothing."""
-
-    def commit(self, tick: int, target: Setpoint, now: JointState) -> None:
-        """Go on to that tick: take on what `peek` of the same arguments works out."""
+        """Come to rest and end: the program is over."""
 
 
 class ArmState:
-    """Target and actual joints of the present tick and of those ahead, up to the next that is due.
+    """Gives target and actual joints from the present tick to the next that is due.
 
     Args:
         motion: the nominal motion.
@@ -92,7 +78,7 @@ class ArmState:
     __slots__ = ("_corrections", "_joints", "_joints_tick", "_motion", "_plant", "_tick")
 
     def __init__(
-        self, motion: MotionControl, corrections: Iterable[Correction] = (), plant: Plant | None = None
+        self, motion: MotionControl, corrections: Iterable[Correction] = (), plant: LaggingJoints | None = None
     ) -> None:
         self._motion = motion
         self._corrections = tuple(corrections)
@@ -114,15 +100,15 @@ class ArmState:
 
     @property
     def is_resting(self) -> bool:
-        """Whether target and joints stand at the same place, until something is asked of them."""
+        """Whether target and actual joints stand at the same place until the next request."""
         return not self.is_moving and not self._is_stepped
 
     @property
     def is_standing(self) -> bool:
-        """Whether target and joints stand at the present tick, and the nominal motion changes nothing by itself.
+        """Whether target and actual joints stand at the present tick, and no nominal motion is under way.
 
-        Every tick may be due all the same: while a conveyor that stands is tracked, in force mode where nothing
-        yields, in a pause of an arm with a plant.
+        Every tick may be due all the same: while a resting conveyor is tracked, in force mode, in a pause of an arm
+        with a plant.
         """
         if self._motion.next_tick is not None:
             return False
@@ -131,7 +117,7 @@ class ArmState:
 
     @property
     def next_tick(self) -> int | None:
-        """Next tick at which something changes by itself; None while it will not."""
+        """Next tick at which the motion changes by itself; None if it does not."""
         return self._tick + 1 if self._is_stepped else self._motion.next_tick
 
     def joints(self, tick: int) -> JointState:
@@ -147,11 +133,11 @@ class ArmState:
         return self._joints
 
     def target_acceleration(self) -> Six:
-        """Return the acceleration with which the target goes on from the present tick, rad/s^2.
+        """Return the acceleration of the target after the present tick, rad/s^2.
 
-        Where it jumps, this is the value of the time that follows. It is a difference of the speeds of this instant and
-        the next (of the next tick, for what goes from tick to tick), because path, profile and speed percentage all
-        contribute; it asks for nothing before the tick, so it does not depend on which ticks were run.
+        It is the difference of the speeds of this instant and the next (of the next tick, for stepped motions), because
+        path, profile and speed percentage all contribute. It uses nothing before the tick, so it does not depend on
+        which ticks were run.
         """
         before = self.joints(self._tick).qd_target
         if self._is_stepped:
@@ -164,7 +150,7 @@ class ArmState:
         return (a, b, c, d, e, f)
 
     def actual_acceleration(self) -> Six:
-        """Return the acceleration with which the joints themselves go on from the present tick, rad/s^2."""
+        """Return the acceleration of the actual joints after the present tick, rad/s^2."""
         if self._plant is None or not self._is_stepped:
             return self.target_acceleration()
         before, after = self.joints(self._tick).qd_actual, self.joints(self._tick + 1).qd_actual
@@ -172,7 +158,7 @@ class ArmState:
         return (a, b, c, d, e, f)
 
     def settle(self, tick: int) -> None:
-        """Go on to a tick that is not later than the next one that is due, and note what has happened by then."""
+        """Advance to a tick that is not later than the next one due, and emit what has ended by then."""
         q_left: Six | None = None
         if tick > self._tick and self._is_stepped:
             q_left = self._step(tick)
@@ -184,7 +170,7 @@ class ArmState:
             self._motion.rebase(q_left)
 
     def pause(self, tick: int) -> None:
-        """Come to rest, to go on later."""
+        """Come to rest until `resume`."""
         self._motion.pause(tick)
         for correction in self._corrections:
             correction.pause(tick)
@@ -200,7 +186,7 @@ class ArmState:
 
         Args:
             tick: the present one.
-            arrives: what goes on to its target after its call may do so.
+            arrives: whether a move whose call has returned may arrive at its target.
         """
         if arrives:
             self._motion.finish(tick)
@@ -218,7 +204,7 @@ class ArmState:
 
     @property
     def _is_corrected(self) -> bool:
-        # Asked several times in every tick; a generator would take twice as long.
+        # Read several times in every tick; a generator would take twice as long.
         for correction in self._corrections:  # noqa: SIM110
             if correction.is_active:
                 return True
@@ -234,7 +220,7 @@ class ArmState:
         return JointState(*target, *actual)
 
     def _step(self, tick: int) -> Six | None:
-        """Go on to the next tick; return where a correction that has ended left the arm, beside its nominal place."""
+        """Advance to the next tick; return the joints where a correction has ended away from the nominal place."""
         now = self.joints(self._tick)
         target = self._motion.setpoint(tick)
         q_left: Six | None = None
@@ -245,7 +231,7 @@ class ArmState:
                 correction.commit(tick, target, now, is_resting)
                 target = corrected
                 if correction.is_active:
-                    # What comes after stands on something that moves, or has left the arm beside its nominal place.
+                    # The corrections after this one build on a target that moves or is away from its nominal place.
                     is_resting = False
                 elif is_resting:
                     q_left = target.q

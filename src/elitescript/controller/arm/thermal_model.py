@@ -1,14 +1,13 @@
-"""How warm joints and control box are: each warms up towards what its load keeps it at (*assumed* throughout).
+"""Models the temperatures of joints and control box (*assumed* throughout).
 
-A body of one time constant goes from its temperature T towards the end temperature of the present load,
+A body with one time constant approaches the end temperature of the present load,
 
     T(t) = T_end + (T(t0) - T_end) exp(-(t - t0) / tau)
     T_end = T_idle + rise_torque (torque / rated torque)^2 + rise_speed |speed| / largest speed
 
-for the losses of the windings, which go with the square of the current, and those of the gear. The load is looked at
-once in `LOOK_TICKS`, at fixed ticks, and holds until one is found that differs. So an arm that rests costs nothing
-for hours, and nobody can tell a leap from the ticks it leaves out. What the loads mean is worked out when somebody
-asks.
+for the losses of the windings, proportional to the square of the current, and of the gear. The load is sampled every
+`LOOK_TICKS`, at fixed ticks, and holds until another one is found; so a leap gives the same as the ticks that it leaves
+out. Temperatures are computed when they are read.
 """
 
 from __future__ import annotations
@@ -25,14 +24,14 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import RobotModel
 
 LOOK_TICKS: Final = 2503
-"""About ten seconds; a prime number, so that a program which repeats itself is not always met in the same place."""
+"""About ten seconds; a prime number, so that a periodic program is not always sampled in the same place."""
 
 PENDING_MAX: Final = 512
-"""Loads that are kept before they are worked out."""
+"""Loads that are kept before they are evaluated."""
 
 
 class ThermalLoad(NamedTuple):
-    """What the joints do and carry at one instant: rad, rad/s, rad/s^2, m/s^2."""
+    """State and payload of the arm at one instant: rad, rad/s, rad/s^2, m/s^2."""
 
     q: Six
     qd: Six
@@ -63,7 +62,7 @@ class ThermalModel:
         """Next tick whose load counts."""
 
     def go_on(self, arm_state: ArmState, setup: Setup, until_tick: int) -> None:
-        """Look at the loads of the ticks from `next_look` up to but not including the next one that is due."""
+        """Sample the loads from `next_look` up to, not including, `until_tick`."""
         while (tick := self.next_look) < until_tick:
             here, after = arm_state.joints(tick), arm_state.joints(tick + 1)
             a, b, c, d, e, f = [
@@ -73,7 +72,7 @@ class ThermalModel:
             self.look(load, until_tick if arm_state.is_resting else tick + 1)
 
     def look(self, load: ThermalLoad, until_tick: int) -> None:
-        """Take the load of `next_look`, which holds at the other ticks up to but not including `until_tick`."""
+        """Take the load of `next_look`, which holds up to, not including, `until_tick`."""
         tick = self.next_look
         self.next_look += max(1, -((tick - until_tick) // LOOK_TICKS)) * LOOK_TICKS
         if load == self._load:

@@ -31,13 +31,13 @@ DONE_CALL: Final = 0
 
 
 class ComplianceControl:
-    """Answers every request about forces.
+    """Carries out the requests about forces.
 
     Args:
         model: the arm.
         limits: of its motions.
-        setup: TCP, payload and gravity of the moment.
-        signals: for `external_wrench` and the inputs that ask for hand guiding.
+        setup: TCP, payload and gravity.
+        signals: for `external_wrench` and the inputs of hand guiding.
         contact: what the TCP can touch; None for nothing.
         on_event: receives events.
         on_end: called with the number of a call that waits for the end, and whether it was complete, when it is over.
@@ -66,16 +66,16 @@ class ComplianceControl:
 
     @property
     def corrections(self) -> tuple[YieldingCorrection, ...]:
-        """What `ArmState` applies; never more than one at a time."""
+        """Corrections for `ArmState`; at most one is active."""
         return self._force, self._guiding
 
     def limit_speed(self, speed: float | None) -> None:
-        """Let the TCP yield no faster than that, m/s; None lifts the limit."""
+        """Limit the speed at which the TCP yields, m/s; None lifts the limit."""
         for correction in self.corrections:
             correction.limit_speed(speed)
 
     def begin_program(self) -> None:
-        """Say again what has been said to the program before."""
+        """Forget which warnings were emitted: a program begins."""
         self._force.forget_warnings()
         self._guiding.forget_warnings()
 
@@ -83,9 +83,9 @@ class ComplianceControl:
         """Begin or end force mode or hand guiding; return the number of the call.
 
         Args:
-            request: what is asked for.
+            request: begin or end.
             tick: the present one.
-            is_moving: whether the arm moves besides.
+            is_moving: whether another motion is under way.
             caller: line and thread of the request.
 
         Raises:
@@ -115,7 +115,7 @@ class ComplianceControl:
         return DONE_CALL
 
     def is_ended_by(self, request: MotionRequest | TrackRequest) -> TypeGuard[StopJ | StopL]:
-        """Let a motion begin, or say that it is a stop of what has no other motion: hand guiding.
+        """Check that a motion may begin; return whether it is a stop that ends hand guiding.
 
         Raises:
             MotionError: the arm is guided by hand; or is in force mode, and a conveyor is to be tracked.
@@ -131,7 +131,7 @@ class ComplianceControl:
         return False
 
     def wrench(self, arm: ArmState, tick: int, is_compensated: bool) -> Six:
-        """Return what the surroundings exert on the TCP at the present tick, TCP frame."""
+        """Return the wrench on the TCP at the present tick, TCP frame."""
         joints = arm.joints(tick)
         if is_compensated:
             return self.sensor.compensated(joints.q_actual, joints.qd_actual)
@@ -144,11 +144,11 @@ class ComplianceControl:
         return call != GUIDING_CALL or not self._guiding.is_active
 
     def guide_by_input(self, why_not: str, arm: ArmState, tick: int) -> None:
-        """Begin hand guiding when an input asks for it, and end it when none does any more.
+        """Begin hand guiding when a bound input is high, and end it when none is.
 
         Args:
             why_not: why the arm may not move; empty if it may.
-            arm: has to stand for the beginning.
+            arm: must stand at the beginning.
             tick: present tick.
         """
         point = self._signals.freedrive_point
@@ -170,12 +170,12 @@ class ComplianceControl:
 
     @property
     def is_guiding(self) -> bool:
-        """Whether a person may guide the arm, or the arm still comes to rest after that."""
+        """Whether hand guiding is on, or the arm still comes to rest after it."""
         return self._guiding.is_on or self._guiding.is_active
 
     @property
     def is_guided_by_input(self) -> bool:
-        """Whether a person may guide the arm because an input asks for it."""
+        """Whether an input has begun hand guiding."""
         return self._is_guided_by_input
 
     def _guide(self, request: Freedrive, tick: int, caller: Caller) -> None:
@@ -190,11 +190,11 @@ class ComplianceControl:
         return GUIDING_CALL if self._guiding.is_active else DONE_CALL
 
     def set_gain(self, request: SetForceGain, _joints: JointState) -> None:
-        """Counts from the next force mode on."""
+        """Set the gain scaling of the next force mode."""
         self._force.gain_scaling = request.scaling
 
     def set_damping(self, request: SetForceDamping, _joints: JointState) -> None:
-        """Counts from the next force mode on."""
+        """Set the damping of the next force mode."""
         self._force.damping = request.damping
 
     def set_client_sensor(self, request: SetClientSensor, _joints: JointState) -> None:
@@ -202,7 +202,7 @@ class ComplianceControl:
         self.sensor.client_offset = request.offset if request.is_enabled else None
 
     def zero_sensor(self, _request: ZeroForceSensor, joints: JointState) -> None:
-        """The present wrench becomes zero."""
+        """Take the present wrench as zero."""
         self.sensor.tare(joints.q_actual, joints.qd_actual)
 
     def _report(self, tick: int, request: YieldRequest, caller: Caller) -> None:
@@ -223,4 +223,4 @@ YIELD_SETTINGS: Final[dict[type, Callable[[ComplianceControl, Any, JointState], 
     ZeroForceSensor: ComplianceControl.zero_sensor,
     SetClientSensor: ComplianceControl.set_client_sensor,
 }
-"""Every request that only sets something about forces, and what handles it."""
+"""Handlers of the requests that only set a parameter."""

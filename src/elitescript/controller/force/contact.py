@@ -1,8 +1,7 @@
-"""The simulated world that touches the TCP: planes that push it back, and what pushes it from outside.
+"""Simulates contacts of the TCP: planes that push it back.
 
-A plane is a spring with a damper. The TCP is a point, so a plane gives a force and no torque. Whatever depth the TCP
-has below the plane, the force grows with it; the plane has no far side and no edges. Several planes make a corner or
-a socket: each pushes by itself.
+A plane is a spring with a damper, without edges or a far side. The TCP is a point, so a plane gives a force and no
+torque. Forces of several planes, which make a corner or a socket, add up.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ class Plane:
         friction: ratio of the friction's force to the force along the normal.
 
     Raises:
-        UsageError: a number that makes no sense.
+        UsageError: an invalid number.
     """
 
     point: Vector3
@@ -88,7 +87,7 @@ class ContactConfig:
         Args:
             p: position of the TCP, m, base frame.
             v: its velocity, m/s.
-            external: what pushes it besides: N, N m, base frame.
+            external: wrench from outside: N, N m, base frame.
         """
         fx, fy, fz, mx, my, mz = external
         for plane in self.planes:
@@ -98,10 +97,10 @@ class ContactConfig:
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> ContactConfig:
-        """Read the `[contact]` section of a cell file: a list `planes` of tables with the fields of `Plane`.
+        """Read the `[contact]` section of a world file: a list `planes` of tables with the fields of `Plane`.
 
         Raises:
-            UsageError: an unknown key, a missing one, or a value that makes no sense; says where.
+            UsageError: an unknown or missing key, or an invalid value, with its place.
         """
         _require_known("[contact]", table, ("planes",), ())
         rows = table.get("planes", [])

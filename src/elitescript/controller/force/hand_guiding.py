@@ -1,6 +1,6 @@
 """`freedrive_mode`: a hand moves the arm like a mass in a thick fluid.
 
-The hand is the signal `external_wrench`; planes that the TCP touches push too. Mass, inertia and friction are
+The hand is the signal `external_wrench`; contact planes act too. Mass, inertia and friction are
 *assumed*. The arm does not yield over the ends of the joint ranges and into singularities.
 """
 
@@ -32,13 +32,13 @@ _MASS: Final = (MASS_KG,) * 3 + (INERTIA_KG_M2,) * 3
 _FRICTION: Final = (FRICTION_N_S_M,) * 3 + (FRICTION_N_M_S,) * 3
 
 STICKING_SPEED: Final = 1e-6
-"""Slower than this, m/s and rad/s, an arm that nobody pushes stands."""
+"""Speed below which an arm without a push stands, m/s and rad/s."""
 STICKING_WRENCH: Final = 1e-3
-"""Less than this, N and N m, pushes nobody."""
+"""Wrench below which there is no push, N and N m."""
 
 
 class HandGuiding(YieldingCorrection):
-    """Hand guiding; an arm that stands and that nobody pushes lets time go by."""
+    """Hand guiding; inactive while the arm stands without a push."""
 
     __slots__ = ("_R_frame", "_is_at_rest")
 
@@ -51,7 +51,7 @@ class HandGuiding(YieldingCorrection):
 
     @property
     def is_active(self) -> bool:
-        """Whether the arm moves, or somebody pushes it."""
+        """Whether the arm moves, or is pushed."""
         if not self._is_at_rest:
             return True
         return self.is_on and not self._is_paused and self._body.sensor.external_wrench != ZERO_SIX
@@ -63,7 +63,7 @@ class HandGuiding(YieldingCorrection):
         self._is_at_rest = False
 
     def resume(self, tick: int) -> None:
-        """The task goes on."""
+        """Go on after a pause."""
         super().resume(tick)
         self._is_at_rest = self._is_at_rest and not self.is_on
 
@@ -88,7 +88,7 @@ class HandGuiding(YieldingCorrection):
         return ZERO_SIX if is_sticking else wanted
 
     def _push(self, T_base_tcp: Transform, free: Six) -> Six:
-        """Hand and contacts, where the TCP will be after the period: a stiff plane asks for that."""
+        """Return the wrench of hand and contacts at the place after the period, which a stiff plane requires."""
         x, y, z = position_of(T_base_tcp)
         p = (x + PERIOD_S * free[0], y + PERIOD_S * free[1], z + PERIOD_S * free[2])
         sensor = self._body.sensor
@@ -99,8 +99,8 @@ class HandGuiding(YieldingCorrection):
         return max(map(abs, push)) < STICKING_WRENCH
 
     def _settled(self, step: Yielded, nominal: Setpoint, is_resting: bool) -> None:
-        # The nominal place follows the arm when this correction becomes inactive, and only then; so it may not become
-        # so by somebody letting go between two ticks.
+        # The nominal place follows the arm only when this correction becomes inactive here, so a push that ends between
+        # two ticks must not end it.
         is_still = step.setpoint.qd == ZERO_SIX
         is_alone = self._is_paused or self._body.sensor.external_wrench == ZERO_SIX
         is_done = not self.is_on and not self.is_yielding

@@ -1,14 +1,13 @@
-"""The force/torque sensor: what touches the TCP, and what hangs on the flange.
+"""Simulates the force/torque sensor: contacts at the TCP, and the load at the flange.
 
-All wrenches are what the surroundings exert on the arm: an arm that presses down on a table reads an upward force.
-`force_mode` counts the other way round, what the arm exerts on its surroundings. (*Assumed*: the manual calls the one
+All wrenches are those of the surroundings on the arm: an arm that presses down on a table reads an upward force.
+`force_mode` has the opposite sign. (*Assumed*: the manual calls the one
 the external force at the TCP and the other the force on the environment.)
 
-A program can have the readings of a client's sensor taken instead (`ft_rtsi_input_enable`); they are believed, also by
-force control.
+A program can select a client's sensor instead (`ft_rtsi_input_enable`), also for force control.
 
-The sensor is ideal. What `set_payload` declares is what hangs on the flange (*assumed*), so that the compensated wrench
-is exactly what touches the TCP.
+The sensor is ideal. The payload of `set_payload` is the load at the flange (*assumed*), so the compensated wrench is
+exactly that of the contacts.
 """
 
 from __future__ import annotations
@@ -31,11 +30,11 @@ _INSTANT_S = 1e-4
 
 
 class WrenchSensor:
-    """Reads wrenches for given joints; keeps nothing but its zero.
+    """Computes wrenches for given joints; its only state is its zero.
 
     Args:
         arm: geometry.
-        setup: TCP, payload and gravity of the moment.
+        setup: TCP, payload and gravity.
         signals: for `external_wrench`, which pushes the TCP.
         contact: what the TCP can touch.
     """
@@ -48,13 +47,13 @@ class WrenchSensor:
         self._signals = signals
         self.contact = contact
         self.client_offset: Vector3 | None = None
-        """Where a client's sensor measures, flange frame, m; None while the arm's own is read."""
+        """Place of a client's sensor, flange frame, m; None while the arm's own is read."""
         self.zero: Six = ZERO_SIX
-        """What `compensated` leaves out, TCP frame."""
+        """Wrench that `compensated` subtracts, TCP frame."""
 
     @property
     def external_wrench(self) -> Six:
-        """What pushes the TCP besides the contacts: N, N m, base frame."""
+        """Wrench on the TCP besides the contacts: N, N m, base frame."""
         a, b, c, d, e, f = map(float, self._signals.levels("external_wrench"))
         return (a, b, c, d, e, f)
 
@@ -64,11 +63,11 @@ class WrenchSensor:
         return bool(self.contact.planes) or self.external_wrench != ZERO_SIX
 
     def force(self, q: Six, qd: Six) -> float:
-        """Return the force of everything that touches the TCP, N, for actual joints (rad, rad/s)."""
+        """Return the force of all contacts on the TCP, N, for actual joints (rad, rad/s)."""
         return hypot(*self.external(q, qd)[:3])
 
     def external(self, q: Six, qd: Six) -> Six:
-        """Return everything that touches the TCP for actual joints (rad, rad/s), in the base frame."""
+        """Return the wrench of all contacts on the TCP for actual joints (rad, rad/s), base frame."""
         if self.client_offset is not None:
             return self._client_reading(q, self.client_offset)
         if not self.contact.planes:
@@ -107,7 +106,7 @@ class WrenchSensor:
         Args:
             q: actual joints, rad.
             qd: their speeds, rad/s.
-            qdd: works out their accelerations, rad/s^2, which only a payload needs.
+            qdd: computes their accelerations, rad/s^2; called only with a payload.
         """
         if self.client_offset is not None or self._setup.payload.mass_kg == 0.0:
             return self._untared(q, qd)
@@ -116,7 +115,7 @@ class WrenchSensor:
         return (a, b, c, d, e, f)
 
     def tare(self, q: Six, qd: Six) -> None:
-        """Take the present compensated wrench as zero, whatever the zero was."""
+        """Take the present wrench as zero."""
         self.zero = self._untared(q, qd)
 
     def _untared(self, q: Six, qd: Six) -> Six:
@@ -127,7 +126,7 @@ class WrenchSensor:
         return _turned(transpose(R_base_tcp), external)
 
     def _payload_wrench(self, q: Six, qd: Six, qdd: Six) -> Six:
-        """Return what the payload exerts on the flange, about the TCP and along its axes."""
+        """Return the wrench of the payload on the flange, about the TCP and along its axes."""
         payload = self._setup.payload
         T_flange_com: Transform = (*IDENTITY[:9], *payload.cog)
         ax, ay, az, *alpha = self._acceleration(q, qd, qdd, T_flange_com)

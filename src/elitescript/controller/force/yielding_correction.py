@@ -1,8 +1,8 @@
-"""What force control and hand guiding have in common: corrections that let a part of the tool's motion yield.
+"""Base of force control and hand guiding: corrections that let a part of the tool's motion yield.
 
-In every period the twist of the nominal motion is split along and about the axes of a frame. What is not free is kept
-exactly, as a change from one period to the next, so that the arm stays as far beside the nominal pose as it has
-yielded. What is free follows a law. When the law ends, the arm takes up the nominal speed along the free axes too.
+In every period the twist of the nominal motion is split along and about the axes of a frame. The bound part is kept
+exactly, as a change from one period to the next, so that the arm keeps the distance from the nominal pose by which it
+has yielded. The free part follows a law. When the law ends, the arm takes up the nominal speed along the free axes too.
 """
 
 from __future__ import annotations
@@ -33,21 +33,21 @@ from elitescript.motion.streaming.twist import ToolMotion
 NONE_FREE: Final = (False,) * 6
 
 SLOWING_M_S2: Final = 4.0
-"""How hard the free part brakes to a speed limit that is new (*assumed*)."""
+"""Deceleration of the free part to a new speed limit (*assumed*)."""
 
 _BELOW_LIMIT: Final = 0.99
-"""Share of a speed limit that is used: it holds for the joints, at the end of each period."""
+"""Share of a speed limit that is used; the limit holds for the joints, at the end of each period."""
 
 _ROUNDING: Final = 1e-12
-"""So slow, m/s and rad/s, is what rounding leaves."""
+"""Speed within rounding, m/s and rad/s."""
 
 _HARDER: Final = (1.0, 1.5, 2.0, 3.0)
-"""How hard the arm brakes in front of an obstacle, in the deceleration of a stop: as little as will do. More than 1 is
-asked for where a singularity makes the joints faster while the tool brakes."""
+"""Decelerations in front of an obstacle, in that of a stop; the smallest possible one is taken. More than 1 is needed
+where a singularity makes the joints faster while the tool brakes."""
 
 
 class ArmAccess(NamedTuple):
-    """Groups what a yielding correction needs of the arm."""
+    """Parts of the arm that a yielding correction uses."""
 
     arm: Arm
     limits: MotionLimits
@@ -65,7 +65,7 @@ class Caller(NamedTuple):
 
 
 class _Question(NamedTuple):
-    """Groups everything from outside that a period depends on."""
+    """Everything from outside that a period depends on."""
 
     nominal: Setpoint
     now: JointState
@@ -75,7 +75,7 @@ class _Question(NamedTuple):
 
 
 class _Step(NamedTuple):
-    """Groups the results of one period."""
+    """Result of one period."""
 
     yielded: Yielded
     velocity: Six
@@ -148,15 +148,15 @@ class YieldingCorrection(ABC):
 
     @abstractmethod
     def _settled(self, step: Yielded, nominal: Setpoint, is_resting: bool) -> None:
-        """A period has gone by."""
+        """Update the state at the end of a period."""
 
     def limit_speed(self, speed: float | None) -> None:
-        """Let the TCP yield no faster than that, m/s; None lifts the limit."""
+        """Limit the speed at which the TCP yields, m/s; None lifts the limit."""
         self._speed_limit = speed
         self._answer = None
 
     def forget_warnings(self) -> None:
-        """Say again, once for each line, what has been said to the program before."""
+        """Forget which warnings were emitted."""
         self._notices.said.clear()
 
     def peek(self, tick: int, nominal: Setpoint, now: JointState) -> Setpoint:
@@ -183,12 +183,12 @@ class YieldingCorrection(ABC):
             self._on_end()
 
     def pause(self, tick: int) -> None:
-        """The task is paused: come to rest, to go on later."""
+        """Come to rest until `resume`."""
         self._is_paused = True
         self._answer = None
 
     def resume(self, tick: int) -> None:
-        """The task goes on."""
+        """Go on after a pause."""
         self._is_paused = False
         self._answer = None
 
@@ -208,7 +208,7 @@ class YieldingCorrection(ABC):
         self.is_on = True
 
     def _next(self, nominal: Setpoint, now: JointState) -> _Step:
-        """Return the next period; whoever looks at it before time goes on to it has worked it out for all."""
+        """Return the next period, computed once for equal conditions."""
         sensor = self._body.sensor
         question = _Question(nominal, now, sensor.external_wrench, sensor.zero, self._body.setup.T_flange_tcp)
         if self._answer is None or self._answer[0] != question:
@@ -268,7 +268,7 @@ class YieldingCorrection(ABC):
         return (k * x, k * y, k * z, a, b, c)
 
     def _left_over(self, axes: Rotation, deviation: Six) -> Six:
-        """Return what the arm still moves beside the nominal motion along axes that are not free any more."""
+        """Return the remaining motion beside the nominal one along axes that are no longer free."""
         left = _difference(deviation, selected(axes, self._selection, deviation))
         return ZERO_SIX if max(map(abs, left)) < _ROUNDING else left
 

@@ -1,13 +1,12 @@
-"""Takes motion requests, holds the one active source of motion, and says where the arm is at any tick.
+"""Accepts motion requests, holds the active source of motion, and gives the nominal joints at any tick.
 
-A move that is accepted at tick N begins at the time of tick N. The setpoint of tick K is the state at the
-time of tick K: what scripts read during tick K, and what the plant reached after the motion phase of tick K-1. Speed
-percentage, pause, resume and stop change only how path time of a planned move runs against time
-(`motion.timing.timescale`), so its position never jumps; whatever takes over from something else begins with its
-position and speed.
+A move that is accepted at tick N begins at the time of tick N. The setpoint of tick K is the state at the time of tick
+K: scripts read it during tick K, and the plant reached it after the motion phase of tick K-1. Speed percentage, pause,
+resume and stop change only how path time of a planned move runs against time (`motion.timing.timescale`), so its
+position never jumps; a motion that takes over begins with the present position and speed.
 
-A planned move begins at standstill, or with a blend (`succession`). Motions at a speed and streams (`drives`) begin in
-any state, and end what ran before.
+A planned move begins at standstill, or with a blend (`move_sequencing`). Motions at a speed and streams (drives) begin
+in any state, and end the motion before.
 """
 
 from __future__ import annotations
@@ -18,13 +17,12 @@ from dataclasses import replace
 from elitescript.controller.motion.joint_drive import Drive, JointDrive
 from elitescript.controller.motion.move_sequencing import (
     CurrentMoveAction,
-    MoveCall,
     MoveSequencing,
     bounded,
     lay_behind,
 )
 from elitescript.controller.motion.notices import Notices
-from elitescript.controller.motion.sources import NEVER, Braking, Move
+from elitescript.controller.motion.sources import NEVER, Braking, MotionCall, Move
 from elitescript.controller.motion.stepped_drives import ServoDrive, ToolDrive
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
@@ -54,14 +52,14 @@ AnySource = Move | Braking | AnyDrive
 
 
 class MotionControl:
-    """Gives the arm's nominal position, now and for as long as nothing else is requested.
+    """Gives the nominal joints of the arm, now and until the next request.
 
     Args:
         arm: geometry.
         limits: joint and tool limits.
         home: joint positions at power-on.
         stop_joint_deceleration: rad/s^2, for a program that is stopped.
-        speed_ramp_s: time in which a new speed percentage takes hold of a planned move.
+        speed_ramp_s: time in which a planned move takes on a new speed percentage.
         on_event: receives motion events and warnings.
         on_end: called with number and completeness of a move when the arm has come to rest.
 
@@ -122,7 +120,7 @@ class MotionControl:
         self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
 
     def begin_program(self) -> None:
-        """Say again, once for each line, what has been said to the program before."""
+        """Forget which warnings were emitted: a program begins."""
         self._notices.said.clear()
 
     @property
@@ -131,18 +129,18 @@ class MotionControl:
         return self._source is not None
 
     def rate(self, tick: int) -> float:
-        """Return how fast planned time passes, 0 to 1; the speed percentage while no planned move runs."""
+        """Return the rate of path time, 0 to 1; the speed percentage while no planned move runs."""
         source = self._source
         return source.scale.rate(tick * PERIOD_S) if isinstance(source, Move) else self.speed_scale
 
     @property
     def source(self) -> AnySource | None:
-        """What moves the arm; None at standstill."""
+        """Present motion; None at standstill."""
         return self._source
 
     @property
     def next_tick(self) -> int | None:
-        """Tick at which the present motion changes by itself; None while it will not."""
+        """Tick at which the present motion changes by itself; None if it does not."""
         source = self._source
         return None if source is None or source.due_tick >= NEVER else source.due_tick
 
@@ -158,7 +156,7 @@ class MotionControl:
         return self._next is None and (self._source is None or self._source.end_tick <= tick)
 
     def rebase(self, q: Six) -> None:
-        """Take another place (rad) as the one where the arm rests: a correction of its motion has ended there."""
+        """Take other joints (rad) as those of the resting arm: a correction has ended there."""
         self._q_rest = q
         self._sampled_tick = -1
 
@@ -185,10 +183,10 @@ class MotionControl:
         self._advance(tick)
         if isinstance(request, StopJ | StopL):
             return self._brake(request, tick, T_flange_tcp)
+        call = MotionCall(self._count + 1, tick, line, thread, T_flange_tcp)
         if isinstance(request, SpeedJ | SpeedL | ServoJ):
-            return self._drive(request, tick, T_flange_tcp, line, thread)
+            return self._drive(request, call)
         rate = 0.0 if self.is_paused else self.speed_scale
-        call = MoveCall(self._count + 1, tick, line, thread, T_flange_tcp)
         move, order, cautions = self._succession.accept(request, call, self._source, self._next, self._q_rest, rate)
         self._count += 1
         if order is CurrentMoveAction.NEXT:
@@ -214,14 +212,14 @@ class MotionControl:
         return all(source is None or not source.is_awaited(number) for source in (self._source, self._next))
 
     def cancel(self, number: int, tick: int) -> None:
-        """Brake what that call waits for, if it is under way or about to be."""
+        """Brake the motion of that call, if it is under way or waits."""
         if self._next is not None and self._next.number == number:
             self._drop_next()
         elif self._source is not None and self._source.is_awaited(number):
             self.stop(tick)
 
     def stop(self, tick: int) -> None:
-        """Brake whatever is under way with the program-stop deceleration."""
+        """Brake the present motion with the program-stop deceleration."""
         self._drop_next()
         self._advance(tick)
         source = self._source
@@ -234,7 +232,7 @@ class MotionControl:
             self._brake_joints(source.number, tick, max(map(abs, qd)) / self._stop_joint_deceleration)
 
     def finish(self, tick: int) -> None:
-        """The program is over by itself: what goes on to its target after its call may arrive, anything else brakes."""
+        """Let a move whose call has returned arrive, and brake other motions: the program has finished."""
         source = self._source
         if not (isinstance(source, Move) and source.is_returned and self._next is None):
             self.stop(tick)
@@ -250,13 +248,13 @@ class MotionControl:
         return number
 
     def set_speed_scale(self, fraction: float, tick: int) -> None:
-        """New speed percentage, taken on in a ramp."""
+        """Set the speed percentage, reached in a ramp."""
         self.speed_scale = fraction
         if not self.is_paused:
             self._set_rates(fraction, tick)
 
     def path_rate(self, rate: float, tick: int) -> None:
-        """Let the move under way reach a rate, which the joints have to be able to do, at the next tick and keep it."""
+        """Let the present move reach a rate at the next tick; the joints must be able to follow."""
         source = self._source
         if isinstance(source, Move):
             source.set_rate(tick, rate, PERIOD_S)
@@ -265,7 +263,7 @@ class MotionControl:
             self._changed(tick)
 
     def pause(self, tick: int) -> None:
-        """Brake, to go on later."""
+        """Brake until `resume`."""
         self.is_paused = True
         self._advance(tick)
         source = self._source
@@ -275,11 +273,11 @@ class MotionControl:
             source.pause(tick)
         self._changed(tick)
         if source is not None and self._next is not None:
-            # A move that is nearly over comes to its end all the same.
+            # A move that is nearly over still reaches its end.
             self._next.hold(min(source.end_tick, self._next.start_tick))
 
     def resume(self, tick: int) -> None:
-        """Go on after a pause, with the speed percentage of now."""
+        """Go on after a pause, with the present speed percentage."""
         self.is_paused = False
         self._advance(tick)
         source = self._source
@@ -290,7 +288,7 @@ class MotionControl:
             self._set_rates(self.speed_scale, tick)
 
     def settle(self, tick: int) -> None:
-        """Note what has happened by `tick`; call it before scripts run in that tick."""
+        """Emit what has ended by `tick`; called before scripts run in that tick."""
         self._advance(tick)
         while (source := self._source) is not None and source.end_tick <= tick:
             self._q_rest = source.q_rest
@@ -329,9 +327,9 @@ class MotionControl:
 
     # ---------------------------------------------------------------- drives and brakes
 
-    def _drive(self, request: DriveRequest, tick: int, T_flange_tcp: Transform, line: int, thread: str) -> int:
+    def _drive(self, request: DriveRequest, call: MotionCall) -> int:
         source = self._source
-        number = self._count + 1
+        number, tick = call.number, call.tick
         if isinstance(request, ServoJ):
             joint = joint_outside(self.limits, request.q_target)
             if joint is not None:
@@ -340,10 +338,10 @@ class MotionControl:
                 self._count = number
                 if not source.is_returned:
                     self._on_end(source.number, False)
-                source.take(number, thread, line, request, tick)
+                source.take(call, request)
                 self._changed(tick)
                 return number
-        drive = self._new_drive(request, number, tick, T_flange_tcp, line, thread)
+        drive = self._new_drive(request, call)
         obstacle = drive.obstacle(tick)
         if obstacle is not None and drive.leads_into(obstacle, self.setpoint(tick).q):
             raise obstacle.error()
@@ -352,45 +350,36 @@ class MotionControl:
         if self.is_paused:
             drive.pause(tick)
         self._source = drive
-        self._report_take_over(source, request, tick, line, thread)
+        self._report_take_over(source, request, call)
         if drive.is_lowered:
             name = type(request).__name__.lower()
             text = f"{name} asks for more than the arm can do; it goes as fast as it can, in the same direction"
-            self._notices.once(line, "speed", Warned(tick, text, thread, line))
+            self._notices.once(call.line, "speed", Warned(tick, text, call.thread, call.line))
         self._changed(tick)
         return number
 
-    def _new_drive(
-        self, request: DriveRequest, number: int, tick: int, T_flange_tcp: Transform, line: int, thread: str
-    ) -> AnyDrive:
-        start, deceleration = self.setpoint(tick), self._stop_joint_deceleration
+    def _new_drive(self, request: DriveRequest, call: MotionCall) -> AnyDrive:
+        start, deceleration = self.setpoint(call.tick), self._stop_joint_deceleration
         if isinstance(request, SpeedJ):
-            return JointDrive(number, thread, line, request, tick, start, self.speed_scale, self.limits, deceleration)
+            return JointDrive(call, request, start, self.speed_scale, self.limits, deceleration)
         if isinstance(request, SpeedL):
-            motion = ToolMotion(self._arm, self.limits, T_flange_tcp, deceleration)
-            return ToolDrive(number, thread, line, request, tick, start, self.speed_scale, motion)
-        return ServoDrive(number, thread, line, request, tick, start, self.limits, deceleration)
+            motion = ToolMotion(self._arm, self.limits, call.T_flange_tcp, deceleration)
+            return ToolDrive(call, request, start, self.speed_scale, motion)
+        return ServoDrive(call, request, start, self.limits, deceleration)
 
-    def _report_take_over(
-        self,
-        before: AnySource | None,
-        request: DriveRequest,
-        tick: int,
-        line: int,
-        thread: str,
-    ) -> None:
-        """Say that another motion runs now; a stream of the same request is one motion."""
+    def _report_take_over(self, before: AnySource | None, request: DriveRequest, call: MotionCall) -> None:
+        """Emit the events of a motion that takes over; a stream of the same request is one motion."""
         if isinstance(before, Move | Braking):
-            self._on_event(MotionEnded(tick, False))
+            self._on_event(MotionEnded(call.tick, False))
         if before is not None and before.is_awaited(before.number):
             self._on_end(before.number, False)
         if not isinstance(before, Drive) or before.request != request:
             source = self._source
             duration_s = source.profile.duration_s if isinstance(source, JointDrive) else 0.0
-            self._on_event(MotionStarted(tick, request, line, thread, duration_s))
+            self._on_event(MotionStarted(call.tick, request, call.line, call.thread, duration_s))
 
     def _advance(self, tick: int) -> None:
-        """Bring what goes from period to period to a tick, and brake it where it cannot go on."""
+        """Advance a drive to a tick, and brake it in front of an obstacle."""
         if isinstance(self._source, Drive):
             self._source.advance(tick)
             self._guard(tick)
@@ -448,7 +437,7 @@ class MotionControl:
         return self._brake_joints(source.number, tick, ramp_s)
 
     def _brake_joints(self, number: int, tick: int, ramp_s: float) -> int:
-        """Bring the joints to rest; a braking under way is taken over if that is sooner."""
+        """Bring the joints to rest; a braking under way is replaced if that is sooner."""
         source = self._source
         assert source is not None
         braking = Braking(number, source.thread, braked(self.setpoint(tick), ramp_s, self.limits), tick)

@@ -1,10 +1,9 @@
 """The two conveyor encoders: counters whose count is a function of time.
 
 A simulated encoder turns at the speed of the signal `encoder_speed`, so its count is linear between two changes of that
-signal and nothing is summed from tick to tick. The signal says what a quadrature decoder would count; a decoder that
-looks at one channel alone sees fewer edges and cannot tell which way the wheel turns (*assumed*, from how such
-decoders work). An encoder that no program has set up counts as the installation left it: signed, 32 bits, from 0, in
-quadrature (*assumed*).
+signal. The signal is the count of a quadrature decoder; a decoder of one channel counts fewer edges and no direction
+(*assumed*, from how such decoders work). An encoder that no program has set up counts from 0 in quadrature, signed, 32
+bits (*assumed*).
 
 Where a program supplies the count (`encoder_set_tick_count`), a conveyor's speed in between is estimated from what
 was set last, see `Encoder.line`. A simulated speed counts there too, from the count that was set last.
@@ -20,7 +19,6 @@ from typing import Any, Final, NamedTuple
 from elitescript.errors import ArgumentRangeError, ScriptStateError
 from elitescript.messages.enums import PulseDecoder
 from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount
-from elitescript.messages.signals import Value
 from elitescript.messages.timing import TICKS_PER_S
 
 ENCODERS: Final = 2
@@ -30,7 +28,7 @@ SPEED_SIGNAL: Final = "encoder_speed"
 
 
 class CountRange(NamedTuple):
-    """What a counter shows before it starts again."""
+    """Range of a counter that wraps around."""
 
     low: int
     bits: int
@@ -46,7 +44,7 @@ class CountRange(NamedTuple):
         return self.low + self.size - 1
 
     def wrapped(self, count: float) -> float:
-        """Return what the counter shows."""
+        """Return a count wrapped to the range."""
         return self.low + (count - self.low) % self.size
 
     def unwound(self, delta: float) -> float:
@@ -75,17 +73,17 @@ WINDOW_TICKS: Final = 50
 """Speed between counts that a program sets is that of the last 0.2 s (*assumed*), so that whole counts do not show."""
 
 GAP_TICKS: Final = 125
-"""Counts that are set less often than every 0.5 s say nothing about a speed (*assumed*)."""
+"""Counts that are set less often than every 0.5 s give no speed (*assumed*)."""
 
 _SETS_MAX: Final = 64
-"""Counts that are remembered: more than one a tick makes no difference."""
+"""Counts that are remembered."""
 
 _WHOLE: Final = 1e-9
-"""A count this little below a whole number is that number: it is rounding."""
+"""A count less than this below a whole number is that number: rounding."""
 
 
 class CountLine(NamedTuple):
-    """Counts gone by since the start, without starting again, as a linear function of time."""
+    """Counts since the start, not wrapped, as a linear function of time."""
 
     tick: int
     counts: float
@@ -103,7 +101,7 @@ class CountLine(NamedTuple):
 
 
 class Encoder:
-    """One encoder.
+    """One encoder; it keeps its settings and its count from one program to the next (*assumed*).
 
     Args:
         index: its number.
@@ -129,19 +127,19 @@ class Encoder:
         self._is_set_by_program = False
         self._line = CountLine(0, 0.0, 0.0)
         self._count = 0.0
-        """What the counter showed when `_counts_then` had gone by."""
+        """Shown count at `_counts_then`."""
         self._counts_then = 0.0
         self._sets: deque[CountLine] = deque(maxlen=_SETS_MAX)
 
     def count(self, tick: int) -> float:
-        """Return what the counter shows: whole counts, or what was set last."""
+        """Return the shown count: whole counts, or the one that was set last."""
         return self.range.wrapped(self._count + floor(self._line.at(tick) - self._counts_then + _WHOLE))
 
     def line(self, tick: int) -> CountLine:
-        """Return how the conveyor moves on from a tick, as far as one can know then.
+        """Return the motion of the conveyor from a tick on, as known at that tick.
 
-        Between counts that a program sets, the conveyor goes on with the speed of the last of them, for as long as it
-        takes to set two more. When none comes by then, it stands where it was seen last (*assumed*).
+        Between counts that a program sets, the conveyor keeps the speed of the last ones, for the time of two more.
+        If none comes by then, it stands at the last count (*assumed*).
         """
         sets = self._sets
         if len(sets) < 2:
@@ -153,7 +151,7 @@ class Encoder:
         return last
 
     def turn(self, speed: float, tick: int) -> None:
-        """Let the wheel turn at a speed, quadrature counts per second, from a tick on."""
+        """Set the speed of the wheel from a tick on, quadrature counts per second."""
         self._speed = speed
         self._line = self._line.at_rate(tick, self._rate)
 
@@ -170,8 +168,8 @@ class Encoder:
     def set_count(self, request: SetEncoderCount, tick: int) -> None:
         """Take the count that the program supplies.
 
-        The first one only says what the counter shows. Every other one is a way of the conveyor, of less than half a
-        range (*assumed*).
+        The first one only sets the shown count. Every other one moves the conveyor, by less than half a range
+        (*assumed*).
 
         Raises:
             ScriptError: the encoder is not prepared for it, or the count is outside its range.
@@ -223,38 +221,9 @@ class Encoder:
         return abs(self._speed) * SHARES[self._decoder]
 
 
-class Encoders:
-    """Both encoders; they keep their settings and counts from one program to the next (*assumed*)."""
-
-    __slots__ = ("_encoders",)
-
-    def __init__(self) -> None:
-        self._encoders = tuple(Encoder(index) for index in range(ENCODERS))
-
-    def __getitem__(self, index: int) -> Encoder:
-        return self._encoders[index]
-
-    def signal_changed(self, name: str, index: int, value: Value, tick: int) -> None:
-        """A signal has another value: one of them turns the wheel of a simulated encoder."""
-        if name == SPEED_SIGNAL:
-            self._encoders[index].turn(float(value), tick)
-
-    def prepare(self, request: PrepareEncoder, tick: int) -> None:
-        """See `Encoder.prepare`."""
-        self._encoders[request.index].prepare(request, tick)
-
-    def decode(self, request: DecodePulses, tick: int) -> None:
-        """See `Encoder.decode`."""
-        self._encoders[request.index].decode(request, tick)
-
-    def set_count(self, request: SetEncoderCount, tick: int) -> None:
-        """See `Encoder.set_count`."""
-        self._encoders[request.index].set_count(request, tick)
-
-
-ENCODER_HANDLERS: Final[dict[type, Callable[[Encoders, Any, int], None]]] = {
-    PrepareEncoder: Encoders.prepare,
-    DecodePulses: Encoders.decode,
-    SetEncoderCount: Encoders.set_count,
+ENCODER_HANDLERS: Final[dict[type, Callable[[Encoder, Any, int], None]]] = {
+    PrepareEncoder: Encoder.prepare,
+    DecodePulses: Encoder.decode,
+    SetEncoderCount: Encoder.set_count,
 }
-"""Every request that changes an encoder, and what handles it at a tick."""
+"""Handler of every request that changes an encoder, at a tick."""

@@ -1,15 +1,14 @@
-"""Conveyor tracking: what carries the nominal motion along with a belt or a turntable.
+"""Conveyor tracking: moves the nominal motion along with a belt or a turntable.
 
 Moves are commanded as if the conveyor had stood still since the call of `track_conveyor_...`: its way is zero there
-(*assumed*). The way that the arm goes along with follows that of the conveyor; it begins with the speed that the tool
-has, catches up what was lost at the start with `tracking_acceleration` and at most `tracking_speed` above the
-conveyor's (settings of the model, *assumed*), and is then exactly that of the conveyor (`motion.timing.pursuit`). It
-takes no account of the speed percentage (*assumed*: a belt does not slow down). A pause brings the arm to rest;
-afterwards it catches up again (*assumed*).
+(*assumed*). The way of the arm begins with the present speed of the tool, catches up the lag of the start with
+`tracking_acceleration` and at most `tracking_speed` above the conveyor's (*assumed*, settings of the model), and then
+equals that of the conveyor (`motion.timing.pursuit`). The speed percentage does not count (*assumed*: a belt does not
+slow down). A pause brings the arm to rest; afterwards it catches up again (*assumed*).
 
 A joint at the end of its range, a singularity, the end of reach, and a joint that would have to be quicker than it
-can, end the tracking with a protective stop, as an obstacle of `speedl` does (*assumed*). However it ends, all that
-moves the arm comes to rest together: the nominal motion takes over the state of the joints and brakes them.
+can, end the tracking with a protective stop, as an obstacle of `speedl` does (*assumed*). At the end the nominal motion
+takes over the state of the joints and brakes them.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from elitescript.controller.motion.conveyor_encoders import CountLine, Encoder, Encoders
+from elitescript.controller.motion.conveyor_encoders import ENCODERS, CountLine, Encoder
 from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_branch
@@ -46,30 +45,30 @@ _SAME_COUNT: Final = 1e-6
 
 
 class Following(NamedTuple):
-    """The way as that of the conveyor less what is left to catch up."""
+    """A way that is that of the conveyor less the lag."""
 
     line: CountLine
     catch_up: CatchUp
 
 
 class TrackingStep(NamedTuple):
-    """What comes of one tick."""
+    """Result of one tick."""
 
     setpoint: Setpoint
     way: float
     speed: float
     obstacle: Obstacle | None = None
     braking: SpeedProfile | None = None
-    """How the arm comes to rest in front of the obstacle, from the tick before on."""
+    """Profile to rest in front of the obstacle, from the tick before on."""
 
 
 class Tracking:
     """A `controller.arm.state.Correction`.
 
     Args:
-        model: the arm; how it catches up and brakes.
+        model: the arm, with its limits of catching up and braking.
         limits: joint and tool limits.
-        take_over: has the nominal motion come to rest by a profile from a tick on, for a thread; returns the number of
+        take_over: brings the nominal motion to rest by a profile from a tick on, for a thread; returns the number of
             the call that ends then.
         on_event: receives beginnings, ends and warnings.
     """
@@ -111,7 +110,7 @@ class Tracking:
         take_over: Callable[[SpeedProfile, int, str], int],
         on_event: Callable[[Event], None],
     ) -> None:
-        self.encoders = Encoders()
+        self.encoders = tuple(Encoder(index) for index in range(ENCODERS))
         self._arm: Arm = model.arm
         self._limits = limits
         self._deceleration = model.stop_joint_deceleration
@@ -140,7 +139,7 @@ class Tracking:
 
     @property
     def is_active(self) -> bool:
-        """Whether the arm goes along with a conveyor."""
+        """Whether a conveyor is tracked."""
         return self._conveyor is not None
 
     def request(
@@ -149,7 +148,7 @@ class Tracking:
         """Begin or end at a tick; return the number of the call that ends with standstill, 0 of a beginning.
 
         Args:
-            request: what is asked for.
+            request: begin or end.
             tick: the present one.
             now: nominal joints at that tick.
             T_flange_tcp: active TCP; it is the point that goes along with a turntable (*assumed*: also when another
@@ -185,7 +184,7 @@ class Tracking:
         return 0
 
     def pause(self, tick: int) -> None:
-        """Come to rest, to go on later."""
+        """Come to rest until `resume`."""
         if self._conveyor is not None and not self._is_paused:
             self._lay(tick, Coast(self._way, self._speed, self._ramp_s()))
             self._is_paused = True
@@ -197,7 +196,7 @@ class Tracking:
             self._is_paused = False
 
     def abandon(self, tick: int) -> None:
-        """End where something else brings the arm to rest."""
+        """End without braking: another part brings the arm to rest."""
         if self._conveyor is not None:
             self._conveyor = None
             self._on_event(TrackingEnded(tick))
@@ -222,7 +221,7 @@ class Tracking:
         return self._next(tick, nominal, now).setpoint
 
     def commit(self, tick: int, nominal: Setpoint, now: JointState, is_resting: bool) -> None:
-        """Go on to that tick."""
+        """Advance to that tick."""
         step = self._next(tick, nominal, now)
         if self._relaid is not None:
             self._law, self._law_tick, self._relaid = self._relaid, tick - 1, None
@@ -243,7 +242,7 @@ class Tracking:
     def _work_out(self, tick: int, nominal: Setpoint, law: Following | Coast) -> TrackingStep:
         law_tick = self._law_tick if law is self._law else self._tick
         way, speed = self._on(law, tick, (tick - law_tick) * PERIOD_S)
-        # Its own state: a correction that comes after may have moved the target away from it.
+        # Its own state: a later correction may have moved the target away from it.
         before = self.setpoint
         target = self._carried(nominal, before.q, way, speed)
         if isinstance(target, Setpoint):
@@ -289,7 +288,7 @@ class Tracking:
         return (law.line.at(tick) - self._reference) * per_count - lag, law.line.rate * per_count - rate
 
     def _present_law(self) -> Following | Coast:
-        """Return the law that goes on from the present tick: another one when the conveyor moves otherwise."""
+        """Return the law from the present tick on, a new one if the motion of the conveyor has changed."""
         law = self._law
         if isinstance(law, Coast):
             return law
@@ -319,7 +318,7 @@ class Tracking:
         self._law, self._law_tick, self._relaid = law, tick, None
 
     def _ramp_s(self) -> float:
-        """Return the time in which the joints lose what the conveyor adds to their speeds."""
+        """Return the time to brake the joint speeds that the conveyor adds."""
         conveyor = self._conveyor
         if self._speed == 0.0 or conveyor is None:
             return 0.0
@@ -332,7 +331,7 @@ class Tracking:
 
 
 def _is_same_course(line: CountLine, other: CountLine, tick: int) -> bool:
-    """Return whether two lines, one of them new at a tick, are one: counts that are set come with rounding."""
+    """Return whether two lines, one of them new at a tick, are equal within rounding."""
     if line == other:
         return True
     return abs(line.at(tick) - other.at(tick)) < _SAME_COUNT and abs(line.rate - other.rate) < _SAME_COUNT

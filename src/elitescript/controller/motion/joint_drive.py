@@ -1,4 +1,4 @@
-"""Motions that begin in any state and go on after the call: what they have in common, and `speedj`.
+"""Motions that begin in any state and go on after the call: base class, and `speedj`.
 
 A drive is a `MotionSource` that other requests, the speed percentage and pauses change while it runs. The call
 that asked for it returns at `return_tick`; the drive lives on until another request takes over, until it
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.controller.motion.sources import NEVER, MotionSource
+from elitescript.controller.motion.sources import NEVER, MotionCall, MotionSource
 from elitescript.errors import MotionError
 from elitescript.messages.motion import DriveRequest, Six, SpeedJ
 from elitescript.messages.state import ZERO_SIX
@@ -28,14 +28,11 @@ from elitescript.motion.streaming.speed import (
 
 
 class Drive:
-    """What all drives have in common: the call, and when it returns.
+    """Base of all drives: the call, and when it returns.
 
     Args:
-        number: of the call.
-        thread: whose call.
-        line: of the call.
-        request: what it asked for.
-        tick: of the call.
+        call: asks for it.
+        request: of the call.
         t_s: time after which the call returns; None returns when the speed is reached.
     """
 
@@ -43,19 +40,17 @@ class Drive:
 
     reaches_end = True
 
-    def __init__(
-        self, number: int, thread: str, line: int, request: DriveRequest, tick: int, t_s: float | None
-    ) -> None:
+    def __init__(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> None:
         self.is_stopping = False
-        self._call(number, thread, line, request, tick, t_s)
+        self._begin_call(call, request, t_s)
 
-    def _call(self, number: int, thread: str, line: int, request: DriveRequest, tick: int, t_s: float | None) -> None:
-        self.number = number
-        self.thread = thread
-        self.line = line
+    def _begin_call(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> None:
+        self.number = call.number
+        self.thread = call.thread
+        self.line = call.line
         self.request = request
         self.is_returned = False
-        self._timeout_tick = None if t_s is None else tick + max(1, ticks_for(t_s))
+        self._timeout_tick = None if t_s is None else call.tick + max(1, ticks_for(t_s))
         self._held_ticks = -1
 
     def is_awaited(self, number: int) -> bool:
@@ -80,15 +75,15 @@ class Drive:
 
     @property
     def _may_end_tick(self) -> int:
-        """Tick from which standstill ends the drive: a call lasts as long as it was asked to."""
+        """Tick from which standstill ends the drive; a call lasts for its whole time."""
         return NEVER if self.is_paused else 0 if self.is_returned else self._timeout_tick or 0
 
     def note_return(self, tick: int) -> None:
-        """The call is over; the motion goes on."""
+        """End the call; the motion goes on."""
         self.is_returned = True
 
     def advance(self, tick: int) -> None:
-        """Let the state be that of a tick which is not after the next one that is due."""
+        """Advance to a tick that is not after the next one due."""
 
     def _hold(self, tick: int) -> None:
         self._held_ticks = max(0, (self._timeout_tick or tick) - tick)
@@ -100,28 +95,25 @@ class Drive:
 
 
 class JointDrive(Drive):
-    """`speedj`: a function of time, laid anew when speed percentage or pause change."""
+    """Runs `speedj`: a function of time, computed anew when speed percentage or pause change."""
 
     __slots__ = ("_a", "_deceleration", "_limit_tick", "_limits", "_obstacle_joint", "_qd", "_start_tick", "profile")
 
     def __init__(
         self,
-        number: int,
-        thread: str,
-        line: int,
+        call: MotionCall,
         request: SpeedJ,
-        tick: int,
         start: Setpoint,
         fraction: float,
         limits: MotionLimits,
         deceleration: float,
     ) -> None:
-        super().__init__(number, thread, line, request, tick, request.t_s)
+        super().__init__(call, request, request.t_s)
         self._qd = within_speed_limits(request.qd, limits)
         self._a = request.a
         self._limits = limits
         self._deceleration = deceleration
-        self._accelerate(tick, start, fraction)
+        self._accelerate(call.tick, start, fraction)
 
     @property
     def is_lowered(self) -> bool:
@@ -130,12 +122,12 @@ class JointDrive(Drive):
 
     @property
     def end_tick(self) -> int:
-        """Tick at which the arm rests for good, which it does when it is asked for speeds of zero."""
+        """Tick at which the arm rests for good; NEVER unless all requested speeds are zero."""
         return max(self._ramp_end_tick, self._may_end_tick) if self._qd == ZERO_SIX else NEVER
 
     @property
     def q_rest(self) -> Six:
-        """Where it rests then, rad."""
+        """Joints at that rest, rad."""
         return self.profile.at(self.profile.duration_s).q
 
     @property
@@ -156,29 +148,29 @@ class JointDrive(Drive):
         return self.profile.at((tick - self._start_tick) * PERIOD_S)
 
     def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
-        """Return states up to the next tick that is due, with the speeds that were asked for."""
+        """Return states up to the next tick that is due, with the requested speeds."""
         due_tick = self.due_tick
         step = (due_tick - tick) / points if due_tick < NEVER else 0.0
         return (Setpoint(self.setpoint(tick + k * step).q, self._qd) for k in range(points + 1 if step else 1))
 
     def obstacle(self, tick: int) -> Obstacle | None:
-        """Return what keeps the drive from going on beyond a tick."""
+        """Return the obstacle that the drive meets at a tick."""
         if tick < self._limit_tick:
             return None
         return range_obstacle(self._limits, self._obstacle_joint, self.setpoint(tick).q, "speedj")
 
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
-        """Return whether a joint that has no room left is meant to go further out."""
+        """Return whether the joint at the end of its range is to go further out."""
         joint = obstacle.joint
         middle = 0.5 * (self._limits.q_min[joint] + self._limits.q_max[joint])
         return self._qd[joint] * (q[joint] - middle) > 0.0
 
     def set_fraction(self, tick: int, fraction: float) -> None:
-        """New speed percentage; the acceleration of the call leads to it."""
+        """Set the speed percentage; the acceleration of the call leads to it."""
         self._accelerate(tick, self.setpoint(tick), fraction)
 
     def pause(self, tick: int) -> None:
-        """Brake, to go on later."""
+        """Brake until `resume`."""
         self._hold(tick)
         start = self.setpoint(tick)
         ramp_s = max(map(abs, start.qd)) / self._deceleration
@@ -202,7 +194,7 @@ class JointDrive(Drive):
 
 
 def busy_error(source: MotionSource, thread: str) -> MotionError:
-    """Return the refusal (R114) of a planned move, because something else moves the arm for a thread."""
+    """Return the refusal (R114) of a planned move while another motion is under way."""
     if isinstance(source, Drive):
         what = type(source.request).__name__.lower()
         return MotionError(

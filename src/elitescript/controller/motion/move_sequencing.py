@@ -1,4 +1,4 @@
-"""How a planned move follows what is under way: at once, with a blend, as part of a chain, or after standstill."""
+"""Places planned moves behind the present motion: at once, with a blend, in a chain, or after standstill."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from math import hypot
 from typing import Final, NamedTuple
 
 from elitescript.controller.motion.joint_drive import busy_error
-from elitescript.controller.motion.sources import NEVER, MotionSource, Move, MovePChain
+from elitescript.controller.motion.sources import NEVER, MotionCall, MotionSource, Move, MovePChain
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, pose_from_transform
@@ -24,10 +24,10 @@ from elitescript.motion.segment import BlendedSegment
 from elitescript.motion.timing.timescale import TimeScale
 
 NOTEWORTHY: Final = 1e-3
-"""A waypoint that is passed more slowly than asked for by a smaller share needs no warning."""
+"""Share by which a waypoint may be passed more slowly than requested without a warning."""
 
 LOOKS: Final = 8
-"""Parts of a blend after which the speed of the tool is looked at, for a warning."""
+"""Parts of a blend after which the speed of the tool is sampled, for a warning."""
 
 SLOW_BLEND: Final = "slow blend"
 
@@ -35,27 +35,27 @@ SLOW_BLENDS_MAX: Final = 10
 """Lines of a program that are warned of for a slow blend: a chain of short moves has hundreds."""
 
 PROGRAM: Final = 0
-"""Instead of a line: a warning that is given once in a program."""
+"""Line of warnings that are emitted once in a program."""
 
 
 class CurrentMoveAction(Enum):
-    """What becomes of what is under way."""
+    """What a new move does to the present motion."""
 
     NOW = "now"
-    """Nothing was."""
+    """There was none."""
     BLENDED = "blended"
-    """It has turned into the new move."""
+    """It blends into the new move."""
     EXTENDED = "extended"
-    """It has grown."""
+    """The new move is appended to it."""
     NEXT = "next"
     """It comes to rest first."""
 
 
 class MoveWarning(NamedTuple):
-    """A warning, and where it belongs."""
+    """A warning and its line."""
 
     key_line: int
-    """Given once for this line, or once in a program."""
+    """Emitted once for this line, or once in a program."""
     kind: str
     text: str
     line: int
@@ -64,25 +64,15 @@ class MoveWarning(NamedTuple):
 
 
 class AcceptedMove(NamedTuple):
-    """A planned move that has found its place."""
+    """A planned move in its place."""
 
     move: Move
     order: CurrentMoveAction
     cautions: tuple[MoveWarning, ...]
 
 
-class MoveCall(NamedTuple):
-    """Who asks, and when."""
-
-    number: int
-    tick: int
-    line: int
-    thread: str
-    T_flange_tcp: Transform
-
-
 class MoveSequencing:
-    """Plans moves and finds their place behind others.
+    """Plans moves and places them behind others.
 
     Args:
         arm: geometry.
@@ -98,7 +88,7 @@ class MoveSequencing:
     def accept(
         self,
         request: MoveRequest,
-        call: MoveCall,
+        call: MotionCall,
         source: MotionSource | None,
         waiting: Move | None,
         q_rest: Six,
@@ -107,11 +97,11 @@ class MoveSequencing:
         """Return the move that a request becomes.
 
         Args:
-            request: what is asked for.
-            call: by whom.
-            source: what moves the arm.
-            waiting: what follows it already.
-            q_rest: where an arm at rest is, rad.
+            request: the move.
+            call: of the request.
+            source: present motion.
+            waiting: move that follows it already.
+            q_rest: joints of an arm at rest, rad.
             rate: speed percentage of an arm that starts from rest, as a fraction.
 
         Raises:
@@ -166,34 +156,23 @@ class MoveSequencing:
         return plan_movel(self._arm, self._limits, q_start, T_flange_tcp, request, is_entered=is_entered)
 
     def _placed(
-        self, request: MoveRequest, call: MoveCall, plan: Plan, tick: int, scale: TimeScale, order: CurrentMoveAction
+        self, request: MoveRequest, call: MotionCall, plan: Plan, tick: int, scale: TimeScale, order: CurrentMoveAction
     ) -> AcceptedMove:
         waypoint = _waypoint(request, plan)
         move: Move
         if isinstance(request, MoveP) and plan.segment.path.length > 0.0:
-            move = MovePChain(
-                call.number,
-                plan,
-                request.r,
-                tick,
-                scale,
-                call.thread,
-                call.line,
-                waypoint,
-                call.T_flange_tcp,
-                begins_now=order is CurrentMoveAction.NOW,
-            )
+            move = MovePChain(call, plan, request.r, tick, scale, waypoint, order is CurrentMoveAction.NOW)
         else:
-            move = Move(call.number, plan, tick, scale, call.thread, call.line, waypoint, call.T_flange_tcp)
+            move = Move(call, plan, tick, scale, waypoint)
         return AcceptedMove(move, order, _noted(plan, call))
 
-    def _extended(self, request: MoveRequest, call: MoveCall, chain: MovePChain) -> AcceptedMove:
+    def _extended(self, request: MoveRequest, call: MotionCall, chain: MovePChain) -> AcceptedMove:
         plan = self.plan(request, chain.segment.q_end, call.T_flange_tcp, is_entered=True)
         waypoint = _waypoint(request, plan)
-        chain.extend(call.number, plan, request.r, call.tick, call.thread, call.line, waypoint, self._limits)
+        chain.extend(call, plan, request.r, waypoint, self._limits)
         return AcceptedMove(chain, CurrentMoveAction.EXTENDED, _noted(plan, call))
 
-    def _blended(self, request: MoveRequest, call: MoveCall, source: Move, plan: Plan) -> AcceptedMove | None:
+    def _blended(self, request: MoveRequest, call: MotionCall, source: Move, plan: Plan) -> AcceptedMove | None:
         if isinstance(request, MoveP) or source.T_flange_tcp != call.T_flange_tcp:
             return None
         t_s = source.path_time_s(call.tick)
@@ -218,11 +197,11 @@ class MoveSequencing:
 
 
 def bounded(cautions: Collection[MoveWarning], noted: Collection[tuple[int, str]]) -> list[MoveWarning]:
-    """Return what is to be said; of what long chains repeat in every line, only so much.
+    """Return the warnings to emit; those that long chains repeat in every line are limited.
 
     Args:
         cautions: of a move.
-        noted: line and kind of what has been said before.
+        noted: line and kind of earlier warnings.
     """
     said = sum(kind == SLOW_BLEND for _, kind in noted) if cautions else 0
     kept = []
@@ -238,7 +217,7 @@ def bounded(cautions: Collection[MoveWarning], noted: Collection[tuple[int, str]
 
 
 def lay_behind(source: Move, waiting: Move) -> None:
-    """Let a waiting move begin when one under way has come to rest, whenever that is by now."""
+    """Let a waiting move begin when the present one comes to rest."""
     if source.end_tick >= NEVER:
         waiting.hold(waiting.start_tick)
     else:
@@ -246,18 +225,18 @@ def lay_behind(source: Move, waiting: Move) -> None:
 
 
 def _waypoint(request: MoveRequest, plan: Plan) -> Six:
-    """Return the pose that a move leads to: as it was asked for, where it was."""
+    """Return the pose at the end of a move, as requested if it was given as a pose."""
     if isinstance(request, MoveJ | MoveML):
         return pose_from_transform(plan.segment.T_base_tcp_end)
     return request.p_target
 
 
-def _noted(plan: Plan, call: MoveCall) -> tuple[MoveWarning, ...]:
+def _noted(plan: Plan, call: MotionCall) -> tuple[MoveWarning, ...]:
     return tuple(MoveWarning(call.line, note.kind, note.text, call.line, note.code, note.hint) for note in plan.notes)
 
 
 def _slow(source: Move, speed: float, least_speed: Callable[[], float], request: MoveRequest) -> MoveWarning | None:
-    """Return the warning for a waypoint that is passed more slowly than its move was to go."""
+    """Return the warning for a waypoint that is passed more slowly than requested."""
     law, zone, path = source.plan.law, source.plan.zone, source.plan.segment.path
     if zone is None or speed >= law.v * (1.0 - NOTEWORTHY):
         return None
@@ -283,8 +262,8 @@ def _slow(source: Move, speed: float, least_speed: Callable[[], float], request:
     return MoveWarning(source.line, SLOW_BLEND, text, source.line)
 
 
-def _stopping(source: Move, request: MoveRequest, call: MoveCall) -> MoveWarning:
-    """Return the warning for a waypoint with a radius at which the arm stops all the same."""
+def _stopping(source: Move, request: MoveRequest, call: MotionCall) -> MoveWarning:
+    """Return the warning for a waypoint with a radius at which the arm stops."""
     if isinstance(request, MoveP):
         why = "a chain of movep begins at standstill"
     elif isinstance(request, MoveML):

@@ -1,4 +1,4 @@
-"""Warnings that are given once: for each line of a program, or once in it."""
+"""Emits warnings once for each line of a program, or once in it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from elitescript.messages.events import Event, Warned
 
 
 class Notices:
-    """What has been said to the program that runs.
+    """Emits each warning of the running program once.
 
     Args:
         on_event: receives the warnings.
@@ -22,7 +22,7 @@ class Notices:
         """Line (0 for the program as a whole) and kind."""
 
     def once(self, line: int, kind: str, warning: Warned) -> None:
-        """Give a warning, unless one of the kind has been given for the line."""
+        """Emit a warning, unless one of the kind was emitted for the line."""
         if (line, kind) not in self.said:
             self.said.add((line, kind))
             self._on_event(warning)

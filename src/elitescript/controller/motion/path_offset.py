@@ -1,4 +1,4 @@
-"""Path offsets: what a program shifts its moves by while they run, as a seam tracker does.
+"""Path offsets: a program shifts its moves while they run, as a seam tracker does.
 
 While they are enabled, the TCP is beside its nominal pose by the offset that was set last, in the axes of the base, of
 the TCP or of the path. The offset passes a first-order filter in every control period; the arm is where the filtered
@@ -64,24 +64,24 @@ from elitescript.motion.streaming.twist import ToolMotion, singular_obstacle
 
 TRANSLATION_MAX_M: Final = 0.1
 ROTATION_MAX_RAD: Final = 0.52
-"""Limits of an offset that no program has changed: those of URScript (*assumed*)."""
+"""Default limits of an offset: those of URScript (*assumed*)."""
 
 UNFILTERED: Final = 1.0
 
 NOTEWORTHY_M: Final = 5e-4
-"""A lag behind the offset that is worth a warning."""
+"""Lag behind the offset from which on a warning is emitted."""
 
 WHAT: Final = "the path offset"
 
 _SHARES: Final = (1.0, 0.5, 0.25, 0.125, 0.0)
-"""Of the wanted change of the deviation's speed: the greatest that the joints can do is taken."""
+"""Shares of the wanted change of speed; the greatest that the joints can follow is taken."""
 
 _ROUNDING: Final = 1e-12
-"""m, rad: a lag that rounding makes."""
+"""Lag within rounding, m and rad."""
 
 
 class Deviation(NamedTuple):
-    """Where the TCP is beside its nominal pose, and how fast that changes: base frame."""
+    """Offset of the TCP from its nominal pose, and its rate: base frame."""
 
     place: Transform
     velocity: Six
@@ -92,7 +92,7 @@ NONE: Final = Deviation(IDENTITY, ZERO_SIX)
 
 
 class OffsetStep(NamedTuple):
-    """What comes of one period."""
+    """Result of one period."""
 
     setpoint: Setpoint
     deviation: Deviation
@@ -102,11 +102,11 @@ class OffsetStep(NamedTuple):
     lag_m: float
     obstacle: Obstacle | None = None
     braking: SpeedProfile | None = None
-    """How the arm comes to rest in front of the obstacle, from the period before on."""
+    """Profile to rest in front of the obstacle, from the period before on."""
 
 
 class _Nominal(NamedTuple):
-    """The motion that is shifted, at the next tick."""
+    """The motion to be shifted, at the next tick."""
 
     setpoint: Setpoint
     T_base_tcp: Transform
@@ -121,12 +121,12 @@ class PathOffset:
         limits: joint and tool limits.
         deceleration: of joints that come to rest, rad/s^2.
         setup: the active TCP.
-        nominal: what is shifted, at the present tick.
-        take_over: has everything come to rest by a profile from a tick on, for a thread.
+        nominal: gives the setpoint to be shifted, at the present tick.
+        take_over: brings all motion to rest by a profile from a tick on, for a thread.
         on_event: receives warnings.
 
     Attributes:
-        is_active: whether the arm is, or is to be, anywhere but at its nominal place.
+        is_active: whether the arm is, or is to be, away from its nominal place.
     """
 
     __slots__ = (
@@ -186,7 +186,7 @@ class PathOffset:
         self._rest()
 
     def _rest(self) -> None:
-        """The arm is at its nominal place, and nothing asks it to leave that."""
+        """Reset: the arm is at its nominal place, and the offset is zero."""
         self.is_active = False
         self._is_ending = self._is_paused = False
         self._frame = OffsetFrame.BASE
@@ -206,7 +206,7 @@ class PathOffset:
     # ---------------------------------------------------------------- requests
 
     def begin_program(self, tick: int) -> None:
-        """Begin with the settings of a new program; what the last one has left comes to rest."""
+        """Reset the settings for a new program; an offset of the last one comes to rest."""
         if self.is_active:
             self._end(tick, halted(self._setpoint, None, self._deceleration, self._limits))
         self._is_enabled = False
@@ -215,7 +215,7 @@ class PathOffset:
         self._notices.said.clear()
 
     def request(self, request: PathOffsetRequest, tick: int, line: int, thread: str) -> None:
-        """Take on what a program asks for, from a tick on."""
+        """Carry out a request of a program, from a tick on."""
         self._forget_step()
         if isinstance(request, EnablePathOffset):
             self._is_enabled = True
@@ -262,7 +262,7 @@ class PathOffset:
         return _sum(pose_from_transform(along_axes(self._axes(frame), self._deviation.place)), ZERO_SIX)
 
     def without(self, target: Setpoint) -> Setpoint:
-        """Return where the arm would be at the present tick without an offset."""
+        """Return the setpoint of the present tick without an offset."""
         return self._nominal if self.is_active else target
 
     def _axes(self, frame: OffsetFrame) -> Rotation:
@@ -272,7 +272,7 @@ class PathOffset:
         return axes_of(frame, nominal.T_base_tcp, travel)
 
     def pause(self, tick: int) -> None:
-        """Come to rest, to go on later."""
+        """Come to rest until `resume`."""
         self._is_paused = True
         self._forget_step()
 
@@ -300,7 +300,7 @@ class PathOffset:
         return self._next(nominal).setpoint
 
     def commit(self, tick: int, nominal: Setpoint, now: JointState, is_resting: bool) -> None:
-        """Go on to that tick."""
+        """Advance to that tick."""
         step = self._next(nominal)
         self._forget_step()
         if step.obstacle is not None and step.braking is not None:
@@ -363,7 +363,7 @@ class PathOffset:
         return OffsetStep(braking.at(PERIOD_S), before, filtered, wanted, travel, 0.0, obstacle, braking)
 
     def _present_deviation(self) -> Deviation:
-        """Return the deviation at the present tick, of the TCP that is active by now."""
+        """Return the deviation at the present tick, of the active TCP."""
         T_flange_tcp = self._setup.T_flange_tcp
         if T_flange_tcp == self._tcp:
             return self._deviation
@@ -376,7 +376,7 @@ class PathOffset:
         return Deviation((*R, x - x0, y - y0, z - z0), _difference(twist, carried))
 
     def _candidates(self, before: Deviation, wanted: Transform, *, is_held: bool) -> Iterator[Deviation]:
-        """Yield what may become of the deviation, the best first."""
+        """Yield possible deviations of the next period, the best first."""
         if is_held:
             yield self._braked(before)
             yield _moved(before, before.velocity)
@@ -390,7 +390,7 @@ class PathOffset:
         yield self._braked(before)
 
     def _wanted_velocity(self, before: Deviation, wanted: Transform) -> tuple[Six, bool]:
-        """Return the velocity of the next period, and whether it leads to exactly where the deviation is to be."""
+        """Return the velocity of the next period, and whether it leads exactly to the wanted deviation."""
         limits, present = self._limits, self._wanted or wanted
         exact = _scaled(way_between(before.place, wanted), 1.0 / PERIOD_S)
         lag = way_between(before.place, present)
@@ -414,7 +414,7 @@ class PathOffset:
         return _moved(before, ZERO_SIX if top <= step else _scaled(before.velocity, 1.0 - step / top))
 
     def _joint_way(self, way: Six) -> Six | None:
-        """Return what joints do for a way or a velocity of the TCP, at the present place."""
+        """Return the joint motion for a way or a velocity of the TCP, at the present place."""
         return ZERO_SIX if way == ZERO_SIX else joint_speeds(self._arm, self._setpoint.q, way, self._setup.T_flange_tcp)
 
     def _shifted(self, nominal: _Nominal, deviation: Deviation) -> Setpoint | Obstacle:

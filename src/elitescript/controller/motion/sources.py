@@ -1,15 +1,15 @@
-"""What can move the arm: a planned move, a braking, a motion that goes on until something else is asked for.
+"""Sources of motion: planned moves, chains and braking.
 
-A *source* says where the arm is at any tick from its own beginning up to `due_tick`, the next tick at which
-anything about it changes by itself. `MotionControl` holds one at a time. A source in closed form is due rarely; one
-that goes from period to period (`stepped_drives`) is due at every tick while it moves.
+A *source* gives the joints at any tick from its beginning up to `due_tick`, the next tick at which it changes by
+itself. `MotionControl` holds one at a time. A source in closed form is due rarely; a stepped one
+(`stepped_drives`) is due at every tick while it moves.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, isinf
-from typing import Final, Protocol
+from typing import Final, NamedTuple, Protocol
 
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
@@ -24,23 +24,33 @@ from elitescript.motion.streaming.speed import SpeedProfile
 from elitescript.motion.timing.timescale import TimeScale, change_ramp, stop_ramp
 
 NEVER: Final = 1 << 62
-"""Tick of what does not happen by itself."""
+"""Tick of an event that does not happen by itself."""
+
+
+class MotionCall(NamedTuple):
+    """The call of a program that asks for a motion."""
+
+    number: int
+    tick: int
+    line: int
+    thread: str
+    T_flange_tcp: Transform
 
 
 class MotionSource(Protocol):
-    """What moves the arm at present."""
+    """The present motion of the arm."""
 
     number: int
-    """Of the call that asked for it."""
+    """Of its call."""
     thread: str
     is_stopping: bool
-    """Whether it comes to rest and cannot do anything else any more."""
+    """Whether it comes to rest for good."""
     reaches_end: bool
-    """Whether it comes to rest where it was meant to."""
+    """Whether it comes to rest at its target."""
 
     @property
     def end_tick(self) -> int:
-        """Tick at which the arm rests; NEVER while that is not known."""
+        """Tick at which the arm rests; NEVER if unknown."""
 
     @property
     def due_tick(self) -> int:
@@ -48,7 +58,7 @@ class MotionSource(Protocol):
 
     @property
     def q_rest(self) -> Six:
-        """Where the arm rests at `end_tick`, rad."""
+        """Joints at `end_tick`, rad."""
 
     def setpoint(self, tick: float) -> Setpoint:
         """Return the target joints at a tick up to `due_tick`: rad, rad/s."""
@@ -60,18 +70,15 @@ class MotionSource(Protocol):
 class Move:
     """One accepted move, from its start to standstill, or until the next one takes over with a blend.
 
-    The call of a move with a blend radius returns at `return_tick`, when its blend begins; the move itself goes on to
-    its waypoint, and whoever asks for the next one in that very tick has it blended.
+    The call of a move with a blend radius returns at `return_tick`, when its blend begins; a move that is requested in
+    that tick is blended, otherwise the arm goes on to its waypoint.
 
     Args:
-        number: of the call.
-        plan: of the move; its own segment, or the one that a blend has made of it.
+        call: of the move.
+        plan: of the move, with its own segment or that of a blend.
         start_tick: its beginning.
-        scale: how its time passes.
-        thread: whose call.
-        line: of the call.
+        scale: path time against time.
         waypoint: pose of its end.
-        T_flange_tcp: TCP offset that it guides.
     """
 
     __slots__ = (
@@ -94,37 +101,27 @@ class Move:
         "waypoint",
     )
 
-    def __init__(
-        self,
-        number: int,
-        plan: Plan,
-        start_tick: int,
-        scale: TimeScale,
-        thread: str,
-        line: int,
-        waypoint: Six,
-        T_flange_tcp: Transform,
-    ) -> None:
-        self.number = number
+    def __init__(self, call: MotionCall, plan: Plan, start_tick: int, scale: TimeScale, waypoint: Six) -> None:
+        self.number = call.number
         self.plan = plan
         self.segment = plan.segment
         self.start_tick = start_tick
         self.scale = scale
-        self.thread = thread
-        self.line = line
+        self.thread = call.thread
+        self.line = call.line
         self.waypoint = waypoint
-        self.T_flange_tcp = T_flange_tcp
+        self.T_flange_tcp = call.T_flange_tcp
         self.is_stopping = False
         self.is_paused = False
         self.is_returned = False
         self.returned_tick = -1
         self.reaches_end = True
-        """Whether the path's end is where the arm comes to rest."""
+        """Whether the arm comes to rest at the end of the path."""
         self._return_s = inf if plan.zone is None else plan.segment.time_at(plan.zone.begin)
         self._lay()
 
     def _lay(self) -> None:
-        """Work out when the move ends and when its call returns."""
+        """Compute when the move ends and when its call returns."""
         arrival_s = self.scale.time_of(self.segment.duration_s)
         # A move takes at least the tick in which it is commanded (assumed), so that a loop of empty moves waits.
         self.end_tick = NEVER if isinf(arrival_s) else max(ticks_for(arrival_s), self.start_tick + 1)
@@ -138,7 +135,7 @@ class Move:
 
     @property
     def due_tick(self) -> int:
-        """Tick at which something about the move changes by itself."""
+        """Next tick at which the move changes by itself."""
         return min(self.end_tick, self.return_tick)
 
     def setpoint(self, tick: float) -> Setpoint:
@@ -157,23 +154,23 @@ class Move:
         return number == self.number and not self.is_returned
 
     def can_blend(self, tick: int) -> bool:
-        """Return whether a move that is asked for in this tick may take over before this one has come to rest."""
+        """Return whether a move that is requested in this tick may be blended with this one."""
         return self.is_returned and self.returned_tick == tick and not (self.is_stopping or self.is_paused)
 
     def note_return(self, tick: int) -> None:
-        """The call is over; the move goes on."""
+        """End the call; the move goes on."""
         self.is_returned = True
         self.returned_tick = tick
         self.return_tick = NEVER
 
     def set_rate(self, tick: int, rate: float, ramp_s: float) -> None:
-        """Let path time run at `rate` from now on, reached after a ramp."""
+        """Let path time run at `rate`, reached after a ramp."""
         self.is_paused = False
         self.scale = self.scale.with_target(tick * PERIOD_S, rate, ramp_s)
         self._lay()
 
     def change_rate(self, tick: int, rate: float, least_s: float, qdd_max: Six) -> None:
-        """Take on another rate, in a ramp of `least_s` or a longer one where the joints have no room for it."""
+        """Change the rate in a ramp of `least_s`, or a longer one that the joints can follow."""
         tick = max(tick, self.start_tick)
         now, path_time_s = self.scale.rate(tick * PERIOD_S), self.path_time_s(tick)
         self.set_rate(tick, rate, change_ramp(self.segment, path_time_s, now, rate, least_s, qdd_max))
@@ -184,7 +181,7 @@ class Move:
         return max(stop_ramp(self.segment, self.path_time_s(tick), rate, deceleration), PERIOD_S)
 
     def pause(self, tick: int, ramp_s: float) -> None:
-        """Come to rest within a time, to go on when a rate is set; the call does not return meanwhile."""
+        """Come to rest within a time until a rate is set; the call does not return meanwhile."""
         self.set_rate(tick, 0.0, ramp_s)
         self.is_paused = True
         self.return_tick = NEVER
@@ -200,24 +197,24 @@ class Move:
         self.end_tick = min(self.end_tick, standstill_tick)
 
     def hold(self, tick: int) -> None:
-        """Do not begin: from a tick on the arm stays where the move starts until a rate is set."""
+        """Keep the arm at the start of the move from a tick on, until a rate is set."""
         self.start_tick = tick
         self.scale = TimeScale.start(self.start_tick * PERIOD_S, 0.0)
         self.end_tick = self.return_tick = NEVER
 
     def begin_at(self, tick: int, scale: TimeScale) -> None:
-        """Begin at another tick than was foreseen."""
+        """Begin at another tick than planned."""
         self.start_tick = tick
         self.scale = scale
         self._lay()
 
     def path_time_s(self, tick: float) -> float:
-        """Return how far along the segment the arm is, as time at full speed."""
+        """Return the place along the segment, as time at full speed."""
         return min(self.scale.path_time(tick * PERIOD_S), self.segment.duration_s)
 
     @property
     def q_rest(self) -> Six:
-        """Where the arm rests when the move is over."""
+        """Joints at the end of the move, rad."""
         return self.segment.q_end if self.reaches_end else self.segment.sample(self.path_time_s(self.end_tick))
 
 
@@ -231,22 +228,10 @@ class MovePChain(Move):
     __slots__ = ("_path",)
 
     def __init__(
-        self,
-        number: int,
-        plan: Plan,
-        r: float,
-        start_tick: int,
-        scale: TimeScale,
-        thread: str,
-        line: int,
-        waypoint: Six,
-        T_flange_tcp: Transform,
-        *,
-        begins_now: bool,
+        self, call: MotionCall, plan: Plan, r: float, start_tick: int, scale: TimeScale, waypoint: Six, begins_now: bool
     ) -> None:
         known = begun(_link(plan, r))
-        plan = replace(plan, segment=known.segment)
-        super().__init__(number, plan, start_tick, scale, thread, line, waypoint, T_flange_tcp)
+        super().__init__(call, replace(plan, segment=known.segment), start_tick, scale, waypoint)
         self._path = known.path
         self._return_s = known.feed_s
         self._lay()
@@ -257,24 +242,22 @@ class MovePChain(Move):
         return False
 
     def can_grow(self, T_flange_tcp: Transform) -> bool:
-        """Return whether the call of its last line is over and another line may follow."""
+        """Return whether the call of its last line is over and another line may be appended."""
         is_going_on = not (self.is_stopping or self.is_paused)
         return self.is_returned and is_going_on and T_flange_tcp == self.T_flange_tcp
 
-    def extend(
-        self, number: int, plan: Plan, r: float, tick: int, thread: str, line: int, waypoint: Six, limits: MotionLimits
-    ) -> None:
-        """Take one more line, planned from the end of the last."""
+    def extend(self, call: MotionCall, plan: Plan, r: float, waypoint: Six, limits: MotionLimits) -> None:
+        """Append one line, planned from the end of the last."""
         track = plan.segment.path
         assert isinstance(track, JointTrack)
-        self.number, self.thread, self.line, self.waypoint = number, thread, line, waypoint
+        self.number, self.thread, self.line, self.waypoint = call.number, call.thread, call.line, waypoint
         self.is_returned = False
         if track.length == 0.0:
-            # Nothing to go for: the call takes the tick that every call of a move takes.
+            # No way to go: the call takes the tick that every call of a move takes.
             self._return_s = 0.0
             self._lay()
             return
-        begin_tick = max(tick, self.start_tick)
+        begin_tick = max(call.tick, self.start_tick)
         position, speed = self.segment.profile.at(self.path_time_s(begin_tick))
         known = extended(track.arm, limits, self._path, position, speed, _link(plan, r), self.T_flange_tcp)
         self.segment = known.segment
@@ -286,7 +269,7 @@ class MovePChain(Move):
         self._feed(begin_tick)
 
     def _feed(self, tick: int) -> None:
-        """Let the call be over at once when the next line is wanted already."""
+        """End the call at once if the next line is needed already."""
         if self._return_s <= 0.0 and not self.is_paused:
             self.note_return(tick)
 
@@ -298,11 +281,11 @@ def _link(plan: Plan, r: float) -> ChainLine:
 
 
 class Braking:
-    """Joints that come to rest in closed form, by a profile that does not change any more.
+    """Joints that come to rest by a fixed profile in closed form.
 
     Args:
         number: of the call that ends at standstill.
-        thread: who is to blame.
+        thread: of that call.
         profile: ends at rest.
         start_tick: its beginning.
     """

@@ -8,7 +8,7 @@ from math import hypot
 from typing import Final
 
 from elitescript.controller.motion.joint_drive import Drive
-from elitescript.controller.motion.sources import NEVER
+from elitescript.controller.motion.sources import NEVER, MotionCall
 from elitescript.kinematics.jacobian import joint_speeds
 from elitescript.messages.motion import DriveRequest, ServoJ, Six, SpeedL
 from elitescript.messages.state import ZERO_SIX
@@ -24,56 +24,84 @@ LOOKAHEAD_TICKS_MAX: Final = 50
 
 
 class Stepped(Drive, ABC):
-    """A drive that goes from period to period; the next state is worked out when somebody looks."""
+    """A drive that advances tick by tick; the next state is computed when it is read."""
 
     __slots__ = ("_ahead", "_tick")
 
-    def __init__(
-        self, number: int, thread: str, line: int, request: DriveRequest, tick: int, t_s: float | None
-    ) -> None:
-        super().__init__(number, thread, line, request, tick, t_s)
-        self._tick = tick
+    _ahead: TwistState | ServoState | Obstacle | None
+
+    def __init__(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> None:
+        super().__init__(call, request, t_s)
+        self._tick = call.tick
 
     @property
     def due_tick(self) -> int:
-        """The next tick; only an arm that stands still lets time go by."""
+        """The next tick; a later one only at standstill."""
         if self._stands_still:
             return min(self.return_tick, self.end_tick)
         return self._tick + 1
 
     @property
     def end_tick(self) -> int:
-        """Tick at which the arm rests for good; known when it does."""
+        """Tick at which the arm rests for good; NEVER before."""
         return max(self._tick, self._may_end_tick) if self._has_arrived else NEVER
 
     @property
     @abstractmethod
     def _stands_still(self) -> bool:
-        """Whether nothing will change."""
+        """Whether the arm stands, perhaps in a pause."""
 
     @property
     @abstractmethod
     def _has_arrived(self) -> bool:
-        """Whether nothing will change until somebody asks for something else."""
+        """Whether the arm stands until the next request."""
 
     @property
     @abstractmethod
     def _setpoint(self) -> Setpoint: ...
 
     @abstractmethod
+    def _next(self) -> TwistState | ServoState | Obstacle:
+        """Return the state of the next tick, or the obstacle in its way."""
+
+    @abstractmethod
     def _look_ahead(self) -> Setpoint:
-        """Return the state of the next tick."""
+        """Return the setpoint of the next tick."""
 
     @abstractmethod
     def _step(self) -> None:
         """Take the state of the next tick."""
+
+    @abstractmethod
+    def set_fraction(self, tick: int, fraction: float) -> None:
+        """Set the speed percentage; the acceleration of the call leads to it."""
+
+    def _change(self) -> None:
+        self._ahead = None
+
+    def obstacle(self, tick: int) -> Obstacle | None:
+        """Return the obstacle that the drive meets at a tick."""
+        if self._stands_still:
+            return None
+        ahead = self._next()
+        return ahead if isinstance(ahead, Obstacle) else None
+
+    def pause(self, tick: int) -> None:
+        """Brake until `resume`."""
+        self._hold(tick)
+        self._change()
+
+    def resume(self, tick: int, fraction: float) -> None:
+        """Go on after a pause."""
+        self._release(tick)
+        self.set_fraction(tick, fraction)
 
     def setpoint(self, tick: float) -> Setpoint:
         """Return the target joints at a tick up to `due_tick`."""
         return self._setpoint if tick <= self._tick or self._stands_still else self._look_ahead()
 
     def advance(self, tick: int) -> None:
-        """Go on to a tick."""
+        """Advance to a tick."""
         while self._tick < tick:
             if self._stands_still:
                 self._tick = tick
@@ -83,24 +111,14 @@ class Stepped(Drive, ABC):
 
 
 class ToolDrive(Stepped):
-    """`speedl`: the TCP at a velocity."""
+    """Runs `speedl`: the TCP at a velocity."""
 
     __slots__ = ("_a", "_a_rot", "_fraction", "_is_reached", "_motion", "_xd", "state")
 
     _ahead: TwistState | Obstacle | None
 
-    def __init__(
-        self,
-        number: int,
-        thread: str,
-        line: int,
-        request: SpeedL,
-        tick: int,
-        start: Setpoint,
-        fraction: float,
-        motion: ToolMotion,
-    ) -> None:
-        super().__init__(number, thread, line, request, tick, request.t_s)
+    def __init__(self, call: MotionCall, request: SpeedL, start: Setpoint, fraction: float, motion: ToolMotion) -> None:
+        super().__init__(call, request, request.t_s)
         self._motion = motion
         self._xd = motion.within_limits(request.xd)
         limits = motion.limits
@@ -113,20 +131,20 @@ class ToolDrive(Stepped):
 
     @property
     def is_lowered(self) -> bool:
-        """Whether the tool cannot go as fast as asked."""
+        """Whether the tool cannot reach the requested speed."""
         return isinstance(self.request, SpeedL) and self._xd != self.request.xd
 
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
-        """Return whether it is meant to go there: standstill may be asked for anywhere."""
+        """Return whether it is to go there; standstill may be requested anywhere."""
         return self._xd != ZERO_SIX
 
     @property
     def q_rest(self) -> Six:
-        """Where the arm is, rad."""
+        """Present joints, rad."""
         return self.state.q
 
     def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
-        """Yield the present place, with the velocity that was asked for."""
+        """Yield the present joints with the requested velocity."""
         q, motion = self.state.q, self._motion
         yield Setpoint(q, joint_speeds(motion.arm, q, self._xd, motion.T_flange_tcp) or self.state.qd)
 
@@ -154,27 +172,9 @@ class ToolDrive(Stepped):
     def _has_arrived(self) -> bool:
         return self._is_reached and self.state.qd == ZERO_SIX and self._xd == ZERO_SIX
 
-    def obstacle(self, tick: int) -> Obstacle | None:
-        """Return what keeps the drive from going on beyond a tick."""
-        if self._stands_still:
-            return None
-        ahead = self._next()
-        return ahead if isinstance(ahead, Obstacle) else None
-
     def set_fraction(self, tick: int, fraction: float) -> None:
-        """New speed percentage; the acceleration of the call leads to it."""
         self._fraction = fraction
         self._change()
-
-    def pause(self, tick: int) -> None:
-        """Brake, to go on later."""
-        self._hold(tick)
-        self._change()
-
-    def resume(self, tick: int, fraction: float) -> None:
-        """Go on after a pause."""
-        self._release(tick)
-        self.set_fraction(tick, fraction)
 
     def stop(self, number: int, a: float) -> None:
         """Brake along the path, m/s^2 and rad/s^2 alike; the call of that number waits for standstill."""
@@ -192,7 +192,7 @@ class ToolDrive(Stepped):
         return 0 if self.is_stopping else super()._may_end_tick
 
     def _change(self) -> None:
-        self._ahead = None
+        super()._change()
         self._is_reached = False
 
     def _next(self) -> TwistState | Obstacle:
@@ -219,35 +219,27 @@ class ToolDrive(Stepped):
 
 
 class ServoDrive(Stepped):
-    """`servoj`: the arm behind a stream of targets; the speed percentage does not count (*assumed*)."""
+    """Runs `servoj`: the arm follows a stream of targets; the speed percentage does not count (*assumed*)."""
 
     __slots__ = ("_deceleration", "_gain", "_limits", "_q_target", "_window", "state")
 
     _ahead: ServoState | Obstacle | None
 
     def __init__(
-        self,
-        number: int,
-        thread: str,
-        line: int,
-        request: ServoJ,
-        tick: int,
-        start: Setpoint,
-        limits: MotionLimits,
-        deceleration: float,
+        self, call: MotionCall, request: ServoJ, start: Setpoint, limits: MotionLimits, deceleration: float
     ) -> None:
-        super().__init__(number, thread, line, request, tick, request.t_s)
+        super().__init__(call, request, request.t_s)
         self._limits = limits
         self._deceleration = deceleration
         self.state = begun(start)
-        self.take(number, thread, line, request, tick)
+        self.take(call, request)
 
-    def take(self, number: int, thread: str, line: int, request: ServoJ, tick: int) -> None:
-        """The next target of the stream."""
+    def take(self, call: MotionCall, request: ServoJ) -> None:
+        """Take the next target of the stream."""
         was_paused = self.is_paused
-        self._call(number, thread, line, request, tick, request.t_s)
+        self._begin_call(call, request, request.t_s)
         if was_paused:
-            self._hold(tick)
+            self._hold(call.tick)
         self._q_target = request.q_target
         self._gain = request.gain
         self._window = min(max(1, ticks_for(request.lookahead_s)), LOOKAHEAD_TICKS_MAX)
@@ -256,7 +248,7 @@ class ServoDrive(Stepped):
 
     @property
     def is_lowered(self) -> bool:
-        """Whether a joint is as fast as it can be and still behind."""
+        """Whether a joint at its largest speed is behind the targets."""
         return self.state.is_limited
 
     @property
@@ -276,33 +268,17 @@ class ServoDrive(Stepped):
     def _has_arrived(self) -> bool:
         return self.state.is_at(self._q_target)
 
-    def obstacle(self, tick: int) -> Obstacle | None:
-        """Return what keeps the drive from going on beyond a tick."""
-        if self._stands_still:
-            return None
-        ahead = self._next()
-        return ahead if isinstance(ahead, Obstacle) else None
-
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
-        """Return whether it is meant to go there; a target is inside the range, so the arm only brakes first."""
+        """Return False: a target is inside the range, so the arm only brakes in front of it."""
         return False
 
     def set_fraction(self, tick: int, fraction: float) -> None:
-        """The stream alone says how fast the arm goes."""
+        """Do not change the speed."""
+        self._change()
 
     def at_full_speed(self, tick: int, points: int) -> Iterator[Setpoint]:
-        """None, for the same reason."""
+        """Yield nothing: the stream alone determines the speed."""
         return iter(())
-
-    def pause(self, tick: int) -> None:
-        """Brake, to go on later."""
-        self._hold(tick)
-        self._ahead = None
-
-    def resume(self, tick: int, fraction: float) -> None:
-        """Go on after a pause."""
-        self._release(tick)
-        self._ahead = None
 
     def _next(self) -> ServoState | Obstacle:
         if self._ahead is None:

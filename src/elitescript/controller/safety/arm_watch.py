@@ -1,4 +1,4 @@
-"""Compares the arm of a robot, as it is at a tick, with its safety limits."""
+"""Compares the arm of a robot at a tick with its safety limits."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class ArmWatch:
     """Compares one arm, its TCP and the inputs that switch planes on, with the limits.
 
     Args:
-        monitor: knows the limits.
+        monitor: the limits.
         motion_limits: limits of the model.
         arm_state: target and actual joints.
         setup: the active TCP.
@@ -56,7 +56,7 @@ class ArmWatch:
         return self._monitor.limits
 
     def is_needed(self, mode: SafetyMode) -> bool:
-        """Return whether anything can be exceeded in a mode, so that every tick of a motion has to be looked at."""
+        """Return whether anything can be exceeded in a mode, so that every tick of a motion is checked."""
         return self._monitor.is_watching(mode) or self.force.is_watching
 
     def is_within(self, q: Six, mode: SafetyMode, pairs: Sequence[bool] | None = None) -> bool:
@@ -65,7 +65,7 @@ class ArmWatch:
         Args:
             q: the joints.
             mode: normal or reduced.
-            pairs: for each pair of configurable inputs, whether its planes count; by their levels if None.
+            pairs: for each pair of configurable inputs, whether its planes count; by the levels of the inputs if None.
         """
         if joint_outside(self._motion_limits, q) is not None:
             return False

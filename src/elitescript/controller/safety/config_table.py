@@ -1,4 +1,4 @@
-"""Reads a table of a world file key by key: every value checked, every key used, every mistake with its place."""
+"""Reads a table of a world file key by key: checks every value, refuses unknown keys, locates every error."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ class ConfigTable:
         self._asked: list[str] = []
 
     def error(self, key: str, text: str) -> UsageError:
-        """Return the error for a value that makes no sense."""
+        """Return the error for an invalid value."""
         return UsageError(f"{self._place} {key} {text}")
 
     def refused(self, key: str, wanted: str, value: object) -> UsageError:
-        """Return the error for a value that is not what `wanted` says."""
+        """Return the error for a value that is not as `wanted` describes."""
         return self.error(key, f"{wanted}, got {_shown(value)}")
 
     def value(self, key: str) -> Any:
-        """Return the value of a key, None if it is not given; it counts as used."""
+        """Return the value of a key and mark it as used; None if it is not given."""
         self._asked.append(key)
         return self._table.get(key)
 
@@ -76,7 +76,7 @@ class ConfigTable:
         return None if value is None else self._number(key, value, unit, is_positive)
 
     def numbers(self, key: str, count: int, unit: str, *, is_positive: bool = False) -> tuple[float, ...] | None:
-        """Return so many numbers; one number stands for all of them."""
+        """Return `count` numbers; one number stands for all of them."""
         value = self.value(key)
         if value is None:
             return None

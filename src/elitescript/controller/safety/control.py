@@ -1,7 +1,7 @@
 """Runs the safety system: from inputs and limits to the state, and from the state to arm, task and power.
 
-A state changes at once, so that a request is answered by it; what follows from it for the arm happens in the safety
-phase of the next tick that is run (`check`), after the requests from outside and before the program.
+A state changes at once; its effects on the arm follow in the safety phase of the next tick that is run (`check`),
+after the requests from outside and before the program.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from elitescript.messages.yielding import ForceMode, Freedrive, YieldRequest
 from elitescript.motion.streaming.speed import Obstacle
 
 _EXPLAINED: Final = (SafetyMode.PROTECTIVE_STOP, SafetyMode.VIOLATION, SafetyMode.FAULT)
-"""States that are entered for a reason of their own."""
+"""States whose reason is a breach."""
 
 
 class SafetyControl:
@@ -42,8 +42,8 @@ class SafetyControl:
 
     Args:
         watch: compares the arm with its limits.
-        speed: the speed percentage, and what reduced mode leaves of it.
-        task: is paused and ended by stops.
+        speed: the speed percentage and its reduction.
+        task: paused and ended by stops.
         on_event: receives every event in order.
         switch_off: stops the arm and switches its power off at standstill.
     """
@@ -86,7 +86,7 @@ class SafetyControl:
         self._safety = Safety(self._mode_changed)
         self._breach: Breach | None = None
         self._cause: tuple[int, str] = (0, "main")
-        """Line and thread of what has set the arm in motion last."""
+        """Line and thread of the call that has set the arm in motion last."""
         self._effects: list[tuple[SafetyMode, Breach | None]] = []
         self._is_first = True
         self._is_disturbed = True
@@ -110,7 +110,7 @@ class SafetyControl:
 
     @property
     def obstruction(self) -> str:
-        """Why nothing moves, and what leads back; empty if the arm may move."""
+        """Reason why the arm may not move, and the way back; empty if it may."""
         return WHAT_TO_DO.get(self.mode, "")
 
     def refusal(self, action: str) -> str:
@@ -118,15 +118,15 @@ class SafetyControl:
         return self._safety.refusal(action)
 
     def require(self, action: str) -> None:
-        """Let an action pass.
+        """Check that an action is allowed.
 
         Raises:
-            ScriptStateError: the state does not allow it; the text says what to do.
+            ScriptStateError: the state does not allow it; the text names the remedy.
         """
         self._safety.check(action)
 
     def next_tick(self, tick: int) -> int | None:
-        """Return the next tick that has to be looked at; None while nothing moves that is watched."""
+        """Return the next tick, if it has to be checked; None while nothing moves that is watched."""
         if self._effects or self._is_task_new:
             return tick + 1
         if not self._is_watching:
@@ -137,20 +137,20 @@ class SafetyControl:
         """See `ArmWatch.is_within`; the limits are those of the present mode."""
         return self._watch.is_within(q, self._inner_mode, pairs)
 
-    # ---------------------------------------------------------------- what happens elsewhere
+    # ---------------------------------------------------------------- notifications
 
     def note(self, event: Event) -> None:
-        """Take note of an event of the motion: the last one that began is the cause of what follows."""
+        """Remember the motion that began last as the cause of a stop."""
         if isinstance(event, MotionStarted):
             self._cause = (event.line, event.thread)
         self.disturb()
 
     def disturb(self) -> None:
-        """Look at the next tick: something besides the joints has changed that limits depend on."""
+        """Have the next tick checked: something besides the joints has changed that limits depend on."""
         self._is_disturbed = True
 
     def signal_changed(self, name: str, value: Value, tick: int) -> None:
-        """Act on a signal that has another level."""
+        """Act on the new level of a signal."""
         inputs = self._safety.inputs
         if name in INPUT_ACTIONS:
             setattr(inputs, name, bool(value))
@@ -168,7 +168,7 @@ class SafetyControl:
             self.disturb()
 
     def note_yielding(self, request: YieldRequest, tick: int, line: int, thread: str) -> None:
-        """Take note of a request for force mode or hand guiding; warn of a target force that the arm may not reach."""
+        """Remember force mode or hand guiding as the cause of a stop; warn of a target force above the limit."""
         if isinstance(request, ForceMode | Freedrive):
             self._cause = (line, thread)
         caution = self._force.caution(request, self.mode) if isinstance(request, ForceMode) else ""
@@ -176,7 +176,7 @@ class SafetyControl:
             self._on_event(Warned(tick, caution, thread, line))
 
     def task_started(self) -> None:
-        """Take note of a program that begins; whether it may is decided in the safety phase."""
+        """Have the safety phase decide whether a new program may run."""
         self._is_task_new = True
         self._slowed_lines.clear()
 
@@ -186,12 +186,12 @@ class SafetyControl:
         self.disturb()
 
     def meet_obstacle(self, tick: int, obstacle: Obstacle, thread: str, line: int) -> None:
-        """Stop: a motion at a speed has come to the end of a joint range or to a singularity; it brakes already."""
+        """Stop because a motion at a speed brakes at the end of a joint range or at a singularity."""
         self._cause = (line, thread)
         self._stop(obstacle_breach(obstacle), tick)
 
     def ask(self, request: AskSafety, tick: int) -> None:
-        """Do one of the actions that people and clients ask for.
+        """Carry out an action that a user or client asks for.
 
         Raises:
             ScriptStateError: the state does not allow it, or it is too early.
@@ -206,13 +206,13 @@ class SafetyControl:
         self._safety.apply(action, tick, is_standing=not self._arm_state.is_moving)
         self.disturb()
         if action == "restart_safety":
-            # The power goes off whatever the state was and is.
+            # The power goes off in every state.
             self._effects.append((SafetyMode.FAULT, requested_breach("the safety system was restarted")))
 
     # ---------------------------------------------------------------- the safety phase of a tick
 
     def check(self, tick: int) -> None:
-        """Do what the state asks for, then compare the arm with its limits."""
+        """Apply the effects of the state, then compare the arm with its limits."""
         if not (self._is_watching or self._is_disturbed or self._effects or self._is_task_new):
             return
         if self._is_task_new:
@@ -292,7 +292,7 @@ class SafetyControl:
         """The mode whose limits of position count."""
         return SafetyMode.REDUCED if self._safety.inputs.reduced_mode else SafetyMode.NORMAL
 
-    # ---------------------------------------------------------------- what a state does
+    # ---------------------------------------------------------------- effects of a state
 
     def _mode_changed(self, before: SafetyMode, after: SafetyMode) -> None:
         tick = self._safety.since_tick
@@ -330,7 +330,7 @@ class SafetyControl:
                 self._switch_off()
 
     def _hold(self, tick: int) -> None:
-        """Pause the task until the safeguard is closed; an arm that moves without one brakes."""
+        """Pause the task until the safeguard is closed; without a task brake the arm."""
         if self._task.state is TaskState.PLAYING:
             self._task.hold()
         elif not self._task.is_running:

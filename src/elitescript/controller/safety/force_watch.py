@@ -1,4 +1,4 @@
-"""Compares the force at the TCP with its limit, and lets an arm that presses too hard back out."""
+"""Compares the force at the TCP with its limit, and tolerates it while an arm that presses too hard moves back."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from elitescript.messages.motion import Six
 from elitescript.messages.yielding import ForceMode
 
 FORCE_TOLERANCE: Final = 0.02
-"""By how much, as a share, a force above its limit may grow after the arm has been allowed to move on (*assumed*)."""
+"""Share by which a tolerated force may grow before it is a breach (*assumed*)."""
 
 
 class ForceWatch:
-    """The force at the TCP of one robot.
+    """Compares the force at the TCP of one robot with its limit.
 
     Args:
-        monitor: knows the limits.
-        sensor: the force.
+        monitor: the limits.
+        sensor: measures the force.
     """
 
     __slots__ = ("_known", "_monitor", "_sensor", "is_to_tolerate")
@@ -30,7 +30,7 @@ class ForceWatch:
         self._sensor = sensor
         self._known = 0.0
         self.is_to_tolerate = True
-        """Whether a force that is found now is left alone until it grows: at the start, and after a stop."""
+        """Whether a force above the limit is tolerated until it grows: at the start, and after a stop."""
 
     @property
     def is_watching(self) -> bool:
@@ -41,7 +41,7 @@ class ForceWatch:
         """Compare the force on joints (rad, rad/s) with its limit.
 
         Returns:
-            The limit that is exceeded, and what to warn of, where the force is tolerated.
+            The limit that is exceeded, and the warning for a tolerated force.
         """
         if not self.is_watching:
             return None, ""
@@ -55,7 +55,7 @@ class ForceWatch:
         return (None if force <= self._known else breach), ""
 
     def caution(self, request: ForceMode, mode: SafetyMode) -> str:
-        """Return what to say about a target force that the arm may not reach; empty where it may."""
+        """Return the warning for a target force above the limit; empty otherwise."""
         rows = zip(request.target[:3], request.selection[:3], strict=True)
         force, limit = hypot(*[target for target, is_free in rows if is_free]), self._monitor.limits.tcp_force_max(mode)
         if force <= limit:

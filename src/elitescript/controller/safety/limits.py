@@ -42,7 +42,7 @@ Vector3 = tuple[float, float, float]
 
 
 def switched_pairs(read: Callable[[str, int], object]) -> tuple[bool, ...]:
-    """For each pair of configurable inputs, whether both are high; `read` gives the level of a signal."""
+    """Return for each pair of configurable inputs whether both are high; `read` gives the level of a signal."""
     name = "configurable_digital_in"
     return tuple([bool(read(name, first)) and bool(read(name, second)) for first, second in PAIRS])
 
@@ -111,7 +111,7 @@ class SafetyPlane:
     """A plane in the base frame that the TCP may not pass.
 
     Args:
-        name: how messages call it.
+        name: for messages.
         point: a point of it, m.
         normal: direction to the allowed side; its length does not count.
         offset_m: moves the plane along the normal.
@@ -206,7 +206,7 @@ class SafetyLimits:
         return self.normal if mode is SafetyMode.NORMAL else self.reduced.within(self.normal)
 
     def tcp_force_max(self, mode: SafetyMode) -> float:
-        """Limit of the force at the TCP in a mode, N."""
+        """Return the limit of the force at the TCP in a mode, N."""
         normal = self.normal.tcp_force_max or NORMAL_TCP_FORCE
         if mode is SafetyMode.NORMAL:
             return normal
@@ -222,9 +222,9 @@ class SafetyLimits:
         `manual`.
 
         Raises:
-            UsageError: a key that is not known, or a value that makes no sense.
+            UsageError: an unknown key, or an invalid value.
         """
-        # Few robots have such a section; the others need not pay for the import.
+        # Imported late: few robots have such a section.
         from elitescript.controller.safety.config_table import ConfigTable
 
         reader = ConfigTable("safety", table)

@@ -1,4 +1,4 @@
-"""Compares the arm with its safety limits and says in words, with numbers and advice, what exceeds them."""
+"""Compares the arm with its safety limits and describes breaches, with numbers and hints."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ class Breach:
         kind: `joint_range`, `joint_speed`, `tcp_speed`, `tcp_force`, `plane`, `tool_direction`, `obstacle`,
             `request` or `emergency_stop`.
         text: what, where, value, limit and unit in one sentence.
-        subject: which joint or plane; empty where there is only one.
-        value: what was measured.
-        limit: what is allowed, as text.
+        subject: name of the joint or plane; empty where there is only one.
+        value: measured value.
+        limit: allowed range, as text.
         unit: of both.
-        hints: what to try.
+        hints: remedies.
     """
 
     kind: str
@@ -49,7 +49,7 @@ class Breach:
     hints: tuple[str, ...] = ()
 
     def details(self, mode: SafetyMode) -> dict[str, Any]:
-        """Return what an alarm says about it besides the text, in the safety mode that it leads to."""
+        """Return the details of its alarm, in the safety mode that it leads to."""
         details: dict[str, Any] = {
             "safety_mode": mode.name,
             "reason": self.kind,
@@ -64,7 +64,7 @@ class Breach:
 
 
 class SafetyMonitor:
-    """The watching part of the safety system; it keeps no state.
+    """Compares joints with the limits; it keeps no state.
 
     Args:
         arm: geometry.
@@ -78,7 +78,7 @@ class SafetyMonitor:
         self.limits = limits
 
     def is_watching(self, mode: SafetyMode) -> bool:
-        """Return whether anything can be exceeded in a mode, so that every tick of a motion has to be looked at."""
+        """Return whether anything can be exceeded in a mode, so that every tick of a motion is checked."""
         limits = self.limits
         return not limits.is_default or (mode is not SafetyMode.NORMAL and not limits.bounds(mode).is_empty)
 
@@ -90,7 +90,7 @@ class SafetyMonitor:
         Args:
             q: the joints.
             T_flange_tcp: active TCP.
-            mode: which limits hold.
+            mode: its limits hold.
             pairs: for each pair of configurable inputs, whether its planes count.
         """
         limits, bounds = self.limits, self.limits.bounds(mode)
@@ -144,7 +144,7 @@ class SafetyMonitor:
         return sqrt(x * x + y * y + z * z)
 
     def force_breach(self, force: float, mode: SafetyMode) -> Breach | None:
-        """Return the limit of the force at the TCP, if a force (N) exceeds it."""
+        """Return the breach, if a force (N) exceeds the limit at the TCP."""
         limit = self.limits.tcp_force_max(mode)
         return None if force <= limit else _tcp_force_breach(force, limit, mode)
 
@@ -158,7 +158,7 @@ class SafetyMonitor:
 
 
 def obstacle_breach(obstacle: Obstacle) -> Breach:
-    """Return the end of a joint range or a singularity that a motion at a speed has come to."""
+    """Return the breach for the joint range or singularity that a motion at a speed has reached."""
     joint = JOINT_NAMES[obstacle.joint] if obstacle.joint >= 0 else ""
     if joint:
         first = f"end the motion before joint {joint} comes to the end of its range: give a time t and call stopj"
@@ -178,7 +178,7 @@ def obstacle_breach(obstacle: Obstacle) -> Breach:
 
 
 def requested_breach(reason: str) -> Breach:
-    """Return a stop that somebody outside asked for."""
+    """Return the breach for a stop that was requested from outside."""
     return Breach(
         "request",
         reason or "asked for from outside",
@@ -217,7 +217,7 @@ def _range_breach(joint: int, angle: float, low: float, high: float) -> Breach:
 def _excess(
     kind: str, text: str, value: float, limit: float, unit: str, hints: tuple[str, str, str], name: str = ""
 ) -> Breach:
-    """Return a value above its upper limit."""
+    """Return the breach for a value above its upper limit."""
     return Breach(kind, text, name, value, f"<= {limit:.6g}", unit, hints)
 
 

@@ -1,10 +1,9 @@
 """Keeps motions below the speeds of reduced mode, so that a program for normal mode runs on, slower (*assumed*).
 
 Motions are planned as in normal mode. A planned move runs as planned wherever that is slow enough; where it is not,
-its time passes so much more slowly that the limit is kept. So it is at the limit for as long as it was meant to be
-faster, and takes up its own speed when reduced mode ends. A motion at a speed goes at the share of its speed that the
-limits allow, in the same direction. Streams of `servoj` and conveyor tracking are not slowed: their speed is what they
-mean, so the arm is stopped when it is too fast.
+its time is scaled so that it runs at the limit; it takes up its own speed when reduced mode ends. A motion at a speed
+runs at the share of its speed that the limits allow, in the same direction. Streams of `servoj` and conveyor tracking
+are not slowed; the arm is stopped when they are too fast.
 """
 
 from __future__ import annotations
@@ -25,23 +24,23 @@ from elitescript.messages.timing import PERIOD_S, ticks_for
 SLOWED_MODES: Final = (SafetyMode.REDUCED, SafetyMode.RECOVERY)
 
 GRACE_TICKS: Final = ticks_for(0.5)
-"""From the change to reduced mode until its limits of speed hold: the time to brake to them (*assumed*)."""
+"""Time to brake from the change to reduced mode until its speed limits hold (*assumed*)."""
 
 SAMPLES: Final = 64
 """Places of a motion at a speed at which it is compared with the limits."""
 
 MARGIN: Final = 0.99
-"""Share of a limit that motions are slowed down to: between two samples they may be a little faster."""
+"""Share of a limit that motions are slowed down to; between two samples they may be a little faster."""
 
 _ROUNDS: Final = 3
-"""How far a move gets in a period depends on its rate there, which depends on how far it gets."""
+"""Iterations for the rate of a period, which depends on the place that it leads to."""
 
 
 class ReducedSpeed:
-    """Applies the speed percentage, and what reduced mode leaves of it.
+    """Applies the speed percentage and its reduction.
 
     Args:
-        monitor: knows the limits.
+        monitor: the limits.
         motion: the nominal motion.
         yielding: force mode and hand guiding.
         setup: the active TCP.
@@ -79,25 +78,21 @@ class ReducedSpeed:
         self._motion.set_speed_scale(min(fraction, self._cap), tick)
 
     def enter(self, mode: SafetyMode, tick: int) -> None:
-        """Take on the limits of a mode in which the arm may move."""
+        """Apply the limits of a mode in which the arm may move."""
         is_slowed = mode in SLOWED_MODES
         self._yielding.limit_speed(self._monitor.limits.bounds(mode).tcp_speed_max if is_slowed else None)
         if not is_slowed:
             self.release(tick)
 
     def release(self, tick: int) -> None:
-        """Give the motion its own speed back: the one that was slowed down is over, or reduced mode is."""
+        """End the reduction: the motion or reduced mode is over."""
         if self._cap != 1.0 or self._is_move_slowed:
             self._cap = 1.0
             self._is_move_slowed = False
             self._motion.set_speed_scale(self.scale, tick)
 
     def slow_down(self, tick: int) -> bool:
-        """Return the lower the speed with which what is under way goes on; to be called in every tick of reduced mode.
-
-        Returns:
-            Whether the motion is slower than it would be in normal mode.
-        """
+        """Reduce the speed of the motion; return whether it is slower than in normal mode. Called in every tick."""
         source = self._motion.source
         if isinstance(source, Move):
             if self._cap != 1.0:
@@ -129,7 +124,7 @@ class ReducedSpeed:
         if not self._is_move_slowed and wanted >= min(self.scale, move.scale.rate(now_s + PERIOD_S)):
             return False
         self._is_move_slowed = wanted < self.scale or rate < self.scale
-        # What keeps the speed as it is, and beside that no more than a new speed percentage may change.
+        # Keep the speed, and change it no faster than a new speed percentage may.
         level = min(rate * share / share_ahead, self.scale) if share_ahead > 0.0 else wanted
         most = PERIOD_S / self._motion.speed_ramp_s
         wanted = max(level - most, min(level + most, wanted))
@@ -137,7 +132,7 @@ class ReducedSpeed:
         return True
 
     def _possible(self, rate: float, qd: Six, wanted: float, qd_ahead: Six) -> float:
-        """Return the rate nearest to the wanted one that the joints can take on within a period."""
+        """Return the rate nearest to the wanted one that the joints can reach within a period."""
         low, high = 0.0, 1.0
         for w, w_ahead, limit in zip(qd, qd_ahead, self._motion.limits.qdd_max, strict=True):
             if w_ahead:

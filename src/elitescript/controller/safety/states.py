@@ -1,12 +1,11 @@
-"""The safety state machine as a table: what the safety system allows, and what leads where.
+"""The safety state machine as a table: actions allowed in each state, and the states they lead to.
 
-`TRANSITIONS` and `REFUSALS` together have a row for every state and every action. A result of None means what the
-inputs ask for at that moment (`SafetyInputs.mode`): a stop button that is still pressed, an open safeguard, an arm
-outside its limits, reduced mode, or none of these.
+`TRANSITIONS` and `REFUSALS` together have a row for every state and every action. A result of None means the state that
+the inputs require at that moment (`SafetyInputs.mode`).
 
 Evidence: names and numbers of the states are *documented* (vendor's SDK), and so is that they are seen by clients;
 that a protective stop can be unlocked, and that the safety system can be restarted, is *documented* too (dashboard and
-primary interface). What a stop does to the task and to the power, and what outranks what, is *assumed*: it follows the
+primary interface). Effects of a stop on task and power, and precedence of states, are *assumed*: they follow the
 stop categories of IEC 60204-1 as collaborative arms apply them. A restart takes the power of the arm in every state,
 also in `NORMAL` (*assumed*: the board that starts anew is the one that switches it), and ends a task; clients wait for
 `NORMAL` alone, which comes at once unless an input still asks for a stop.
@@ -32,7 +31,7 @@ ROBOT_STOP, SYSTEM_STOP = SafetyMode.ROBOT_EMERGENCY_STOP, SafetyMode.SYSTEM_EME
 VIOLATION, FAULT = SafetyMode.VIOLATION, SafetyMode.FAULT
 
 MODES: Final = (NORMAL, REDUCED, RECOVERY, SAFEGUARD, PROTECTIVE, SYSTEM_STOP, ROBOT_STOP, VIOLATION, FAULT)
-"""States that are simulated, the strongest last."""
+"""Simulated states, the strongest last."""
 
 MOVING_MODES: Final = (NORMAL, REDUCED, RECOVERY)
 """States in which the arm may move."""
@@ -41,14 +40,14 @@ _STOPS: Final = (SAFEGUARD, PROTECTIVE)
 
 
 class SafetyEffect(NamedTuple):
-    """What a state does to arm, task and power when it is entered."""
+    """Effect of entering a state on arm, task and power."""
 
     arm: str
     task: str
     """`runs`, `is paused` or `is stopped`."""
     is_power_kept: bool
     code: str = ""
-    """Alarm of the task that is stopped: a row of `errors.CODES`."""
+    """Alarm of the stopped task: a row of `errors.CODES`."""
     class_name: str = ""
 
 
@@ -67,24 +66,24 @@ EFFECTS: Final[dict[SafetyMode, SafetyEffect]] = {
     VIOLATION: SafetyEffect("brakes, then its power goes off", "is stopped", False, "R142", "SafetyViolation"),
     FAULT: SafetyEffect("brakes, then its power goes off", "is stopped", False, "R142", "SafetyFault"),
 }
-"""Power that the real arm cuts at once (category 0) goes off at standstill here too: the mechanical brakes are not
+"""Power that the real arm cuts at once (category 0) also goes off at standstill here, for the mechanical brakes are not
 modelled (*assumed*)."""
 
 
 @dataclass(slots=True)
 class SafetyInputs:
-    """What asks for a state for as long as it lasts."""
+    """Conditions that require a state for as long as they last."""
 
     emergency_stop: bool = False
     system_emergency_stop: bool = False
     safeguard_stop: bool = False
     is_outside: bool = False
-    """The arm is outside the limits of position that it was given."""
+    """The arm is outside its limits of position."""
     reduced_mode: bool = False
 
     @property
     def mode(self) -> SafetyMode:
-        """The strongest state that is asked for."""
+        """The strongest state that is required."""
         if self.emergency_stop:
             return ROBOT_STOP
         if self.system_emergency_stop:
@@ -97,7 +96,7 @@ class SafetyInputs:
 
 
 def _from(modes: tuple[SafetyMode, ...], after: SafetyMode | None) -> dict[SafetyMode, SafetyMode | None]:
-    """Return a row that leads from these states to another one and leaves every other state as it is."""
+    """Return a row that leads from `modes` to `after` and keeps every other state."""
     return {mode: after if mode in modes else mode for mode in MODES}
 
 
@@ -130,16 +129,14 @@ INPUT_ACTIONS: Final = {
     "system_emergency_stop": ("press_system_stop", "release_system_stop"),
     "safeguard_stop": ("open_safeguard", "close_safeguard"),
 }
-"""What a signal does when it becomes true, and false."""
+"""Actions of a signal that becomes true, and false."""
 
 ASKED_FROM_OUTSIDE: Final = ("stop_protectively", "unlock_protective_stop", "violate", "fail", "restart_safety")
-"""Actions that a request may name; the others follow from signals, from the arm and from the task."""
+"""Actions that a request may name; the others follow from signals, arm and task."""
 
 TRANSITIONS: Final[dict[tuple[SafetyMode, str], SafetyMode | None]] = {
     (mode, action): after for action, row in _ROWS.items() for mode, after in row.items()
 }
-
-"""The way back to an arm that may move, after its power has gone off."""
 
 WHAT_TO_DO: Final[dict[SafetyMode, str]] = {
     SAFEGUARD: "the safeguard is open; close it (signal safeguard_stop to False)",
@@ -151,14 +148,14 @@ WHAT_TO_DO: Final[dict[SafetyMode, str]] = {
     VIOLATION: f"a safety limit was violated; restart the safety system (restart_safety), then {SWITCH_ON}",
     FAULT: f"the safety system has a fault; restart it (restart_safety), then {SWITCH_ON}",
 }
-"""Why the arm may not move, and what leads back."""
+"""Reason why the arm may not move, and the way back."""
 
 RESTART_HINTS: Final = (
     "look for the cause before the arm is switched on again",
     "release the stop, or restart the safety system after a violation or a fault",
     f"{SWITCH_ON}; then start the program again, from its first line",
 )
-"""What to try after a stop that has taken the power."""
+"""Hints after a stop that has switched the power off."""
 
 _NOT_LOCKED: Final = "there is no protective stop to unlock"
 
@@ -180,7 +177,7 @@ class Safety:
         on_change: called with the states before and after a change.
 
     Attributes:
-        inputs: what asks for a state at the moment.
+        inputs: present conditions.
         mode: the state.
         since_tick: tick of its last change.
     """
@@ -203,10 +200,10 @@ class Safety:
         return REFUSALS.get((self.mode, action), "")
 
     def check(self, action: str) -> None:
-        """Let an action pass that changes nothing by itself.
+        """Check that this state allows an action.
 
         Raises:
-            ScriptStateError: this state does not allow it; the text says what to do.
+            ScriptStateError: it does not; the text names the remedy.
         """
         why = self.refusal(action)
         if why:
@@ -221,7 +218,7 @@ class Safety:
             is_standing: whether the arm has come to rest.
 
         Raises:
-            ScriptStateError: the table does not have it, or it is too early; nothing has changed.
+            ScriptStateError: not in the table, or too early; nothing has changed.
         """
         self.check(action)
         if action == "unlock_protective_stop":

@@ -1,4 +1,4 @@
-"""Makes the request that sets a signal, from its name and a value."""
+"""Makes the request that sets a signal by name."""
 
 from __future__ import annotations
 

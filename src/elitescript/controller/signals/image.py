@@ -1,4 +1,4 @@
-"""The signal image: inputs, outputs, registers and flags, and what ties outputs to the program.
+"""Holds the signal image: inputs, outputs, registers and flags, and outputs tied to the program.
 
 An output has the value that was last commanded, unless its run-state choice says otherwise
 (manual, `set_runstate_..._to_value`); a paused program counts as running (*assumed*). Analog channels
@@ -52,12 +52,12 @@ class SignalImage:
     Args:
         on_change: called with family, index and value of every point that changes.
         on_override: called with family, index and level of an output that was written to without effect, as it is tied
-            to whether a program runs; once for each output and program.
+            to the state of the program; once for each output and program.
 
     Attributes:
-        faults: of inputs; None if there has never been one.
-        tool_pins: how the digital pins of the tool are used.
-        tool_analog_mode: what the shared pins of the tool do.
+        faults: of inputs; None before the first one.
+        tool_pins: configuration of the digital pins of the tool.
+        tool_analog_mode: function of the shared pins of the tool.
     """
 
     __slots__ = (
@@ -85,7 +85,7 @@ class SignalImage:
         self._on_change = on_change
         self._on_override = on_override
         self._overridden: set[tuple[str, int]] = set()
-        """Tied outputs of which `on_override` was called since a program started."""
+        """Tied outputs for which `on_override` was called since a program started."""
         self._values: dict[str, list[Value]] = {row.name: [row.default] * row.size for row in SIGNALS.values()}
         self._domains: dict[tuple[str, int], AnalogDomain] = {}
         self._domain_image: dict[str, tuple[AnalogDomain, ...]] | None = None
@@ -103,7 +103,7 @@ class SignalImage:
         return self._values[name][index]
 
     def physical(self, name: str, index: int) -> Value:
-        """Return the level that is applied to an input, which a fault may hide from the robot; of others as `read`."""
+        """Return the level applied to an input, which a fault may hide from the robot; of other points as `read`."""
         applied = None if self.faults is None else self.faults.physical(name, index)
         return self._values[name][index] if applied is None else applied
 
@@ -117,20 +117,20 @@ class SignalImage:
 
     @property
     def image(self) -> Mapping[str, tuple[Value, ...]]:
-        """Every family by name; what was returned once does not change."""
+        """Every family by name; a returned image does not change."""
         if self._stale:
-            # Families that have not changed stay the very same tuples: who compares two images sees that at a glance.
+            # Unchanged families stay the identical tuples, so that two images are compared quickly.
             self._image = {**self._image, **{name: tuple(self._values[name]) for name in self._stale}}
             self._stale.clear()
         return self._image
 
     def domain(self, name: str, index: int) -> AnalogDomain:
-        """Return electrical meaning of an analog channel."""
+        """Return the domain of an analog channel."""
         return self._domains.get((name, index), AnalogDomain.VOLTAGE)
 
     @property
     def domain_image(self) -> Mapping[str, tuple[AnalogDomain, ...]]:
-        """The domain of every channel of every analog family by name; what was returned once does not change."""
+        """Domains of the channels of every analog family by name; a returned image does not change."""
         if self._domain_image is None:
             self._domain_image = {
                 name: tuple([self.domain(name, index) for index in range(SIGNALS[name].size)]) for name in _ANALOG
@@ -167,7 +167,7 @@ class SignalImage:
         self._command(name, index, float(value) if SIGNALS[name].kind == "float" else value)
 
     def check(self, request: WriteSignal, domain: AnalogDomain) -> None:
-        """Let a value pass that a point can take.
+        """Check that a point can take a value.
 
         Args:
             request: the point and its value.
@@ -200,7 +200,7 @@ class SignalImage:
     def set_analog_domain(self, request: SetAnalogDomain) -> None:
         """Change the domain of a channel, which keeps its fraction of the range (*assumed*).
 
-        An input whose level lies within the new range too keeps the level: it was given for that range.
+        An input whose level lies within the new range keeps the level.
         """
         key = (request.name, request.index)
         old_low, old_high = _RANGES[self.domain(*key)]
@@ -248,11 +248,11 @@ class SignalImage:
         self.tool_pins[request.index] = request
 
     def set_tool_analog_mode(self, request: SetToolAnalogMode) -> None:
-        """Choose what the tool's shared pins do."""
+        """Set the function of the tool's shared pins."""
         self.tool_analog_mode = request.mode
 
     def set_running(self, is_running: bool) -> None:
-        """A program started or ended: outputs follow that are tied to it; others stay as they are."""
+        """Set whether a program runs; outputs that are tied to it follow."""
         self._is_running = is_running
         if is_running:
             self._overridden.clear()
@@ -285,7 +285,7 @@ class SignalImage:
             self._store(name, index, forced)
 
     def _forced(self, name: str, index: int) -> Value | None:
-        """Return the level of an output that is tied to whether a program runs; None if it can be written now."""
+        """Return the level of an output tied to the state of the program; None if it can be written now."""
         choice = self._runstate.get((name, index), RunstateChoice.KEEP)
         if choice is RunstateChoice.KEEP or (self._is_running and choice is not RunstateChoice.FOLLOW):
             return None
@@ -301,7 +301,7 @@ class SignalImage:
             self.show(name, index, value)
 
     def show(self, name: str, index: int, value: Value) -> None:
-        """Let a point read a level, whatever is applied to it."""
+        """Set the level that a point reads, whatever is applied to it."""
         values = self._values[name]
         if values[index] != value:
             values[index] = value
@@ -331,4 +331,4 @@ SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {
     SetToolAnalogMode: SignalImage.set_tool_analog_mode,
     SetToolPin: SignalImage.set_tool_pin,
 }
-"""Every request that changes a signal or how it behaves, and what handles it."""
+"""Handlers of the requests that change a signal or its behaviour."""

@@ -1,12 +1,12 @@
-"""Faults of digital and analog inputs: what the robot reads instead of what is applied.
+"""Simulates faults of digital and analog inputs.
 
 An input has a physical level, which devices, wires, schedules and clients set, and a level that the robot reads, which
-is in the signal image. They are the same but while a fault acts. Several faults of one input act one after the other,
-in the order in which they began. What is drawn follows from the seed of the fault and its number alone, so a run that
-leaps over ticks is the same as one that takes every tick.
+is in the signal image. They differ only while a fault acts. Several faults of one input are applied in the order in
+which they began. Random numbers follow from the seed of the fault and its number alone, so a run that leaps over ticks
+is the same as one that runs every tick.
 
-What the real hardware does is *assumed* throughout: an open digital input reads low, an open analog one 0 V or 0 A, a
-spurious flip lasts one control period, and an analog input reads the end of its range beyond it.
+The behaviour of the real hardware is *assumed* throughout: an open digital input reads low, an open analog one 0 V or
+0 A, a spurious flip lasts one control period, and an analog input reads the end of its range beyond it.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 
 _WORD: Final = (1 << 64) - 1
 _FAR: Final = 1 << 62
-"""A tick that never comes."""
+"""Tick of an event that never comes."""
 
 Show = Callable[[str, int, Value, bool], None]
-"""Takes family, index, the level that the robot reads from now on, and whether a fault is the cause."""
+"""Callback with family, index, the level that is read from now on, and whether a fault is the cause."""
 
 
 class _Chance:
-    """Numbers that follow from a seed and from what they are for."""
+    """Random numbers that follow from a seed and a key."""
 
     __slots__ = ("_base",)
 
@@ -53,15 +53,13 @@ class _Chance:
 
 
 class _Effect:
-    """One fault of one input while it acts.
-
-    Asking more than once for the level of a tick changes nothing.
+    """One fault of one input while it acts; repeated reads of a tick give the same.
 
     Args:
-        fault: what was asked for.
+        fault: its parameters.
         tick: the first tick.
-        level: what is applied then.
-        chance: of this fault.
+        level: applied at that tick.
+        chance: its random numbers.
     """
 
     __slots__ = ("_chance", "_fault", "_level")
@@ -72,11 +70,11 @@ class _Effect:
         self._chance = chance
 
     def read(self, tick: int, level: Value) -> Value:
-        """Return what is read in a tick in which `level` is applied."""
+        """Return the level that is read in a tick in which `level` is applied."""
         raise NotImplementedError
 
     def next_tick(self, tick: int) -> int:
-        """Return the next tick at which something else may be read though the same is applied."""
+        """Return the next tick at which another level may be read though the same one is applied."""
         return _FAR
 
 
@@ -122,7 +120,7 @@ class _Bouncing(_Effect):
         super().__init__(fault, tick, level, chance)
         self._edges = 0
         self._toggles: list[int] = []
-        """Ticks at which the level changes to and fro after the last edge."""
+        """Ticks at which the level toggles after the last edge."""
 
     def read(self, tick: int, level: Value) -> Value:
         if level != self._level:
@@ -133,7 +131,7 @@ class _Bouncing(_Effect):
         return not level if passed % 2 else level
 
     def _drawn(self, tick: int) -> list[int]:
-        """Twice as many different ticks as there are bounces, within the settling time."""
+        """Return twice as many different ticks as there are bounces, within the settling time."""
         ticks = list(range(tick + 1, tick + self._fault.span_ticks + 1))
         for place in range(2 * self._fault.bounces):
             other = place + self._chance.word(self._edges, place) % (len(ticks) - place)
@@ -173,7 +171,7 @@ class _Flipping(_Effect):
 
 
 class _Periodic(_Effect):
-    """What changes an analog level once in each period of the fault."""
+    """A fault that changes an analog level once in each of its periods."""
 
     __slots__ = ()
 
@@ -225,11 +223,11 @@ _ANALOG: Final[dict[str, type[_Effect]]] = {
     "late": _Late,
 }
 EFFECTS: Final = {"bool": _DIGITAL, "float": _ANALOG}
-"""What a fault does, by the kind of the input and of the fault."""
+"""Classes of faults by kind of input and of fault."""
 
 
-class _Asked:
-    """A fault that was asked for."""
+class _Scheduled:
+    """A fault with its begin and end."""
 
     __slots__ = ("effect", "end", "fault", "number")
 
@@ -242,43 +240,43 @@ class _Asked:
 
 
 class _Input:
-    """One input with at least one fault that acts or will."""
+    """One input with at least one active or scheduled fault."""
 
-    __slots__ = ("asked", "index", "name", "physical")
+    __slots__ = ("index", "name", "physical", "scheduled")
 
     def __init__(self, name: str, index: int, physical: Value) -> None:
         self.name = name
         self.index = index
         self.physical = physical
-        self.asked: list[_Asked] = []
+        self.scheduled: list[_Scheduled] = []
 
     def read(self, tick: int, highest: float) -> Value:
-        """End and begin what is due, and return the level that the robot reads."""
-        self.asked = [asked for asked in self.asked if asked.end > tick]
+        """End and begin the faults that are due, and return the level that the robot reads."""
+        self.scheduled = [scheduled for scheduled in self.scheduled if scheduled.end > tick]
         level = self.physical
-        # In the order in which they begin, not in that in which they were asked for.
-        for asked in sorted(self.asked, key=lambda asked: (asked.fault.begin_tick, asked.number)):
-            fault = asked.fault
+        # In the order in which they begin, not in that of the requests.
+        for scheduled in sorted(self.scheduled, key=lambda scheduled: (scheduled.fault.begin_tick, scheduled.number)):
+            fault = scheduled.fault
             if fault.begin_tick > tick:
                 break
-            if asked.effect is None:
+            if scheduled.effect is None:
                 effect = EFFECTS[SIGNALS[self.name].kind][fault.kind]
-                asked.effect = effect(fault, tick, level, _Chance(fault.seed, asked.number))
-            level = asked.effect.read(tick, level)
+                scheduled.effect = effect(fault, tick, level, _Chance(fault.seed, scheduled.number))
+            level = scheduled.effect.read(tick, level)
         if isinstance(level, bool) or level == self.physical:
             return level
         return min(max(level, 0.0), highest)
 
     def next_tick(self, tick: int) -> int:
         due = _FAR
-        for asked in self.asked:
-            due = min(due, asked.end)
-            due = min(due, asked.fault.begin_tick if asked.effect is None else asked.effect.next_tick(tick))
+        for scheduled in self.scheduled:
+            due = min(due, scheduled.end)
+            due = min(due, scheduled.fault.begin_tick if scheduled.effect is None else scheduled.effect.next_tick(tick))
         return due
 
 
 class InputFaults:
-    """All faults of the inputs of one robot.
+    """Applies the faults of the inputs of one robot.
 
     Args:
         clock: gives the present tick.
@@ -294,31 +292,31 @@ class InputFaults:
         self._show = show
         self._inputs: dict[tuple[str, int], _Input] = {}
         self._number = 0
-        """So many have been asked for."""
+        """Faults so far."""
         self._due = _FAR
 
     def add(self, fault: DisturbInput, physical: Value) -> None:
-        """One more fault; it acts at once if its time has begun, and never if its time is over.
+        """Add a fault; it acts at once if its time has begun, and never if its time is over.
 
         Args:
-            fault: what is asked for.
-            physical: what is applied to that input, if none of its faults acts.
+            fault: its parameters.
+            physical: level applied to an input that has no other fault.
         """
         found = self._inputs.setdefault((fault.name, fault.index), _Input(fault.name, fault.index, physical))
-        found.asked.append(_Asked(fault, self._number))
+        found.scheduled.append(_Scheduled(fault, self._number))
         self._number += 1
         self._update(found, is_fault=True)
         self._plan()
 
     def end(self) -> None:
-        """Every input reads again what is applied to it."""
+        """End all faults: every input reads the applied level again."""
         inputs, self._inputs = self._inputs, {}
         self._due = _FAR
         for found in inputs.values():
             self._show(found.name, found.index, found.physical, True)
 
     def take(self, name: str, index: int, level: Value) -> bool:
-        """Apply a level to an input; return whether it has faults, so that the robot need not read that level."""
+        """Apply a level to an input if it has faults; return whether it has."""
         found = self._inputs.get((name, index))
         if found is None:
             return False
@@ -328,17 +326,17 @@ class InputFaults:
         return True
 
     def physical(self, name: str, index: int) -> Value | None:
-        """Return what is applied to an input that has faults; None of the others."""
+        """Return the level applied to an input that has faults; None for other inputs."""
         found = self._inputs.get((name, index))
         return None if found is None else found.physical
 
     @property
     def next_tick(self) -> int | None:
-        """The next tick at which the robot may read something else though nothing else is applied."""
+        """Next tick at which another level may be read though the same one is applied."""
         return None if self._due == _FAR else self._due
 
     def run_tick(self, tick: int) -> bool:
-        """Do what is due, before anything else is applied in the tick; return whether there was something."""
+        """Update the faults that are due, before levels are applied in the tick; return whether there were any."""
         if tick < self._due:
             return False
         for found in list(self._inputs.values()):
@@ -348,7 +346,7 @@ class InputFaults:
 
     def _update(self, found: _Input, *, is_fault: bool) -> None:
         level = found.read(self._clock(), self._highest(found.name, found.index))
-        if not found.asked:
+        if not found.scheduled:
             del self._inputs[found.name, found.index]
         self._show(found.name, found.index, level, is_fault or level != found.physical)
 

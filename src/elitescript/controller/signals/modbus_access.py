@@ -1,8 +1,8 @@
-"""Shows the machine as its own Modbus server does, and checks writes to registers and coils.
+"""Gives the Modbus server of the controller its registers, and checks writes to registers and coils.
 
 A write is all or nothing: every part is checked before the first one is carried out. A domain that is written together
-with a level counts before it. A register of outputs sets all of them; a tool pin that is no output is left out as long
-as its bit is what the register shows (*assumed*), so that a client can write back what it has read.
+with a level counts before it. A register of outputs sets all of them; a tool pin that is no output is left out if its
+bit is unchanged (*assumed*), so that a client can write back a register that it has read.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from elitescript.modbus.port_image import check_registers, coil_writes, register
 
 
 class LivePortSource:
-    """Gives the port map what it reads of a machine in the middle of a tick; see `port_map.PortSource`.
+    """Gives the port map the machine in the middle of a tick; see `port_map.PortSource`.
 
     Args:
         tick: the present one.
@@ -55,14 +55,14 @@ class LivePortSource:
 
     @property
     def joint_currents(self) -> Six:
-        """A."""
+        """Motor currents, A."""
         if self._power.mode is not RobotMode.RUNNING:
             return ZERO_SIX
         return self._loads.measured(self._tick)[1]
 
     @property
     def joint_temperatures(self) -> Six:
-        """degC."""
+        """Joint temperatures, degC."""
         return self._loads.temperatures(self._tick)[0]
 
     @property
@@ -72,12 +72,12 @@ class LivePortSource:
 
     @property
     def domains(self) -> Mapping[str, tuple[AnalogDomain, ...]]:
-        """Of every analog channel."""
+        """Domain of every analog channel."""
         return self._signals.domain_image
 
 
 def port_writes(signals: SignalImage, request: WritePortCoils | WritePortRegisters) -> list[MachineRequest]:
-    """Return the requests that a write to the server stands for, in the order in which they have to be carried out.
+    """Return the requests of a write to the server, in the order in which they have to be carried out.
 
     Raises:
         ScriptError: one of them cannot be carried out.

@@ -1,1 +1,1 @@
-"""What others see of the machine: its state, the snapshot for ports, traces."""
+"""Views of the machine for clients and users: signals, snapshots, traces."""

@@ -1,4 +1,4 @@
-"""Shows a controller's signals by name, as people set and read them."""
+"""Gives users the signals of a controller by name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Signals(Mapping[str, Value]):
 
     Args:
         controller: has the signals.
-        by: what the changes are put down to in the record; see `events.SignalChanged.by`.
+        by: origin of the changes; see `events.SignalChanged.by`.
     """
 
     __slots__ = ("_by", "_controller")

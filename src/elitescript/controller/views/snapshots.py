@@ -1,7 +1,7 @@
-"""The picture of the machine that ports publish: built at every tick, so what has not changed is not worked out again.
+"""Builds the snapshot of the machine that ports publish; unchanged parts are not computed again.
 
-Supply voltages and currents are *assumed*: a 48 V bus, what cabinet and tool take when they are idle, and the currents
-of the motors. A joint without power, or with its brakes closed, carries nothing.
+Supply voltages and currents are *assumed*: a 48 V bus, idle currents of cabinet and tool, and the currents of the
+motors. A joint without power, or with its brakes closed, has no torque.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from elitescript.messages.state import ZERO_SIX, JointState, Payload
 BUS_V: Final = 48.0
 """Voltage of joints and robot with power (*assumed*: nominal)."""
 IDLE_CURRENT_A: Final = 0.5
-"""What the electronics of the arm take (*assumed*)."""
+"""Current of the electronics of the arm (*assumed*)."""
 IO_CURRENT_A: Final = 0.05
-"""What the inputs and outputs of the cabinet take (*assumed*)."""
+"""Current of inputs and outputs of the cabinet (*assumed*)."""
 TOOL_CURRENT_A: Final = 0.05
-"""What a tool with supply takes (*assumed*)."""
+"""Current of a tool with supply (*assumed*)."""
 
 _INSTANT_S: Final = 1e-4
 _NO_VOLTAGES: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -31,12 +31,12 @@ _BUS_VOLTAGES: Final[Six] = (BUS_V, BUS_V, BUS_V, BUS_V, BUS_V, BUS_V)
 
 
 class LoadState(NamedTuple):
-    """What follows from the joints and what pulls at them."""
+    """Loads of the joints, wrenches, and motion of the elbow."""
 
     torques: Six
     currents: Six
     joint_current: float
-    """Sum of all, whichever way they flow."""
+    """Sum of their magnitudes."""
     tcp_force: Six
     raw_wrench: Six
     elbow_position: Three
@@ -44,7 +44,7 @@ class LoadState(NamedTuple):
 
 
 class _Key(NamedTuple):
-    """What a load follows from while the arm rests."""
+    """Everything that the load of a resting arm depends on."""
 
     mode: RobotMode
     joints: JointState
@@ -71,11 +71,11 @@ class SnapshotBuilder:
         self._load = LoadState(ZERO_SIX, ZERO_SIX, 0.0, ZERO_SIX, ZERO_SIX, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
     def picture(self, task: TaskPicture, popup: str, *, is_remote: bool, overruns: int) -> Snapshot:
-        """Return the machine at the present tick.
+        """Return the snapshot of the present tick.
 
         Args:
-            task: the task as the dashboard shows it.
-            popup: text of the message window that is open.
+            task: state of the task for the dashboard.
+            popup: text of the open message window.
             is_remote: whether clients may change the robot.
             overruns: ticks that began late.
         """
@@ -119,10 +119,10 @@ class SnapshotBuilder:
         )
 
     def discrete_state(self) -> tuple[object, ...]:
-        """Return all of the machine that a snapshot shows and that does not change with time alone.
+        """Return levels, modes, tool and payload: the part of a snapshot that does not change with time alone.
 
-        Levels, modes, tool and payload. While it stays equal, an older snapshot tells the truth about these; joints,
-        poses, forces, temperatures and the program line are of its own tick.
+        While it stays equal, an older snapshot is valid for these; joints, poses, forces, temperatures and the program
+        line are of its own tick.
         """
         controller = self._controller
         signals, setup, yielding = controller.signals, controller.setup, controller.yielding

@@ -1,7 +1,7 @@
-"""The trace of a run: one row for each tick, or for each so many ticks.
+"""Records the trace of a run: one row for each step of one or more ticks.
 
-The row of a tick shows the state after that tick's motion. Rows are sampled from what is known between two ticks
-at which something is due, so that recording does not change how time goes.
+The row of a tick shows the state after that tick's motion. Rows are sampled between two ticks that are due, so
+recording does not change which ticks are run.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ class TraceRow(NamedTuple):
     q_actual: Six | None = None
     """Measured joint positions where there is a plant; None where actual equals target."""
     signals: Mapping[str, Value] = NO_SIGNALS
-    """Signals by name after the tick: those that were asked for, or those that are not at their default; then any other
-    reads as its default. Rows between two changes share one mapping."""
+    """Signals by name after the tick: the chosen ones, or those that are not at their default; then any other reads as
+    its default. Rows between two changes share one mapping."""
 
 
 TRACE_COLUMNS: Final = (
@@ -48,17 +48,17 @@ TRACE_COLUMNS: Final = (
 )
 
 ACTUAL_COLUMNS: Final = tuple(f"qa{joint}" for joint in range(1, 7))
-"""What follows after `TRACE_COLUMNS` where actual may differ from target."""
+"""Columns after `TRACE_COLUMNS` where actual may differ from target."""
 
 
 def step_ticks(step_s: float | None) -> int:
     """Return ticks from one row to the next.
 
     Args:
-        step_s: the time that is asked for; one tick if None.
+        step_s: time from one row to the next; one tick if None.
 
     Raises:
-        UsageError: not a whole number of ticks, or none.
+        UsageError: not a positive whole number of ticks.
     """
     if step_s is None:
         return 1
@@ -83,10 +83,10 @@ class Trace:
     Args:
         sink: receives the rows in order.
         step_s: time from one row to the next, a whole number of ticks; one tick if None.
-        signals: what the rows say of signals; nothing if None.
+        signals: signals of the rows; none if None.
 
     Raises:
-        UsageError: another time.
+        UsageError: an invalid `step_s`.
     """
 
     __slots__ = ("_next_tick", "_signals", "_sink", "_step_ticks")
@@ -103,7 +103,7 @@ class Trace:
         self._next_tick = 0
 
     def record(self, controller: Controller, until_tick: int) -> None:
-        """Rows of the ticks from the controller's present one up to, but not including, `until_tick`."""
+        """Record the ticks from the controller's present one up to, not including, `until_tick`."""
         tick = max(self._next_tick, controller.tick)
         resting: TraceRow | None = None
         while tick < until_tick:
@@ -118,7 +118,7 @@ class Trace:
         self._next_tick = tick
 
     def finish(self, controller: Controller) -> None:
-        """The row of the present tick, in which everything is over."""
+        """Record the row of the present tick, the last one."""
         self._next_tick = controller.tick
         self.record(controller, controller.tick + 1)
 

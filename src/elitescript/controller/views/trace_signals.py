@@ -1,4 +1,4 @@
-"""The signals in the rows of a trace: one mapping for all rows between two changes."""
+"""Gives the rows of a trace their signals: one mapping for all rows between two changes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, sign
 ALL: Final = "all"
 
 Image = Mapping[str, tuple[Value, ...]]
-"""Levels by family; families that have not changed are the same tuples as before."""
+"""Levels by family; unchanged families are the identical tuples."""
 
 
 class SignalRecord(dict[str, Value]):
@@ -22,7 +22,7 @@ class SignalRecord(dict[str, Value]):
 
 
 class SignalLevels(Mapping[str, Value]):
-    """Levels of signals by name, which do not change any more, as rows of a trace share them.
+    """Levels of signals by name, immutable: rows of a trace share them.
 
     Args:
         levels: by name; belongs to this object from now on.
@@ -57,11 +57,11 @@ class SignalLevels(Mapping[str, Value]):
 
 
 NO_SIGNALS: Final = SignalLevels({})
-"""Of rows that say nothing of signals."""
+"""Signals of rows without signals."""
 
 
 class TraceSignals:
-    """What the rows of a trace say of signals.
+    """Selects the signals for the rows of a trace.
 
     Args:
         names: signals, or families such as `standard_digital_in`; `all` for every signal. If None, those that are not
@@ -87,7 +87,7 @@ class TraceSignals:
         self._shown = SignalLevels({}, has_defaults=not self.names)
 
     def of(self, image: Image) -> SignalLevels:
-        """Return the signals of an image; the very same mapping as before if none of them has changed.
+        """Return the signals of an image; the identical mapping as before if none of them has changed.
 
         Args:
             image: every family by name.

@@ -1,8 +1,7 @@
-"""The limit of warnings of one kind in one run of a program.
+"""Limits the warnings of one kind in one run of a program.
 
-A program with a thousand short blends would give a thousand warnings that say the same. The first ten of each kind are
-events; the others are counted, and the count is an event at the end of the run. What people, JSON and `run.events` get
-is the same.
+A program with a thousand short blends would give a thousand equal warnings. The first ten of each kind are events; the
+others are counted, and the count is an event at the end of the run.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from elitescript.messages.events import DeviceNoted, Event, Warned
 MOST: Final = 10
 """Warnings of one kind in a run."""
 _KINDS_MAX: Final = 1000
-"""Kinds that are counted; a program that makes more of them has texts of its own."""
+"""Most kinds that are counted; warnings of further kinds all pass."""
 _NUMBERS: Final = r"[-+]?\d[\d.]*(?:e[-+]?\d+)?"
 
 _Warning = Warned | DeviceNoted
@@ -32,7 +31,7 @@ class WarningLimit:
         self._first: dict[tuple[str, str], _Warning] = {}
 
     def takes(self, event: Event) -> bool:
-        """Return whether an event is to be passed on; one that is not is counted."""
+        """Return whether an event passes; a warning that does not is counted."""
         if not (isinstance(event, Warned) or (isinstance(event, DeviceNoted) and event.is_warning)):
             return True
         kind = _kind(event)
@@ -43,16 +42,16 @@ class WarningLimit:
         return count <= MOST
 
     def rest(self, tick: int) -> list[Event]:
-        """Return how many of each kind were left out, as warnings; the next run begins with none."""
-        told: list[Event] = []
+        """Return the numbers of warnings left out as warnings, and begin to count anew."""
+        left_out: list[Event] = []
         for kind, count in self._counts.items():
             if count > MOST:
                 first = self._first[kind]
                 text = f"… {count - MOST:,} more of this kind: {first.text}"
-                told.append(replace(first, tick=tick, text=text))
+                left_out.append(replace(first, tick=tick, text=text))
         self._counts.clear()
         self._first.clear()
-        return told
+        return left_out
 
 
 def _kind(event: _Warning) -> tuple[str, str]:

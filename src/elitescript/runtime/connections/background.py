@@ -1,7 +1,4 @@
-"""What is there behind the programs, whether one runs or not: the MODBUS TCP signals and the serial ports.
-
-Nothing of it exists before a program asks for it.
-"""
+"""Holds the MODBUS TCP signals and the serial ports, which outlive programs; made on first use."""
 
 from __future__ import annotations
 
@@ -20,15 +17,15 @@ if TYPE_CHECKING:
 
 
 class Background:
-    """Background of a host.
+    """Signals and serial ports of a host.
 
     Args:
         machine: the controller.
-        scheduler: of the threads that wait for something here.
-        connections: who listens to each open channel.
+        scheduler: of the waiting threads.
+        connections: receiver of each open channel.
 
     Attributes:
-        lines: the serial ports that were configured, by device.
+        lines: the configured serial ports, by device.
     """
 
     __slots__ = ("_connections", "_machine", "_modbus", "_scheduler", "_traffic", "lines")
@@ -43,7 +40,7 @@ class Background:
 
     @property
     def traffic(self) -> Traffic:
-        """What records the traffic of all channels."""
+        """Records the traffic of all channels."""
         if self._traffic is None:
             from elitescript.runtime.connections.traffic import Traffic
 
@@ -51,7 +48,7 @@ class Background:
         return self._traffic
 
     def modbus(self, channels: Channels) -> ModbusSignals:
-        """The MODBUS TCP signals.
+        """Return the MODBUS TCP signals.
 
         Args:
             channels: carry the bytes, if these are the first signals.
@@ -68,17 +65,17 @@ class Background:
         return () if self._modbus is None else self._modbus.master.channels
 
     def program_ended(self) -> None:
-        """The program is over: outputs that are tied to that follow, repeated requests end."""
+        """End repeated requests, and update outputs that are tied to the program: it is over."""
         if self._modbus is not None:
             self._modbus.master.set_running(False)
 
     def pending(self) -> tuple[str, ...]:
-        """What programs have given away and no device has, besides bytes on their way; a text for each."""
+        """Return a text for each request and each line with bytes that no device has yet."""
         requests = () if self._modbus is None else self._modbus.master.pending()
         return (*requests, *(_waiting(device, wire) for device, wire in self._held()))
 
     def give_up(self) -> tuple[str, ...]:
-        """Forget what is pending, except that MODBUS signals keep their values; return it."""
+        """Drop what is pending, and return it; MODBUS signals keep their values."""
         given_up = [] if self._modbus is None else list(self._modbus.master.give_up())
         for device, wire in self._held():
             given_up.append(_waiting(device, wire))
@@ -89,16 +86,16 @@ class Background:
         return [(name, line.wire) for name, line in self.lines.items() if line.wire is not None and line.wire.unsent]
 
     def run_tick(self, tick: int, *, is_running: bool) -> None:
-        """Do what is due in a tick, before the threads run."""
+        """Run the MODBUS signals in a tick, before the threads."""
         if self._modbus is not None:
             self._modbus.run_tick(tick, is_running=is_running)
 
     def next_tick(self, tick: int, *, is_running: bool) -> int | None:
-        """Earliest tick after `tick` at which something is due."""
+        """Return the earliest tick after `tick` at which something is due."""
         return None if self._modbus is None else self._modbus.next_tick(tick, is_running=is_running)
 
     def close(self) -> None:
-        """The run is over, or the controller starts anew: forget the signals, close their connections."""
+        """Drop the signals and close their connections: the run is over, or the controller restarts."""
         if self._modbus is not None:
             self._modbus.close()
             self._modbus = None

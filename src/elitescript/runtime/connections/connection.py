@@ -1,7 +1,6 @@
-"""One channel as script threads see it: what has arrived waits here until somebody reads it.
+"""One channel of script threads: received bytes wait here until they are read.
 
-The host hands a connection what arrives. No more than `CHANNEL_WINDOW` bytes wait: the peer may send more when they are
-read.
+At most `CHANNEL_WINDOW` bytes wait: the peer may send more when they are read.
 """
 
 from __future__ import annotations
@@ -19,21 +18,21 @@ from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
 NOT_ALL_THERE: Final = "a secondary program (sec) does not wait: {what} was read once, before all had come"
-"""What is said once of readings with a time-out."""
+"""Warning for a read with a timeout in a secondary program."""
 
 _OPENING: Final = "opening"
 _OPEN: Final = "open"
 _CLOSED: Final = "closed"
 
 _CREDIT_SIZE: Final = CHANNEL_WINDOW // 4
-"""Bytes read after which the peer hears of it."""
+"""Bytes read after which credit is sent to the peer."""
 
 
 class Receiver(Protocol):
-    """Whoever is told what happens on a channel."""
+    """Receives the events of a channel."""
 
     def take(self, event: ChannelEvent) -> None:
-        """Something has happened on the channel."""
+        """Receive an event."""
 
 
 class ScriptConnection:
@@ -43,12 +42,12 @@ class ScriptConnection:
         channel: its number.
         channels: carry the bytes.
         scheduler: of the threads that wait for it.
-        log: records what passes.
+        log: records the traffic.
 
     Attributes:
-        reason: why it is closed; empty if the peer or the program did it.
-        received: what has arrived and is not read.
-        is_behind_numbers: whether the last thing that was read was a list of numbers in parentheses.
+        reason: of the close; empty if the peer or the program closed it.
+        received: bytes that have arrived and are not read.
+        is_behind_numbers: whether the last read gave a list of numbers in parentheses.
     """
 
     __slots__ = (
@@ -79,7 +78,7 @@ class ScriptConnection:
         self.queued = 0
         """Bytes that the program has sent so far."""
         self.sent = 0
-        """How many of them are handed over."""
+        """Those of them that are handed over."""
         self._channels = channels
         self._scheduler = scheduler
         self._state = _OPENING
@@ -95,21 +94,18 @@ class ScriptConnection:
 
     @property
     def is_open(self) -> bool:
-        """Whether bytes can come and go."""
+        """Whether bytes can be sent and received."""
         return self._state is _OPEN
 
     @property
     def is_closed(self) -> bool:
-        """Whether it is over; what arrived before can still be read."""
+        """Whether it is closed; bytes that arrived before can still be read."""
         return self._state is _CLOSED
 
-    # ---------------------------------------------------------------- what arrives
+    # ---------------------------------------------------------------- events
 
     def take(self, event: ChannelEvent) -> None:
-        """Take note of what has happened on the channel, and let the threads that wait for it look.
-
-        What was under way when it was closed here changes nothing any more.
-        """
+        """Receive an event of the channel and wake the waiting threads; ignored after a close from this side."""
         if self._state is _CLOSED:
             return
         if isinstance(event, ChannelData):
@@ -137,7 +133,7 @@ class ScriptConnection:
         self._wake()
 
     def wait(self, reason: str, until: int | None) -> bool:
-        """Let the calling thread wait until something happens here, or until a tick; whether something did.
+        """Let the calling thread wait for an event, or until a tick; return whether there was one.
 
         Raises:
             Stopped: the thread was stopped.
@@ -151,12 +147,12 @@ class ScriptConnection:
             self._waiting.remove(strand)
 
     def wait_for_more(self, reason: str, deadline: Deadline, silence_ticks: int | None = None) -> bool:
-        """Wait until something happens here; whether time is up. A peer that trickles does not put that off.
+        """Wait for an event; return whether time is up. Single bytes do not extend the deadline.
 
         Args:
-            reason: what the thread waits for, in words.
-            deadline: when time is up.
-            silence_ticks: how long nothing may happen; any time if None.
+            reason: of the wait.
+            deadline: end of the wait.
+            silence_ticks: longest time without an event; any if None.
 
         Raises:
             Stopped: the thread was stopped.
@@ -165,7 +161,7 @@ class ScriptConnection:
             silent, until = self._scheduler.now + silence_ticks, deadline.tick
             return not self.wait(reason, silent if until is None else min(until, silent)) or deadline.is_over
         while not self.wait(reason, deadline.tick):
-            # Robot time may have caught up with the wall clock meanwhile, which puts the end off.
+            # The deadline may have moved, as robot time has caught up with the wall clock.
             if deadline.is_over:
                 return True
         return deadline.is_over
@@ -174,10 +170,10 @@ class ScriptConnection:
         for strand in self._waiting:
             self._scheduler.wake(strand)
 
-    # ---------------------------------------------------------------- what the program does
+    # ---------------------------------------------------------------- calls of the program
 
     def drop(self, size: int) -> None:
-        """Forget bytes that are read; the peer may send as many more."""
+        """Drop bytes that are read; the peer may send as many more."""
         del self.received[:size]
         self._taken += size
         if self._taken >= _CREDIT_SIZE and self.is_open:
@@ -185,17 +181,17 @@ class ScriptConnection:
             self._taken = 0
 
     def read(self, rule: Rule, reason: str, timeout_s: float) -> Any:
-        """What a rule finds in what has arrived, waiting for more of it as long as the connection stands.
+        """Apply a rule to the received bytes, waiting for more while the connection is open.
 
         A secondary program does not wait.
 
         Args:
-            rule: finds something in what has arrived.
-            reason: what the thread waits for, in words.
+            rule: takes a value from the received bytes.
+            reason: of the wait.
             timeout_s: longest time to wait; 0 and less wait for ever.
 
         Returns:
-            What the rule makes of it; None if it needs more and the connection does not stand.
+            The value of the rule; None if it needs more bytes and the connection is closed.
 
         Raises:
             Stopped: the thread was stopped.
@@ -211,14 +207,13 @@ class ScriptConnection:
             if value is not None or not self.is_open:
                 return value
             if is_late:
-                # What came in the last moment was not enough either.
                 is_last = True
                 self.log.timed_out(f"{timeout_s:g} s for {reason}")
             elif used == 0:
                 is_late = self.wait_for_more(reason, deadline)
 
     def rest(self, rule: Rule) -> Any:
-        """What a rule makes of what has arrived, as nothing more will come."""
+        """Return the value of a rule for the received bytes; no more will come."""
         value, used = rule(self.received, True)
         self.drop(used)
         return value
@@ -244,12 +239,12 @@ class ScriptConnection:
         return len(self._outgoing)
 
     def discard(self) -> None:
-        """Forget the bytes that wait for room."""
+        """Drop the bytes that wait for room."""
         self.sent += len(self._outgoing)
         self._outgoing.clear()
 
     def close(self, reason: str = "", *, is_late: bool = False) -> None:
-        """Close it from this side, whatever is under way; `is_late` if it has not opened in time."""
+        """Close it from this side; `is_late` if it has not opened in time."""
         if self._state is not _CLOSED:
             if self._outgoing:
                 self._channels.send(self.channel, bytes(self._outgoing))

@@ -1,7 +1,6 @@
-"""The answer of an HTTP server, read out of the bytes of a connection as they arrive (RFC 9112).
+"""Reads the response of an HTTP server from the bytes of a connection (RFC 9112).
 
-As much as a procedure call needs: a status, a body of known length, in chunks or up to the end of the connection.
-Interim answers (1xx) are passed over.
+A status, and a body of known length, in chunks or up to the end of the connection. Interim responses (1xx) are skipped.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ _WITHOUT_BODY: Final = (204, 304)
 
 @dataclass(frozen=True, slots=True)
 class HttpAnswer:
-    """A whole answer."""
+    """A complete response."""
 
     status: int
     reason: str
@@ -38,10 +37,10 @@ class HttpAnswer:
 
 
 class HttpReader:
-    """Read one answer: a `commands.definition.context.Rule` with a memory, which consumes all bytes of its answer.
+    """Reads one response: a `commands.definition.context.Rule` with state, which consumes all of its bytes.
 
     Attributes:
-        has_begun: whether anything of an answer has arrived.
+        has_begun: whether any byte of a response has arrived.
     """
 
     __slots__ = ("_body", "_is_chunked", "_keeps_open", "_left", "_phase", "_reason", "_status", "has_begun")
@@ -57,13 +56,13 @@ class HttpReader:
         self._body = bytearray()
 
     def __call__(self, received: bytearray, is_last: bool) -> tuple[HttpAnswer | str | None, int]:
-        """The answer, and how many bytes of what has arrived are used up.
+        """Return the response, and how many of the received bytes are used.
 
         Returns:
-            The answer; None if more is needed; an empty text if no more will come in time.
+            The response; None if more bytes are needed; an empty text if no more will come in time.
 
         Raises:
-            PeerError: that is no answer of HTTP.
+            PeerError: no HTTP response.
         """
         self.has_begun = self.has_begun or bool(received)
         used = 0
@@ -74,7 +73,7 @@ class HttpReader:
         return ("" if is_last else None), used
 
     def at_end(self) -> HttpAnswer:
-        """The answer, as the server has closed the connection.
+        """Return the response: the server has closed the connection.
 
         Raises:
             PeerError: it is cut short.
@@ -87,7 +86,7 @@ class HttpReader:
         return HttpAnswer(self._status, self._reason, bytes(self._body), self._keeps_open)
 
     def _step(self, received: bytearray, at: int) -> int:
-        """Use up what comes next; how many bytes that were."""
+        """Use the next part; return its number of bytes."""
         if self._phase == _HEAD:
             return self._read_head(received, at)
         if self._phase in (_CHUNK_SIZE, _TRAILER):
@@ -143,7 +142,7 @@ class HttpReader:
         self._status = int(status)
 
     def _read_line(self, received: bytearray, at: int) -> int:
-        """The size of a chunk, the empty line behind one, or a line behind the last one."""
+        """Read the size of a chunk, the empty line after one, or a line after the last one."""
         end = received.find(b"\n", at)
         if end < 0:
             if len(received) - at > HEAD_MAX:

@@ -1,6 +1,6 @@
-"""The MODBUS TCP signals as programs see them: every program of a host uses the same ones.
+"""Gives the programs of a host the MODBUS TCP signals.
 
-They outlive the program that has added them: the next one finds them by their names (*assumed*).
+Signals outlive the program that has added them: the next one uses them by name (*assumed*).
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ class ModbusSignals:
         machine: the controller.
         scheduler: of the threads that wait for a connection.
         channels: carry the bytes.
-        connections: who listens to each open channel.
-        traffic: records what passes.
+        connections: receiver of each open channel.
+        traffic: records the traffic.
 
     Attributes:
-        master: what does the work.
+        master: carries out the requests.
     """
 
     __slots__ = ("_machine", "_scheduler", "_traffic", "_waiting", "master")
@@ -93,7 +93,7 @@ class ModbusSignals:
         self.master.delete(name)
 
     def status(self, name: str) -> bool | int | tuple[bool, ...] | tuple[int, ...]:
-        """What a signal stands at.
+        """Return the values of a signal.
 
         Raises:
             ScriptStateError: it does not work for longer than its watchdog allows.
@@ -108,7 +108,7 @@ class ModbusSignals:
         """Set an output.
 
         Raises:
-            InvalidValueError: it is none of that sort, or has fewer coils or registers.
+            InvalidValueError: no output of this kind, or fewer coils or registers.
             ScriptStateError: it does not work for longer than its watchdog allows.
         """
         signal = self.master.find(name)
@@ -136,21 +136,21 @@ class ModbusSignals:
         self.master.choose(name, choice)
 
     def retime(self, name: str, frequency_hz: int) -> None:
-        """Change how often a signal is asked for."""
+        """Change the frequency of a signal."""
         self.master.retime(name, frequency_hz)
 
     def set_watchdog(self, name: str, timeout_s: float) -> None:
-        """Change how long it may be faulty before using it is an alarm."""
+        """Change how long a signal may be faulty before its use is an alarm."""
         self.master.find(name).watchdog_ticks = ticks_for(timeout_s)
 
     # ---------------------------------------------------------------- errors
 
     def errors(self, name: str) -> tuple[int, int]:
-        """Error code of the device, error number of the connection."""
+        """Return the error code of the device and the error number of the connection."""
         return self.master.codes(name)
 
     def invalid_s(self, name: str) -> float:
-        """Time since a faulty signal worked, or was added if it never did; 0 for one that works."""
+        """Return the time since a faulty signal worked, or was added; 0 for one that works."""
         signal = self.master.find(name)
         return 0.0 if signal.fault_tick is None else seconds(self._machine.tick - signal.ok_tick)
 
@@ -173,7 +173,7 @@ class ModbusSignals:
     # ---------------------------------------------------------------- requests and connections
 
     def request(self, address: str, port: int, slave: int, function: int, data: bytes, *, is_once: bool) -> None:
-        """Send a request once, or again and again.
+        """Send a request once or repeatedly.
 
         Raises:
             ScriptStateError: too many wait, or there are too many signals.
@@ -181,7 +181,7 @@ class ModbusSignals:
         self.master.request(address, port, slave, custom(function, data), is_once=is_once)
 
     def reset(self, address: str, port: int, *, waits: bool) -> None:
-        """Connect anew; a thread may wait for the outcome, as long as one attempt may take.
+        """Connect anew; with `waits` the thread waits for the result of one attempt.
 
         Raises:
             InvalidValueError: no signal uses that connection.
@@ -206,7 +206,7 @@ class ModbusSignals:
     # ---------------------------------------------------------------- time
 
     def run_tick(self, tick: int, *, is_running: bool) -> None:
-        """Do what is due in a tick, before the threads run."""
+        """Run the master in a tick, before the threads."""
         self.master.tick(tick, is_running=is_running)
         self._wake()
 
@@ -216,10 +216,10 @@ class ModbusSignals:
                 self._scheduler.wake(strand)
 
     def next_tick(self, tick: int, *, is_running: bool) -> int | None:
-        """Earliest tick after `tick` at which something is due without anything arriving."""
+        """Return the earliest tick after `tick` at which something is due by itself."""
         return self.master.next_tick(tick, is_running=is_running)
 
     def close(self) -> None:
-        """Forget every signal and close every connection."""
+        """Drop every signal and close every connection."""
         self.master.close()
         self._wake()

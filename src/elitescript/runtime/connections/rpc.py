@@ -1,8 +1,7 @@
-"""Remote procedure calls of a program: XML-RPC over the channels of its world (manual 2.10, chapter 5.2).
+"""Remote procedure calls of a program: XML-RPC over the channels of its environment (manual 2.10, chapter 5.2).
 
-A handle connects when a procedure is called. Its connection is kept for the next call if the server keeps it. What a
-program sends and gets is what the standard library makes of it: numbers, texts, bytes, lists and dicts; a date comes as
-text (*assumed*), and None goes as the `nil` that most servers understand.
+A handle connects when a procedure is called. Its connection is kept for the next call if the server keeps it. Values
+are numbers, texts, bytes, lists and dicts; a date is received as text (*assumed*), and None is sent as `nil`.
 """
 
 from __future__ import annotations
@@ -33,16 +32,16 @@ from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
 
 CALLS_MAX: Final = 32
-"""Calls of one program that may be under way at a time (*assumed*)."""
+"""Most simultaneous calls of one program (*assumed*)."""
 IDLE_MAX: Final = 8
-"""Connections that are kept for another call; those that were used longest ago are closed for others (*assumed*)."""
+"""Most idle connections; the least recently used one is closed for another (*assumed*)."""
 
 _HTTP_PORT: Final = 80
 _OK: Final = 200
 
 
 class RpcServer(NamedTuple):
-    """Where procedures are."""
+    """A server of procedures."""
 
     url: str
     address: str
@@ -51,7 +50,7 @@ class RpcServer(NamedTuple):
 
 
 class RpcCall(NamedTuple):
-    """A call that is made."""
+    """A call of a procedure."""
 
     method: str
     args: tuple[Any, ...]
@@ -66,8 +65,8 @@ class RemoteProcedures:
         channels: carry the bytes.
         scheduler: runs the threads.
         connections: of every program of the host, by channel.
-        traffic: records calls and answers.
-        answer_s: how long a call waits for its answer; 0 and less waits for ever.
+        traffic: records calls and responses.
+        answer_s: timeout of a call, s; 0 and less waits for ever.
     """
 
     __slots__ = ("_answer_s", "_busy", "_channels", "_connections", "_idle", "_is_over", "_scheduler", "_traffic")
@@ -93,7 +92,7 @@ class RemoteProcedures:
         """Return an object with the procedures of a server as its methods.
 
         Raises:
-            InvalidValueError: the URL makes no sense.
+            InvalidValueError: an invalid URL.
         """
         server = server_of(url)
         return _handle(server.url, lambda method, args: self.call(server, method, args))
@@ -134,7 +133,7 @@ class RemoteProcedures:
         self._traffic.note_of_caller("rpc", server.url, what, cut(data))
 
     def close_all(self) -> None:
-        """The program is over: close everything."""
+        """Close every connection: the program is over."""
         self._is_over = True
         for connection in (*self._idle.values(), *self._busy):
             self._close(connection)
@@ -144,7 +143,7 @@ class RemoteProcedures:
     # ---------------------------------------------------------------- connections
 
     def _exchange(self, server: RpcServer, call: RpcCall) -> HttpAnswer:
-        """Send a request and read its answer; again on a new connection if the kept one turns out to be gone."""
+        """Send a request and read its response; once more on a new connection if the kept one is closed."""
         kept = self._idle.pop(server, None)
         if kept is not None and kept.is_open and not kept.received:
             reader = HttpReader()
@@ -215,7 +214,7 @@ class RemoteProcedures:
 
 
 def server_of(url: str) -> RpcServer:
-    """What `<address>:<port>` or `http://<address>:<port>/<path>` means; the path is `/RPC2` if there is none.
+    """Return the server for `<address>:<port>` or `http://<address>:<port>/<path>`; the default path is `/RPC2`.
 
     Raises:
         InvalidValueError: neither.
@@ -280,7 +279,7 @@ def _request(server: RpcServer, method: str, args: tuple[Any, ...]) -> bytes:
 
 
 def _brief(value: Any) -> str:
-    """A value in few characters, however large it is."""
+    """Return a value as a short text."""
     from reprlib import Repr
 
     brief = Repr()
@@ -290,7 +289,7 @@ def _brief(value: Any) -> str:
 
 
 def _check_arguments(values: Any) -> None:
-    """Refuse what the library would send as an empty structure: functions, commands, classes."""
+    """Refuse functions, commands and classes, which the library would send as an empty structure."""
     for value in values.values() if isinstance(values, dict) else values:
         if callable(value):
             raise TypeError(f"cannot marshal {value!r}")
@@ -299,10 +298,10 @@ def _check_arguments(values: Any) -> None:
 
 
 def _result(answer: HttpAnswer) -> Any:
-    """What the procedure has returned.
+    """Return the result of the procedure.
 
     Raises:
-        PeerError: the answer holds no result.
+        PeerError: no result in the response.
         client.Fault: the procedure failed.
     """
     if answer.status != _OK:
@@ -320,7 +319,7 @@ def _result(answer: HttpAnswer) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """A value in terms of what scripts know: no dates, no decimals."""
+    """Return a value without dates and decimals, which scripts do not have."""
     if isinstance(value, list | tuple):
         return [_plain(element) for element in value]
     if isinstance(value, dict):
@@ -330,11 +329,11 @@ def _plain(value: Any) -> Any:
     return value.isoformat() if hasattr(value, "isoformat") else float(value)
 
 
-# ---------------------------------------------------------------- what scripts hold
+# ---------------------------------------------------------------- handles of scripts
 
 
 def _handle(url: str, call: Callable[[str, tuple[Any, ...]], Any]) -> object:
-    """A handle; all that a script can do with it is to name procedures and call them."""
+    """Return a handle: a script can name its procedures and call them, nothing else."""
 
     class Procedure(metaclass=Sealed):
         __slots__ = ("_name",)
@@ -372,7 +371,7 @@ def _handle(url: str, call: Callable[[str, tuple[Any, ...]], Any]) -> object:
 
 
 def _checked(name: str) -> str:
-    """A name that a procedure may have; Python asks objects for special names, which none has."""
+    """Return the name of a procedure; special names of Python are none."""
     if name.startswith("__"):
         raise AttributeError(name)
     return name

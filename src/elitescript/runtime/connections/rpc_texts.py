@@ -1,4 +1,4 @@
-"""Texts of XML-RPC, which come from somebody who is not trusted."""
+"""Reads texts of XML-RPC from untrusted peers."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from xmlrpc.client import Unmarshaller
 
 
 def values_and_method(text: bytes) -> tuple[tuple[Any, ...], str | None]:
-    """The values of a request or an answer, and the method of a request.
+    """Return the values of a request or response, and the method of a request.
 
-    Declarations of entities have no place in XML-RPC; with them a short text can stand for hundreds of megabytes.
+    Declarations of entities are refused; with them a short text can expand to hundreds of megabytes.
 
     Raises:
         xmlrpc.client.Fault: the text is that of a fault.
         xml.parsers.expat.ExpatError: it is no XML.
-        ValueError: it declares a type of document. A text that is no XML-RPC raises almost anything.
+        ValueError: it declares a document type. A text that is no XML-RPC can raise other exceptions.
     """
     reader = Unmarshaller(use_builtin_types=True)
     reader.xml("", None)  # texts are decoded already

@@ -1,4 +1,4 @@
-"""One serial port of the robot as it is configured; it stays so when the program ends, as the outputs do."""
+"""Holds one configured serial port of the robot; it stays configured when the program ends."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from elitescript.runtime.threads.turns import Turns
 CLOSED: Final = "CLOSE"
 PLAIN: Final = "RS485"
 MODBUS: Final = "MODBUS-RTU"
-"""Modes, in the words that scripts read."""
+"""Modes as scripts read them."""
 
 
 class LineConnection(ScriptConnection):
-    """The channel of a line. Attribute `has_heard`: whether bytes have come since somebody asked last."""
+    """The channel of a line. Attribute `has_heard`: whether bytes have come since it was cleared."""
 
     __slots__ = ("has_heard",)
 
@@ -35,7 +35,7 @@ class LineConnection(ScriptConnection):
 
 
 class SilentLineConnection(LineConnection):
-    """A line with nothing at its other end: what is sent is gone, nothing comes."""
+    """A line with nothing at its other end: sent bytes are lost, none are received."""
 
     __slots__ = ()
 
@@ -60,11 +60,11 @@ class SerialLine:
         mode: `PLAIN` or `MODBUS`, whether it is open or not.
         is_daemons: whether it belongs to a daemon and scripts may not use it.
         wire: its channel; None while it is closed.
-        readers: whose turn it is to read.
-        masters: whose turn it is to ask a slave.
+        readers: lock of the reading thread.
+        masters: lock of the thread that sends a request to a slave.
         quiet_tick: before this tick no request may be sent.
-        has_echo: whether bytes that are sent come back, as far as that has shown.
-        repeated: the last request of which an echo would look like its answer.
+        has_echo: whether an echo of sent bytes was detected.
+        repeated: the last request, if its echo would look like its response.
     """
 
     __slots__ = (
@@ -92,11 +92,11 @@ class SerialLine:
 
     @property
     def is_open(self) -> bool:
-        """Whether it is enabled, and its device has not gone."""
+        """Whether it is enabled and its device present."""
         return self.is_daemons or (self.wire is not None and self.wire.is_open)
 
     def close(self, connections: dict[int, Receiver]) -> None:
-        """Disable it; what waits in it is lost, and threads that wait for it go on."""
+        """Disable it: received bytes are lost, waiting threads go on."""
         self.is_daemons = False
         wire, self.wire = self.wire, None
         if wire is not None:
@@ -109,12 +109,12 @@ class SerialLine:
         self.quiet_tick, self.has_echo, self.repeated = 0, False, b""
 
     def ticks_of(self, size: int) -> int:
-        """Ticks that so many characters take, rounded up."""
+        """Return the ticks for `size` characters, rounded up."""
         return ticks_for(size * self.settings.character_s)
 
 
 def close_lines(lines: dict[str, SerialLine], connections: dict[int, Receiver]) -> None:
-    """Close every port: the controller starts anew."""
+    """Close every port: the controller restarts."""
     for line in lines.values():
         line.close(connections)
     lines.clear()

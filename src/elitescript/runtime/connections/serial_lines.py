@@ -1,12 +1,11 @@
-"""The serial ports of the robot as programs see them, in virtual time.
+"""Gives programs the serial ports of the robot, in virtual time.
 
-The ports are part of the machine: what a program has configured stays configured when it ends (*assumed*). Threads
-take turns, in the order in which they came: one thread at a time reads from a port, and one asks a slave, whose answer
-it has before another thread's request goes out.
+The ports stay configured when a program ends (*assumed*). One thread at a time reads from a port, and one sends a
+request to a slave and waits for its response; other threads wait in the order in which they came.
 
-A request waits until the line was silent for `gap_s`, counted in ticks; what came before it, such as the late answer to
-a request that was given up, is dropped. An answer that has begun and falls silent for `BROKEN_S` is given up, whatever
-the time-out: it is cut short, or its checksum is wrong (*assumed*).
+A request waits until the line was silent for `gap_s`, counted in ticks; bytes before it, such as a late response, are
+dropped. A response that has begun and is silent for `BROKEN_S` is given up before the timeout: it is cut short, or its
+checksum is wrong (*assumed*).
 """
 
 from __future__ import annotations
@@ -36,13 +35,13 @@ from elitescript.runtime.connections.traffic import ChannelLog, cut
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.threads.deadline import Deadline
 from elitescript.runtime.threads.scheduler import Scheduler
-from elitescript.runtime.threads.strand import Stopped, Strand
+from elitescript.runtime.threads.strand import Stopped
 
 OPEN_TICKS: Final = 2 * TICKS_PER_S
 """How long a device may take to open (*assumed*)."""
 
 BROKEN_S: Final = 0.5
-"""Silence after which an answer that has begun is given up (*assumed*)."""
+"""Silence after which a response that has begun is given up (*assumed*)."""
 
 TOOL: Final = "tool"
 
@@ -56,7 +55,7 @@ FUNCTIONS: Final = {
     pdu.WRITE_COILS: "write coils from",
     pdu.WRITE_REGISTERS: "write registers from",
 }
-"""Function codes in words, as the record of a run has them before an address."""
+"""Function codes in words, as recorded before an address."""
 
 
 class SerialLines:
@@ -65,8 +64,8 @@ class SerialLines:
     Args:
         channels: carry the bytes.
         scheduler: runs the threads.
-        connections: who listens to each open channel.
-        background: has the ports of the machine, and what records their traffic.
+        connections: receiver of each open channel.
+        background: has the ports, and records their traffic.
         warn_once: records a warning, once for each key.
     """
 
@@ -90,12 +89,12 @@ class SerialLines:
     # ---------------------------------------------------------------- configuring
 
     def enable(self, device: str, settings: LineSettings, *, is_modbus: bool, is_daemons: bool = False) -> bool:
-        """Open a port, or open it anew; whether it is open now. What waited in it is lost (*assumed*).
+        """Open a port, or open it anew; return whether it is open. Received bytes are lost (*assumed*).
 
         Raises:
             Stopped: the thread was stopped.
         """
-        if self._caller.is_dying:
+        if self._scheduler.caller.is_dying:
             raise Stopped
         line = self._lines.setdefault(device, SerialLine(self._scheduler))
         line.close(self._connections)
@@ -152,7 +151,7 @@ class SerialLines:
         return self._lines[device].mode if self.is_open(device) else CLOSED
 
     def _usable(self, device: str, mode: str) -> tuple[SerialLine, LineConnection] | None:
-        """The port, if it is open in a mode; otherwise the log says why not.
+        """Return the port, if it is open in a mode; otherwise warn.
 
         Raises:
             ScriptPermissionError: it belongs to a daemon.
@@ -177,7 +176,7 @@ class SerialLines:
     def read(self, device: str, count: int, timeout_s: float) -> bytes:
         """Read bytes; fewer if time is up or the port closes. A secondary program does not wait.
 
-        A read that cannot be, because the port is not open in plain mode, takes one tick.
+        A read of a port that is not open in plain mode takes one tick.
 
         Args:
             device: the port.
@@ -204,7 +203,7 @@ class SerialLines:
 
     def _read(self, wire: LineConnection, device: str, count: int, reason: str, deadline: Deadline) -> bytes:
         data = bytearray()
-        is_last = self._caller.is_secondary
+        is_last = self._scheduler.caller.is_secondary
         if is_last and len(wire.received) < count:
             self._warn_once(f"sec read {device}", NOT_ALL_THERE.format(what=_called(device)))
         is_late = False
@@ -221,7 +220,7 @@ class SerialLines:
     def write(self, device: str, data: bytes) -> int | None:
         """Send bytes, waiting for room if the line is behind by `CHANNEL_WINDOW`.
 
-        A secondary program and a thread that unwinds do not wait: what they send goes out as soon as there is room.
+        A secondary program and a stopped thread do not wait: their bytes are sent as soon as there is room.
 
         Returns:
             How many were sent; None if the port is not open in plain mode.
@@ -234,7 +233,7 @@ class SerialLines:
         if found is None:
             return None
         _, wire = found
-        waits = not (self._caller.is_dying or self._caller.is_secondary)
+        waits = not (self._scheduler.caller.is_dying or self._scheduler.caller.is_secondary)
         if not waits and wire.queued - wire.sent > CHANNEL_WINDOW:
             return 0
         wire.send(data)
@@ -244,7 +243,7 @@ class SerialLines:
         return len(data) - max(0, end - wire.sent) if waits else len(data)
 
     def flush(self, device: str) -> None:
-        """Drop what has arrived and is not read; what is being sent goes out all the same (*assumed*).
+        """Drop received bytes that are not read; bytes to be sent stay (*assumed*).
 
         Raises:
             ScriptPermissionError: the port belongs to a daemon.
@@ -258,7 +257,7 @@ class SerialLines:
     def read_slave(
         self, device: str, slave: int, function: int, address: int, count: int, timeout_s: float
     ) -> tuple[int, ...] | None:
-        """Ask a slave for values; None if that fails, and the log says why.
+        """Read values of a slave; return None, with a warning, if that fails.
 
         Args:
             device: the port.
@@ -266,7 +265,7 @@ class SerialLines:
             function: 1 to 4.
             address: first address.
             count: how many values.
-            timeout_s: longest time to wait, for its turn and for the answer; 0 and less wait for ever.
+            timeout_s: longest time to wait, for other threads and for the response; 0 and less wait for ever.
 
         Raises:
             ScriptPermissionError: the port belongs to a daemon.
@@ -278,7 +277,7 @@ class SerialLines:
     def write_slave(
         self, device: str, slave: int, function: int, address: int, values: tuple[int, ...], timeout_s: float
     ) -> bool:
-        """Have a slave take values over, by function 5, 6, 15 or 16; see `read_slave`."""
+        """Write values to a slave, by function 5, 6, 15 or 16; see `read_slave`."""
         match function:
             case pdu.WRITE_COIL:
                 request = pdu.write_coil(address, values[0])
@@ -303,7 +302,7 @@ class SerialLines:
             self._say(device, slave, "another thread asks a slave")
             return None
         try:
-            # While it waited for its turn, the port may have been configured anew.
+            # During the wait the port may have been configured anew.
             if line.wire is not wire or not wire.is_open:
                 why = "the port was closed"
             elif not self._wait_for_quiet(line, wire, reason, deadline):
@@ -328,10 +327,10 @@ class SerialLines:
             line.masters.give()
 
     def _wait_for_quiet(self, line: SerialLine, wire: LineConnection, reason: str, deadline: Deadline) -> bool:
-        """Drop what has come before a request, until nothing comes any more; whether that is so in time."""
+        """Drop bytes that come before a request until the line is silent; return whether it is so in time."""
         while True:
             if line.repeated and wire.received.startswith(line.repeated):
-                # What was taken for the answer was the echo.
+                # The echo was taken for the response.
                 line.has_echo = True
             if wire.has_heard:
                 self._clear(line, wire)
@@ -339,7 +338,7 @@ class SerialLines:
             if now >= line.quiet_tick:
                 line.repeated = b""
                 return True
-            if self._caller.is_secondary or deadline.is_over or not wire.is_open:
+            if self._scheduler.caller.is_secondary or deadline.is_over or not wire.is_open:
                 return False
             until = deadline.tick
             wire.wait(reason, line.quiet_tick if until is None else min(until, line.quiet_tick))
@@ -347,7 +346,7 @@ class SerialLines:
     def _exchange(
         self, line: SerialLine, wire: LineConnection, exchange: RtuExchange, reason: str, deadline: Deadline
     ) -> tuple[tuple[int, ...], str]:
-        """Send a request and wait for its answer; its values, or why there are none.
+        """Send a request and wait for its response; return its values, or the reason why there are none.
 
         Raises:
             DeviceError: the slave refuses.
@@ -356,7 +355,7 @@ class SerialLines:
         gap = ticks_for(gap_s(line.settings.character_s))
         line.quiet_tick = self._scheduler.now + line.ticks_of(len(exchange.frame)) + gap
         may_echo = line.has_echo or not exchange.repeats
-        is_last = self._caller.is_secondary
+        is_last = self._scheduler.caller.is_secondary
         while True:
             if may_echo and (end := exchange.echo_end(wire.received)):
                 line.has_echo, may_echo = True, False
@@ -374,7 +373,7 @@ class SerialLines:
             is_last = wire.wait_for_more(reason, deadline, ticks_for(BROKEN_S) if has_begun else None)
 
     def _clear(self, line: SerialLine, wire: LineConnection) -> None:
-        """Drop what has arrived; the line was not silent until now."""
+        """Drop received bytes; the line was not silent until now."""
         if wire.has_heard:
             wire.has_heard = False
             wire.drop(len(wire.received))
@@ -385,15 +384,8 @@ class SerialLines:
 
     # ---------------------------------------------------------------- time
 
-    @property
-    def _caller(self) -> Strand:
-        strand = self._scheduler.current
-        if strand is None:
-            raise Stopped
-        return strand
-
     def _let_time_go_by(self, reason: str) -> None:
-        if not self._caller.is_secondary:
+        if not self._scheduler.caller.is_secondary:
             self._scheduler.wait(reason, self._scheduler.now + 1)
 
 

@@ -1,7 +1,6 @@
-"""The TCP connections of a program: by name, shared by all of its threads, in virtual time.
+"""Holds the TCP connections of a program: by name, shared by all of its threads, in virtual time.
 
-A connection stands in a dict that the host shares among programs, by the number of its channel; the host hands it what
-arrives.
+The host has the connections of all programs by channel, and hands them their events.
 """
 
 from __future__ import annotations
@@ -18,18 +17,18 @@ from elitescript.runtime.connections.connection import NOT_ALL_THERE, Receiver, 
 from elitescript.runtime.connections.traffic import ChannelLog, Traffic
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.threads.scheduler import Scheduler
-from elitescript.runtime.threads.strand import Stopped, Strand
+from elitescript.runtime.threads.strand import Stopped
 
 CONNECT_TICKS: Final = 2 * TICKS_PER_S
-"""How long `socket_open` tries."""
+"""Timeout of `socket_open`."""
 
 CONNECTIONS_MAX: Final = 64
-"""Names that one program may have in use (*assumed*)."""
+"""Most names in use by one program (*assumed*)."""
 
 _READ_LINE_END: Final = 'read it away with socket_read_string(suffix="\\n"), or let the sender leave it out'
 _OPEN_FIRST: Final = "open it with socket_open first; every socket has the name that socket_open gives it"
 _SHOWN: Final = 253
-"""Characters of an address or a name in a warning: those of a host name."""
+"""Most characters of an address or a name in a warning: those of a host name."""
 
 NO_NETWORK: Final = "this run has no network"
 
@@ -41,7 +40,7 @@ class Sockets:
         channels: carry the bytes.
         scheduler: runs the threads.
         connections: of every program of the host, by channel.
-        traffic: records what passes.
+        traffic: records the traffic.
         warn_once: records a warning, once for each key: key, text, perhaps code and hint.
     """
 
@@ -64,15 +63,15 @@ class Sockets:
         self._is_over = False
 
     def open(self, address: str, port: int, name: str) -> bool:
-        """Connect to a server, within 2 s; a connection of that name that stands is kept.
+        """Connect to a server, within 2 s; an open connection of that name is kept.
 
-        A thread that opens a name while another one does waits for the attempt of that one (*assumed*).
+        A thread that opens a name while another one does waits for that attempt (*assumed*).
 
         Raises:
             ScriptStateError: too many are open.
             Stopped: the thread was stopped.
         """
-        if self._caller.is_dying or self._is_over:
+        if self._scheduler.caller.is_dying or self._is_over:
             raise Stopped
         connection = self._by_name.get(name)
         if connection is not None and connection.is_open:
@@ -113,27 +112,27 @@ class Sockets:
         return connection
 
     def close(self, name: str) -> None:
-        """Close a connection and forget it with all that is not read; no effect on an unknown one."""
+        """Close a connection and drop its unread bytes; no effect on an unknown one."""
         connection = self._by_name.pop(name, None)
         if connection is not None:
             connection.close()
             self._connections.pop(connection.channel, None)
 
     def close_all(self) -> None:
-        """The program is over: close everything."""
+        """Close every connection: the program is over."""
         self._is_over = True
         for name in list(self._by_name):
             self.close(name)
 
     def is_connected(self, name: str) -> bool:
-        """Whether a connection stands."""
+        """Return whether a connection is open."""
         connection = self._by_name.get(name)
         return connection is not None and connection.is_open
 
     def send(self, name: str, data: bytes) -> bool:
-        """Send bytes, waiting for room if the peer takes none; whether the connection stands.
+        """Send bytes, waiting for room if the peer takes none; return whether the connection is open.
 
-        A thread that unwinds does not wait: what it sends goes out as soon as there is room.
+        A stopped thread does not wait: its bytes are sent as soon as there is room.
 
         Raises:
             Stopped: the thread was stopped.
@@ -144,25 +143,25 @@ class Sockets:
             return False
         if not connection.is_open:
             return False
-        if self._caller.is_dying and connection.queued - connection.sent > CHANNEL_WINDOW:
+        if self._scheduler.caller.is_dying and connection.queued - connection.sent > CHANNEL_WINDOW:
             return False
         connection.send(data)
         end = connection.queued
-        while connection.sent < end and not self._caller.is_dying:
+        while connection.sent < end and not self._scheduler.caller.is_dying:
             connection.wait(f"room to send on socket {name!r}", None)
             if connection.is_closed:
                 return False
         return True
 
     def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
-        """Read what a rule finds, waiting for it as long as the connection stands.
+        """Return what a rule takes from the received bytes, waiting while the connection is open.
 
-        A secondary program does not wait; that it went on without its data is said once. A read that fails because
-        the connection does not stand takes one tick, so that a loop around it lets time go by (*assumed*).
+        A secondary program does not wait; it is warned once if its data was incomplete. A read of a closed connection
+        takes one tick, so that a loop around it lets time go by (*assumed*).
 
         Args:
             name: of the connection.
-            rule: finds something in what has arrived.
+            rule: takes a value from the received bytes.
             timeout_s: longest time to wait; 0 and less wait for ever.
 
         Raises:
@@ -170,7 +169,11 @@ class Sockets:
         """
         connection = self._by_name.get(name)
         reason = f"data on socket {name!r}"
-        if connection is not None and self._caller.is_secondary and rule(connection.received, False)[0] is None:
+        if (
+            connection is not None
+            and self._scheduler.caller.is_secondary
+            and rule(connection.received, False)[0] is None
+        ):
             self._warn_once(f"sec read {name}", NOT_ALL_THERE.format(what=f"socket {name!r}"))
         if connection is None:
             self._tell_not_open(name, "read")
@@ -179,7 +182,7 @@ class Sockets:
             if (value := connection.read(looked, reason, timeout_s)) is not None:
                 connection.is_behind_numbers = isinstance(rule, Floats) and bool(value)
                 return value
-        if not self._caller.is_secondary:
+        if not self._scheduler.caller.is_secondary:
             self._scheduler.wait(reason, self._scheduler.now + 1)
         return rule(bytearray(), True)[0] if connection is None else connection.rest(rule)
 
@@ -189,7 +192,7 @@ class Sockets:
         self._warn_once(f"socket {name} not open", text, hint=_OPEN_FIRST)
 
     def _looking_for_line_end(self, name: str, connection: ScriptConnection, rule: Rule) -> Rule:
-        """The rule; if it reads text behind numbers, one that tells of a line end that is left of these."""
+        """Return the rule; if it reads text after numbers, one that warns of a line end left by these."""
         if not (connection.is_behind_numbers and isinstance(rule, Texts) and not rule.prefix):
             return rule
 
@@ -203,10 +206,3 @@ class Sockets:
             return value, used
 
         return looking
-
-    @property
-    def _caller(self) -> Strand:
-        strand = self._scheduler.current
-        if strand is None:
-            raise Stopped
-        return strand

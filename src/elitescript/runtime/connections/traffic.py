@@ -1,8 +1,7 @@
-"""What passes on the connections of programs, as events of the run.
+"""Records the traffic on the connections of programs as events.
 
 Bytes are shown as the text that they are in UTF-8; a byte that is no text, and a control character other than tab and
-line ends, as `\\xNN`. A long message is cut, and a program that sends and receives without end fills no memory: of what
-passes in one tick, only so much is recorded.
+line ends, as `\\xNN`. Long messages are cut, and the number of events in one tick is limited.
 """
 
 from __future__ import annotations
@@ -15,13 +14,13 @@ from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
 DATA_MAX: Final = 200
-"""Bytes, or characters, of a message that are shown."""
+"""Most bytes, or characters, of a message that are shown."""
 
 NAME_MAX: Final = 80
-"""Characters of the name of a channel that are shown."""
+"""Most characters of the name of a channel that are shown."""
 
 PER_TICK_MAX: Final = 100
-"""Events of one tick, of all channels together; one more says that others are left out."""
+"""Most events in one tick, of all channels; one more states that others are left out."""
 
 LEFT_OUT: Final = f"(more than {PER_TICK_MAX} in this tick; the others are not recorded)"
 
@@ -29,7 +28,7 @@ _CONTROLS: Final = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 
 
 
 def shown(data: bytes) -> str:
-    """Bytes as text, cut to `DATA_MAX` of them."""
+    """Return bytes as text, cut to `DATA_MAX` of them."""
     text = data[:DATA_MAX].decode("utf-8", "backslashreplace")
     if not text.rstrip("\r\n").isprintable():
         text = text.translate(_CONTROLS)
@@ -37,16 +36,16 @@ def shown(data: bytes) -> str:
 
 
 def cut(text: str) -> str:
-    """A text of `DATA_MAX` characters at most, and what says that it was longer."""
+    """Return a text cut to `DATA_MAX` characters, with its length if it was longer."""
     return text if len(text) <= DATA_MAX else f"{text[:DATA_MAX]}… ({len(text)} characters)"
 
 
 class Traffic:
-    """Records what passes on all channels of a host.
+    """Records the traffic on all channels of a host.
 
     Args:
-        machine: takes the events.
-        scheduler: knows the calling thread.
+        machine: receives the events.
+        scheduler: has the calling thread.
     """
 
     __slots__ = ("_count", "_machine", "_scheduler", "_tick")
@@ -59,11 +58,11 @@ class Traffic:
 
     @property
     def caller(self) -> Strand | None:
-        """The thread that runs at this moment; None between two threads."""
+        """The running thread; None between two threads."""
         return self._scheduler.current
 
     def note(self, kind: str, channel: str, what: str, data: str = "", *, line: int = 0, thread: str = "") -> None:
-        """Record that something has happened; see `events.ChannelActivity`."""
+        """Record an event; see `events.ChannelActivity`."""
         tick = self._machine.tick
         if tick != self._tick:
             self._tick, self._count = tick, 0
@@ -75,7 +74,7 @@ class Traffic:
         self._machine.emit(ChannelActivity(tick, channel[:NAME_MAX], kind, what, data, line, thread))
 
     def note_of_caller(self, kind: str, channel: str, what: str, data: str = "") -> None:
-        """The same, with line and name of the thread that runs at this moment."""
+        """Record an event with line and name of the running thread."""
         strand = self._scheduler.current
         if strand is None:
             self.note(kind, channel, what, data)
@@ -84,14 +83,14 @@ class Traffic:
 
 
 class ChannelLog:
-    """Records what passes on one channel, from the attempt to open it on.
+    """Records the traffic on one channel, from the attempt to open it on.
 
     Args:
         traffic: of the host.
         kind: `socket`, `rpc` or `serial`.
-        channel: the name of the channel for people.
-        where: what it leads to.
-        has_bytes: whether the bytes are recorded; if not, whoever knows their meaning records that.
+        channel: name of the channel for users.
+        where: its peer.
+        has_bytes: whether bytes are recorded; if not, the caller records their meaning.
     """
 
     __slots__ = ("_channel", "_has_bytes", "_kind", "_line", "_thread", "_traffic", "_where")
@@ -106,43 +105,38 @@ class ChannelLog:
         self._line, self._thread = (0, "") if strand is None else (strand.line, strand.name)
 
     def note(self, what: str, data: str = "") -> None:
-        """Something that the running thread has caused."""
+        """Record an event that the running thread has caused."""
         self._traffic.note_of_caller(self._kind, self._channel, what, data)
 
     def opened(self) -> None:
-        """It is open: caused by the statement that has asked for it, though that one has waited since."""
+        """Record that it is open, with the statement that has opened it."""
         self._traffic.note(self._kind, self._channel, "open", self._where, line=self._line, thread=self._thread)
 
     def failed(self, reason: str, *, is_late: bool = False) -> None:
-        """It could not be opened; `is_late` if that took too long."""
+        """Record that it could not be opened; `is_late` if that took too long."""
         what = "timeout" if is_late else "refused"
         text = ": ".join(filter(None, (self._where, reason)))
         self._traffic.note(self._kind, self._channel, what, text, line=self._line, thread=self._thread)
 
     def sent(self, data: bytes) -> None:
-        """The program has sent bytes."""
+        """Record sent bytes."""
         if self._has_bytes and data:
             self.note("sent", shown(data))
 
     def received(self, data: bytes, reader: Strand | None) -> None:
-        """Bytes have arrived.
-
-        Args:
-            data: all of them.
-            reader: a thread that waits for them.
-        """
+        """Record received bytes; `reader` is a thread that waits for them."""
         if self._has_bytes and data:
             line, thread = (0, "") if reader is None else (reader.line, reader.name)
             self._traffic.note(self._kind, self._channel, "received", shown(data), line=line, thread=thread)
 
     def timed_out(self, waited: str) -> None:
-        """The running thread has waited in vain."""
+        """Record a timeout of the running thread."""
         self.note("timeout", waited)
 
     def lost(self, reason: str) -> None:
-        """The other side has closed, or the connection broke."""
+        """Record that the peer has closed, or the connection broke."""
         self._traffic.note(self._kind, self._channel, "closed", reason or "by the other side")
 
     def closed(self, reason: str, *, is_late: bool = False) -> None:
-        """This side has closed, or has given up to open it if `is_late`."""
+        """Record that this side has closed; `is_late` if it has not opened in time."""
         self.note("timeout" if is_late else "closed", reason)

@@ -1,9 +1,9 @@
-"""Makes the names that every script finds without importing: commands, built-ins and the compiler's hooks.
+"""Makes the predefined names of scripts: commands, built-ins and the compiler's hooks.
 
-They are the built-ins of a run, one dict for each, so that a program which rebinds one (`time = 3`, a parameter
-called `list`) hides it for itself alone. Functions belong to one run too, because a script can set
-attributes of them. There are hundreds, and most programs are short: each is made when code that names it is about to
-run. All code of a run comes from our compiler, so every name that it can look up is in its code objects.
+Each run has a dict of its own, so a program that rebinds a name (`time = 3`, a parameter called `list`) changes it for
+itself alone. Functions belong to one run too, because a script can set attributes of them. There are hundreds, and most
+programs are short: each is made when code that names it is about to run. All code of a run is compiled here, so every
+name that it can look up is in its code objects.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ _REAL_NAMES: Final = (
 _WITHHELD_ERRORS: Final = frozenset(
     ("BaseExceptionGroup", "ExceptionGroup", "KeyboardInterrupt", "PythonFinalizationError")
 )
-"""Not for scripts: groups can rebuild exceptions behind a handler's back, an interrupt belongs to the user."""
+"""Not for scripts: groups can rebuild uncatchable exceptions, an interrupt belongs to the user."""
 
 _ERRORS: Final = [
     name
@@ -67,7 +67,7 @@ _REAL: Final[dict[str, Any]] = {
     "type": OneArgumentType,
     "unichr": chr,
 }
-"""What no script can change, so that all runs may share it."""
+"""Objects that no script can change; all runs share them."""
 
 _REFUSED: Final = {
     "breakpoint": "the robot has no debugger on a terminal",
@@ -78,7 +78,7 @@ _REFUSED: Final = {
     "memoryview": "bytes and bytearray hold binary data",
     "vars": "name the attributes one by one",
 }
-"""Built-ins that lead behind objects or to the computer, and what to use instead."""
+"""Built-ins that lead to hidden objects or to the computer, with their replacements."""
 
 
 class Bindings:
@@ -127,7 +127,7 @@ class Bindings:
         }
 
     def bind(self, code: CodeType) -> None:
-        """Make what this code names, and the code in it; to be called before it runs."""
+        """Make the objects that this code names; called before it runs."""
         names = self.names
         codes = [code]
         while codes:
@@ -138,7 +138,7 @@ class Bindings:
             codes += [value for value in code.co_consts if type(value) is CodeType]
 
     def bind_name(self, name: str) -> None:
-        """Make what a name stands for, if it stands for anything."""
+        """Make the object of a predefined name."""
         command, make = CATALOGUE.get(name), _MADE.get(name)
         if command is not None:
             self.names[name] = command_function(command, name, self.context)
@@ -146,20 +146,17 @@ class Bindings:
             self.names[name] = make(self)
 
     def known(self) -> Iterable[str]:
-        """All that scripts may name without defining it."""
+        """Return all predefined names."""
         return (*_REAL, *_MADE, *CATALOGUE.names())
 
 
 def is_known(name: str) -> bool:
-    """Whether every program finds something under a name."""
+    """Return whether a name is predefined."""
     return name in _REAL or name in _MADE or CATALOGUE.get(name) is not None
 
 
 def command_function(command: Command, name: str, context: Context) -> Callable[..., Any]:
-    """The function that a script calls for a command.
-
-    A command of a newer firmware is there and says which one it needs.
-    """
+    """Return the function of a command for scripts; one of a newer firmware raises `FirmwareError`."""
     if release_of(command.since) > context.profile.release:
         return _newer(name, command, context.profile)
     scheduler, run = context.scheduler, command.call
@@ -187,7 +184,7 @@ def _newer(name: str, command: Command, profile: Profile) -> Callable[..., NoRet
 
 
 def step_of(scheduler: Scheduler) -> Step:
-    """A checkpoint for our own loops that run on behalf of a script."""
+    """Return a checkpoint for loops of the runtime that run for a script."""
     tick, checkpoint = scheduler.fuel.pop, scheduler.checkpoint
 
     def step() -> bool:
@@ -229,7 +226,7 @@ def _open(files: OpenFiles) -> Callable[..., Any]:
 
 def _id(identities: Identities) -> Callable[[Any], int]:
     def id(value: Any) -> int:
-        """A number that belongs to an object and is the same in every run."""
+        """Return the number of an object, the same in every run."""
         return identities.number(value)
 
     id.__qualname__ = "id"
@@ -285,7 +282,7 @@ def _stand_in(name: str) -> type[BaseException]:
 
 
 def _copy_of(function: Any) -> Callable[[Bindings], Any]:
-    """Makes a copy of a function for each run."""
+    """Return a maker of copies of a function, one for each run."""
 
     def make(run: Bindings) -> Any:
         copy = FunctionType(function.__code__, function.__globals__, function.__name__, function.__defaults__)
@@ -296,7 +293,7 @@ def _copy_of(function: Any) -> Callable[[Bindings], Any]:
 
 
 def _preloaded(run: Bindings) -> Facade:
-    """`copy` and `elicopy` are the same object."""
+    """Return the object of `copy` and `elicopy`."""
     names = run.names
     return names.get("copy") or names.get("elicopy") or _preloaded_copy(run.shelf)
 
@@ -345,4 +342,4 @@ _MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
     "quit": lambda run: _leaving(run.context, "quit"),
     "setattr": _copy_of(checked_setattr),
 }
-"""What is made anew for each run, and how."""
+"""Makers of the names that each run has for itself."""

@@ -44,27 +44,23 @@ if TYPE_CHECKING:
     from elitescript.runtime.watchdogs import Watchdogs
 
 RESUME: Final = "somebody to resume the program"
-"""What the thread that called `pause()` waits for."""
-
+"""Reason of the wait in `pause()`."""
 
 POPUP: Final = "somebody to confirm a popup"
-"""What a thread behind a blocking popup waits for."""
-
+"""Reason of the wait for a blocking popup."""
 
 MOVE_END: Final = "the end of its move"
-"""What a thread waits for in `movej` and its like."""
-
+"""Reason of the wait in `movej` and similar commands."""
 
 KINDS_MAX: Final = 200
-"""Poses and joint positions that commands have returned, and that are known again where the other belongs."""
-
+"""Most poses and joint positions of commands that are remembered, to detect their mix-up."""
 
 ZEROS_MAX: Final = 3
-"""Six numbers with more zeros than that can be the same by chance."""
+"""Six numbers with more zeros can be equal by chance."""
 
 
 class ProgramControl(Protocol):
-    """Lists what a context asks of the host: the program as a whole."""
+    """Lists the members of the host that a context uses."""
 
     moves: MoveWaits
     """Threads that wait for moves."""
@@ -107,7 +103,7 @@ class Context:
         scheduler: runs the threads.
         profile: the firmware.
         generator: draws random numbers, seeded.
-        world: everything outside.
+        world: environment.
         port: the host.
     """
 
@@ -163,10 +159,7 @@ class Context:
         Raises:
             Stopped: the caller is no thread, but left-over code of one.
         """
-        strand = self.scheduler.current
-        if strand is None:
-            raise Stopped
-        return strand
+        return self.scheduler.caller
 
     @property
     def is_secondary(self) -> bool:
@@ -240,13 +233,13 @@ class Context:
         return self.machine.timestamp_s()
 
     def random(self) -> float:
-        """Next number in [0, 1) of the program's seeded generator."""
+        """Return the next number in [0, 1) of the program's generator."""
         return float(self._generator.random())
 
     # ---------------------------------------------------------------- the machine
 
     def move(self, request: MoveRequest | DriveRequest | YieldRequest) -> None:
-        """Ask for a move and wait for its end, or for anything else and wait until its call is over."""
+        """Request a motion and wait until its call is over."""
         if isinstance(request, ServoJ):
             reason = "the time of its target"
         elif isinstance(request, SpeedJ | SpeedL):
@@ -256,18 +249,18 @@ class Context:
         self._wait_for_move(request, reason)
 
     def track(self, request: TrackRequest) -> None:
-        """Begin to go along with a conveyor, or ask for the end of that and wait for standstill."""
+        """Begin to track a conveyor, or end that and wait for standstill."""
         self._wait_for_move(request, "standstill")
 
     def shift(self, request: PathOffsetRequest) -> None:
-        """Shift the motion by an offset, or set how that is done; returns at once."""
+        """Set a path offset or one of its parameters; returns at once."""
         strand = self.strand
         if strand.is_dying:
             raise Stopped
         self.machine.request_path_offset(request, strand.line, strand.name)
 
     def stop_motion(self, request: MotionRequest | YieldRequest) -> None:
-        """Ask for a stop and wait for standstill."""
+        """Request a stop and wait for standstill."""
         self._wait_for_move(request, "standstill")
 
     def _wait_for_move(self, request: MotionRequest | TrackRequest | YieldRequest, reason: str) -> None:
@@ -340,15 +333,15 @@ class Context:
         target = self.scheduler.find(handle)
         return None if target is None or target.is_secondary else target
 
-    # ---------------------------------------------------------------- words
+    # ---------------------------------------------------------------- messages
 
     def message(self, text: str) -> None:
-        """One entry in the robot's log."""
+        """Write an entry to the robot's log."""
         strand = self.strand
         self.machine.emit(TextMessage(self.machine.tick, without_addresses(text), strand.name, strand.line))
 
     def write(self, text: str) -> None:
-        """Standard output; one event for each line, or for what was printed at once."""
+        """Write to the standard output; one event for each `print`, or for each line."""
         text = self._partial_line + text
         if not text.endswith("\n"):
             self._partial_line = text
@@ -358,7 +351,7 @@ class Context:
         self.machine.emit(Printed(self.machine.tick, without_addresses(text[:-1]), strand.name, strand.line))
 
     def flush(self) -> None:
-        """Let out a last line without its end; the program is over."""
+        """Emit a last line without its end: the program is over."""
         text, self._partial_line = self._partial_line, ""
         if text:
             self.machine.emit(Printed(self.machine.tick, without_addresses(text), "main", 0))
@@ -393,7 +386,7 @@ class Context:
         self.machine.emit(Warned(self.machine.tick, text, name, line, code, hint))
 
     def warn_once(self, key: str, text: str, *, code: str = "", hint: str = "") -> None:
-        """Record a warning, the first time in this program that `key` comes by."""
+        """Record a warning, once in this program for each `key`."""
         if key not in self._warned:
             self._warned.add(key)
             self.warn(text, code=code, hint=hint)
@@ -410,7 +403,7 @@ class Context:
         return mistaken(meaning, kind)
 
     def remember(self, kind: str, value: Six) -> None:
-        """Keep what a command returns; of the numbers that are returned, only the newest are known."""
+        """Remember the result of a command; only the newest results are kept."""
         if value.count(0.0) > ZEROS_MAX:
             return
         kinds = self._kinds
@@ -459,7 +452,7 @@ class Context:
         self._port.interpreter.end()
 
     def clear_interpreter(self) -> None:
-        """Throw away the statements that wait, and forget what statements have defined."""
+        """Discard the waiting statements, and delete the names that statements have defined."""
         self._port.interpreter.clear()
 
     def watch(self, variable: str, frequency_hz: float, action: str) -> None:
@@ -467,12 +460,12 @@ class Context:
         self._port.watchdogs.set(variable, frequency_hz, action)
 
     def leave(self, name: str) -> NoReturn:
-        """`exit()` and its like: end the program like `halt()`, and say so."""
+        """End the program like `halt()`, with a warning: `exit()` and similar functions."""
         self.warn(f"{name}() ends the program like halt()")
         self.halt()
 
     def thread_failed(self, error: BaseException) -> NoReturn:
-        """An exception left the function of a `threading.Thread`.
+        """Report an exception that has left the function of a `threading.Thread`.
 
         Raises:
             Stopped: always; the thread is over.

@@ -1,8 +1,8 @@
-"""Built-ins that could look behind objects, kept from doing so.
+"""Guards built-ins that could reach hidden attributes.
 
-What a program spells out is checked when it is compiled (`language.policy`). Here is the part that is known only
-at run time: attribute names that are computed, and format strings, which hold attribute names. Guards accept
-exact `str` names only: an instance of a subclass can say that it is one thing and be another.
+Names in the text of a program are checked when it is compiled (`language.policy`). Checked here is the rest: computed
+attribute names, and format strings, which hold attribute names. Guards accept exact `str` names only: an instance of a
+subclass can pretend to be another name.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _SPEC_DEPTH: Final = 2
 
 
 def checked_getattr(value: Any, name: Any, *default: Any) -> Any:
-    """`getattr`, for the names that a program may spell out.
+    """Return an attribute that programs may read.
 
     Raises:
         ScriptPermissionError: another name.
@@ -44,13 +44,13 @@ def checked_getattr(value: Any, name: Any, *default: Any) -> Any:
 
 
 def checked_hasattr(value: Any, name: Any) -> bool:
-    """`hasattr`; False for names that a program may not read."""
+    """Return whether there is an attribute that programs may read."""
     _check_name("hasattr", name)
     return is_attribute_allowed(name) and hasattr(value, name)
 
 
 def checked_setattr(value: Any, name: Any, new: Any) -> None:
-    """`setattr`, for the names that a program may assign.
+    """Set an attribute that programs may assign.
 
     Raises:
         ScriptPermissionError: another name.
@@ -62,7 +62,7 @@ def checked_setattr(value: Any, name: Any, new: Any) -> None:
 
 
 def checked_delattr(value: Any, name: Any) -> None:
-    """`delattr`, for the names that a program may assign.
+    """Delete an attribute that programs may assign.
 
     Raises:
         ScriptPermissionError: another name.
@@ -74,7 +74,7 @@ def checked_delattr(value: Any, name: Any) -> None:
 
 
 def checked_dir(*values: Any) -> list[str]:
-    """`dir` of an object: the names that a program may read, without the special ones."""
+    """Return the attribute names of an object that programs may read, without the special ones."""
     if len(values) != 1:
         raise ScriptPermissionError("dir() is not available without an object")
     return sorted(name for name in dir(values[0]) if is_attribute_allowed(name) and not is_dunder(name))
@@ -121,7 +121,7 @@ class OneArgumentType(metaclass=_OneArgument):
 
 
 def checked_format_method(value: Any, name: str) -> Any:
-    """`value.format` or `value.format_map`; of a str, one that reads only attributes that a program may read."""
+    """Return `value.format` or `value.format_map`; that of a str reads only attributes that programs may read."""
     method = getattr(value, name)
     kind = type(method)
     if kind is BuiltinFunctionType and isinstance(method.__self__, str):
@@ -149,7 +149,7 @@ def _text_of(text: Any, name: str) -> str:
 
 
 def checked_format(text: str, args: tuple[Any, ...] | None, mapping: Mapping[str, Any]) -> str:
-    """`text.format(*args, **mapping)`; without `args` it is `text.format_map(mapping)`.
+    """Return `text.format(*args, **mapping)`; without `args` `text.format_map(mapping)`.
 
     Raises:
         ScriptPermissionError: a field reads an attribute that programs may not read.
@@ -159,7 +159,7 @@ def checked_format(text: str, args: tuple[Any, ...] | None, mapping: Mapping[str
 
 
 class _Fields:
-    """The values of one format call, and how its fields are numbered."""
+    """The values of one format call, and the numbering of its fields."""
 
     __slots__ = ("args", "mapping", "next_number")
 
@@ -183,7 +183,7 @@ class _Fields:
         return "".join(parts)
 
     def value(self, field: str) -> Any:
-        """What a field such as `0.name[key]` names."""
+        """Return the value of a field such as `0.name[key]`."""
         first, rest = formatter_field_name_split(field)
         value = self.numbered(first) if first == "" or isinstance(first, int) else self.mapping[first]
         for is_attribute, key in rest:
@@ -191,7 +191,7 @@ class _Fields:
         return value
 
     def numbered(self, number: int | str) -> Any:
-        """The value of a positional field; the empty text is a field without a number."""
+        """Return the value of a positional field; the empty text is a field without a number."""
         if self.args is None:
             raise ValueError("Format string contains positional fields")
         if isinstance(number, str):
@@ -227,10 +227,9 @@ IDS_MAX: Final = 10_000
 
 
 class Identities:
-    """`id` that gives the same numbers in every run: objects are counted as they are asked for.
+    """Numbers objects in the order of their first `number` call, so that `id` is the same in every run.
 
-    An object that was asked for is kept alive until `IDS_MAX` others have been; asked for again after that, it
-    gets a new number.
+    The last `IDS_MAX` objects are kept alive; an older one gets a new number.
     """
 
     __slots__ = ("_count", "_known")
@@ -240,12 +239,12 @@ class Identities:
         self._count = 0
 
     def next_number(self) -> int:
-        """A number that no other object has."""
+        """Return a new number."""
         self._count += 1
         return 16 * self._count
 
     def number(self, value: Any) -> int:
-        """The number of an object."""
+        """Return the number of an object."""
         found = self._known.get(id(value))
         if found is not None:
             return found[0]
@@ -261,14 +260,11 @@ class Identities:
 
 
 def class_builder(identities: Identities) -> Callable[..., type]:
-    """`class` statements whose objects are hashed by the order in which that is asked for, not by address.
-
-    So a set of them has the same order in every run.
-    """
+    """Return `__build_class__` for objects hashed by number, so that their sets have the same order in every run."""
     build = builtins.__build_class__
 
     def hash_of(self: Any) -> int:
-        """Number of the object."""
+        """Return the number of the object."""
         try:
             attributes = object.__getattribute__(self, "__dict__")
         except AttributeError:

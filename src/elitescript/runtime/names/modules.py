@@ -1,11 +1,11 @@
-"""The modules that a script can import, in one table, and the hook that imports them.
+"""Lists the modules that a script can import, and imports them.
 
 A facade is a plain object with the public names of a module and nothing behind them. It is made when a program
 first imports it, and belongs to that program. Four ways to fill one:
 
     shared   functions and immutable classes of the installed module itself
     copied   names of a private copy of it (see `stdlib.loader`)
-    own      a small module of ours, in virtual time or over virtual processes
+    own      a small module of the runtime, in virtual time or over simulated processes
     refused  everything else
 """
 
@@ -39,7 +39,7 @@ SHARED_NAMES: Final[dict[str, str]] = {
     " length_hint lshift lt matmul mod mul ne neg not_ or_ pos pow rshift setitem sub truediv truth xor",
     "struct": "calcsize error iter_unpack pack pack_into unpack unpack_from Struct",
 }
-"""Names of the installed module; `*` stands for all its public ones. What hands out attributes by name is left out."""
+"""Names of the installed module; `*` stands for all its public ones. Without functions that return any attribute."""
 
 COPIED_NAMES: Final[dict[str, str]] = {
     "collections": "ChainMap Counter OrderedDict UserDict UserList UserString defaultdict deque namedtuple",
@@ -93,7 +93,7 @@ _name = hidden_slot(Facade, "_name")
 
 
 def _advice(attribute: str, facade: Facade) -> str:
-    """The name that was meant, or the few that there are."""
+    """Return a similar name, or all names if there are few."""
     from elitescript.language.advice.unknown_names import nearest
 
     names = sorted(vars(facade))
@@ -104,17 +104,17 @@ def _advice(attribute: str, facade: Facade) -> str:
 
 
 FEW_NAMES: Final = 24
-"""So many names of a module are listed when a program asks for another one."""
+"""Most names of a module that are listed for an unknown one."""
 
 
 class ModulePort(Protocol):
-    """What the shelf asks of the program that it belongs to."""
+    """Lists the methods of the program that the shelf calls."""
 
     def module_names(self, name: str) -> dict[str, Any]:
-        """Names of one of the `OWN` modules."""
+        """Return the names of one of the `OWN` modules."""
 
     def copy_replacements(self, is_loading_threads: Callable[[], bool]) -> dict[str, Any]:
-        """What private copies get in the place of modules: `_thread`, `time`, `random`."""
+        """Return the replacements of modules for private copies: `_thread`, `time`, `random`."""
 
 
 class ModuleShelf:
@@ -136,7 +136,7 @@ class ModuleShelf:
         fromlist: tuple[str, ...] | None = None,
         level: int = 0,
     ) -> Facade:
-        """`__import__` for scripts.
+        """Import a module for a script: `__import__`.
 
         Raises:
             ImportError: the module is not for scripts, or has no such name.
@@ -153,7 +153,7 @@ class ModuleShelf:
         return module
 
     def facade(self, name: str) -> Facade:
-        """A module.
+        """Return a module.
 
         Raises:
             ImportError: it is not for scripts.
@@ -174,7 +174,8 @@ class ModuleShelf:
             names = {key: forwarded(item) if type(item) is FunctionType else item for key, item in names.items()}
         elif name in COPIED_NAMES:
             names = _chosen(vars(self.copy(name)), COPIED_NAMES[name])
-            _FIXES.get(name, _no_fix)(names)
+            if name in _FIXES:
+                _FIXES[name](names)
             if name == "collections":
                 names["abc"] = self.facade("collections.abc")
         else:
@@ -182,7 +183,7 @@ class ModuleShelf:
         return Facade(name, names)
 
     def copy(self, name: str) -> ModuleType:
-        """The private copy of a module, whole; for our own code."""
+        """Return the whole private copy of a module; not for scripts."""
         if self._loader is None:
             replacements = self._port.copy_replacements(lambda: self._is_loading_threads)
             self._loader = CopyLoader({**replacements, **_REPLACEMENTS})
@@ -204,7 +205,7 @@ def _refusal(name: str) -> str:
 
 
 def _chosen(space: dict[str, Any], wanted: str) -> dict[str, Any]:
-    """The names of a module that are wanted and there; never a module."""
+    """Return the wanted names of a module that exist; never a module."""
     if wanted == "*":
         public = space.get("__all__") or [name for name in space if not name.startswith("_")]
         return {name: space[name] for name in public if not isinstance(space[name], ModuleType)}
@@ -212,7 +213,7 @@ def _chosen(space: dict[str, Any], wanted: str) -> dict[str, Any]:
 
 
 def _own_wraps(names: dict[str, Any]) -> None:
-    """`wraps` without its lists of attributes, which could name any attribute."""
+    """Replace `wraps` by one without lists of attributes, which could name any attribute."""
 
     def update_wrapper(wrapper: Any, wrapped: Any) -> Any:
         """Give a function the name and the text of the one that it wraps."""
@@ -231,7 +232,7 @@ def _own_wraps(names: dict[str, Any]) -> None:
 
 
 def _own_json_error(names: dict[str, Any]) -> None:
-    """The C parser raises the error class of the installed module, so the Python code of the copy does too."""
+    """Use the error class of the installed module, which the C parser raises, in the copy too."""
     error = real("json").JSONDecodeError
     for function in (names["loads"], names["JSONDecoder"].decode):
         function.__globals__["JSONDecodeError"] = error
@@ -239,13 +240,9 @@ def _own_json_error(names: dict[str, Any]) -> None:
 
 
 def _own_user_string(names: dict[str, Any]) -> None:
-    """`UserString` without the methods that fill a format string with any attribute."""
+    """Remove the methods of `UserString` that could read any attribute."""
     for method in ("format", "format_map"):
         delattr(names["UserString"], method)
-
-
-def _no_fix(names: dict[str, Any]) -> None:
-    """Most copies are used as they are."""
 
 
 _FIXES: Final[dict[str, Callable[[dict[str, Any]], None]]] = {
@@ -267,4 +264,4 @@ _REPLACEMENTS: Final[dict[str, Any]] = {
     ),
     "os": SimpleNamespace(),
 }
-"""What every copy gets in the place of a module."""
+"""Replacements of modules for every copy."""

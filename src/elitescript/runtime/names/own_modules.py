@@ -1,4 +1,4 @@
-"""Our own modules by name: what each needs of the program that imports it."""
+"""Makes the modules of the runtime by name."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ class Owner(Protocol):
 
 
 def own_names(name: str, program: Owner) -> dict[str, Any]:
-    """Public names of one of our modules, for one program."""
+    """Return the public names of a module of the runtime, for one program."""
     return _MAKERS[name](program)
 
 
 _MAKERS: Final[dict[str, Callable[[Owner], dict[str, Any]]]] = {
     "elicopy": lambda program: dict(vars(program.shelf.facade("copy"))),
     "itertools": lambda program: itertools_names(step_of(program.scheduler)),
-    "os": lambda program: os_names(program.context, program.processes, Facade),
+    "os": lambda program: os_names(program.context.task_files, program.processes, Facade),
     "random": lambda program: random_names(program.generator()),
     "re": lambda program: re_names(),
     "signal": lambda program: signal_names(),

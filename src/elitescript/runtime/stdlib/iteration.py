@@ -1,4 +1,4 @@
-"""Iterators that would feed a built-in function for ever, with a checkpoint in each step."""
+"""Endless iterators with a checkpoint in each step."""
 
 from __future__ import annotations
 
@@ -8,22 +8,8 @@ from typing import Any, Final
 from elitescript.runtime.stdlib.loader import real
 
 _SHARED: Final = (
-    "accumulate",
-    "chain",
-    "combinations",
-    "combinations_with_replacement",
-    "compress",
-    "dropwhile",
-    "filterfalse",
-    "groupby",
-    "islice",
-    "pairwise",
-    "permutations",
-    "product",
-    "starmap",
-    "takewhile",
-    "tee",
-    "zip_longest",
+    "accumulate chain combinations combinations_with_replacement compress dropwhile filterfalse groupby islice"
+    " pairwise permutations product starmap takewhile tee zip_longest"
 )
 
 _MISSING: Final = object()
@@ -32,7 +18,7 @@ Step = Callable[[], object]
 
 
 def itertools_names(step: Step) -> dict[str, Any]:
-    """Public names of `itertools` for one program."""
+    """Return the public names of `itertools` for one program."""
     host = real("itertools")
 
     def count(start: Any = 0, step_by: Any = 1, **options: Any) -> Iterator[Any]:
@@ -50,12 +36,12 @@ def itertools_names(step: Step) -> dict[str, Any]:
         """A value, over and over or some times."""
         return _repeat(step, value, times)
 
-    names = {name: getattr(host, name) for name in (*_SHARED, "batched") if hasattr(host, name)}
+    names = {name: getattr(host, name) for name in (*_SHARED.split(), "batched") if hasattr(host, name)}
     return {**names, "count": count, "cycle": cycle, "repeat": repeat}
 
 
 def iter_until(step: Step) -> Callable[..., Iterator[Any]]:
-    """`iter`, whose form with two arguments comes to a checkpoint in each step."""
+    """Return `iter`; its form with two arguments has a checkpoint in each step."""
 
     def checked_iter(source: Any, sentinel: Any = _MISSING) -> Iterator[Any]:
         if sentinel is _MISSING:

@@ -1,8 +1,8 @@
 """Private copies of installed pure-Python modules, one set for each run.
 
-A copy is executed from the installed module's own code, with our modules in the place of some that it imports.
-`threading` and `queue` thereby get the exact semantics of CPython over our lock and our clock, and a program that
-patches a class of a copy patches it for itself alone. No text of the standard library is kept here.
+A copy is executed from the installed module's own code, with some of its imports replaced. `threading` and `queue`
+thereby get the exact semantics of CPython with virtual locks and time, and a program that patches a class of a copy
+patches it for itself alone.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ from types import CodeType, ModuleType, SimpleNamespace
 from typing import Any, Final
 
 from elitescript.errors import InternalError
+from elitescript.language import modules
 
 KNOWN_PYTHONS: Final = ((3, 11), (3, 12), (3, 13))
-"""Versions whose modules were tried as copies; another one may import other names."""
+"""Versions whose modules were tested as copies; another one may import other names."""
 
 ABSENT: Final = object()
 """Stands for a module that a copy must not find, so that it takes its own Python code."""
@@ -29,7 +30,7 @@ class CopyLoader:
     """Makes and keeps the copies of one run.
 
     Args:
-        replacements: by name, what a copy gets when it imports that module, or `ABSENT`.
+        replacements: of imported modules, by name; `ABSENT` for none.
     """
 
     __slots__ = ("_builtins", "_copies", "_replacements")
@@ -40,7 +41,7 @@ class CopyLoader:
         self._builtins = {**vars(builtins), "__import__": self._import, "print": _no_output}
 
     def load(self, name: str) -> ModuleType:
-        """The copy of a module.
+        """Return the copy of a module.
 
         Raises:
             InternalError: this Python is not known.
@@ -91,27 +92,7 @@ class CopyLoader:
         return builtins.__import__(name, None, None, fromlist or (), 0)
 
 
-COPIED: Final = frozenset(
-    {
-        "_strptime",
-        "collections",
-        "collections.abc",
-        "dataclasses",
-        "datetime",
-        "enum",
-        "fractions",
-        "functools",
-        "json",
-        "json.decoder",
-        "json.encoder",
-        "json.scanner",
-        "queue",
-        "statistics",
-        "string",
-        "textwrap",
-        "threading",
-    }
-)
+COPIED: Final = modules.COPIED | {"_strptime", "json.decoder", "json.encoder", "json.scanner"}
 """Modules that copies of each other find as copies."""
 
 PACKAGES: Final = frozenset({"json"})
@@ -120,11 +101,11 @@ SOURCES: Final = {
     "collections.abc": "_collections_abc",
     "datetime": "datetime" if sys.version_info < (3, 12) else "_pydatetime",
 }
-"""Where the Python code of a module is, if not under its own name."""
+"""Name of the Python code of a module, if it is another one."""
 
 
 def check_python(version: tuple[int, int] = sys.version_info[:2]) -> None:
-    """Refuse a Python whose modules were never tried as copies.
+    """Refuse a Python whose modules were never tested as copies.
 
     Raises:
         InternalError: with the versions that are known.
@@ -139,7 +120,7 @@ def check_python(version: tuple[int, int] = sys.version_info[:2]) -> None:
 
 @cache
 def _code_of(name: str) -> CodeType:
-    """The code of an installed module, from its compiled file where there is one."""
+    """Return the code of an installed module, from its compiled file where there is one."""
     path = None
     if "." in name:
         package = PathFinder.find_spec(name.partition(".")[0])
@@ -153,13 +134,13 @@ def _code_of(name: str) -> CodeType:
 
 
 class _Modules(dict[str, Any]):
-    """`sys.modules` for a copy: says that it holds nothing, whatever it holds."""
+    """`sys.modules` for a copy: appears empty."""
 
     def __contains__(self, name: object) -> bool:
         return False
 
     def get(self, name: str, default: Any = None) -> Any:
-        """An empty module for everything but `typing`, which annotations in text form are compared with."""
+        """Return an empty module, but `default` for `typing`, with which text annotations are compared."""
         return default if name == "typing" else _EMPTY
 
 
@@ -167,7 +148,7 @@ _EMPTY: Final = SimpleNamespace()
 
 
 def _system(modules: dict[str, Any]) -> SimpleNamespace:
-    """`sys` for a copy: what it uses of it, and nothing that leads out."""
+    """Return `sys` for a copy, reduced to the names that it uses."""
     return SimpleNamespace(
         _getframe=sys._getframe,
         exc_info=sys.exc_info,
@@ -188,12 +169,12 @@ def _system(modules: dict[str, Any]) -> SimpleNamespace:
 
 
 def real(name: str) -> ModuleType:
-    """An installed module itself; for our own code, never for scripts."""
+    """Return an installed module itself; never for scripts."""
     return import_module(name)
 
 
 def forwarded(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A function of an installed module behind one of ours: what a program hangs on it ends with the program."""
+    """Wrap a function of an installed module, so that attributes set by a program end with the program."""
 
     def call(*args: Any, **kwargs: Any) -> Any:
         return function(*args, **kwargs)
@@ -204,4 +185,4 @@ def forwarded(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _no_output(*values: object, **options: object) -> None:
-    """Takes the place of `print` and of warnings in copies."""
+    """Do nothing: `print` and warnings in copies."""

@@ -1,10 +1,9 @@
-"""The primitive lock and what is made of it: re-entrant lock, thread-local storage.
+"""Locks of script threads: the primitive and the re-entrant one.
 
 Semantics are those of `_thread` in CPython, with three additions. A released lock is handed to the thread that
-has waited longest. A thread that gets the lock in the tick in which its time-out ends has got it. A thread that
-is being stopped never waits: a lock that it cannot have is taken in pretence and given back in pretence, so that
-`with condition:` unwinds without disturbing the owner. Left-over code that no thread runs, such as `__del__` of an
-object that is collected late, runs alone, so locks mean nothing to it.
+has waited longest. A thread that gets the lock in the tick of its timeout has got it. A stopped thread never waits: it
+only pretends to take and release a lock that another thread holds, so that `with condition:` unwinds without disturbing
+the owner. Code that no thread runs, such as `__del__` of an object that is collected late, ignores locks.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
 TIMEOUT_MAX: Final = 9_223_372_036.0
-"""Longest time-out, s; that of CPython on 64-bit systems."""
+"""Longest timeout, s; that of CPython on 64-bit systems."""
 
 
 class _Claim:
@@ -32,7 +31,7 @@ class _Claim:
 
 
 class _Mutex:
-    """What stands behind a lock that scripts hold."""
+    """The state of a lock."""
 
     __slots__ = ("claims", "count", "is_locked", "owner", "scheduler")
 
@@ -41,11 +40,11 @@ class _Mutex:
         self.is_locked = False
         self.owner: Strand | None = None
         self.count = 0
-        """How often the owner has taken it; for re-entrant locks."""
+        """Number of times that the owner has taken it; for re-entrant locks."""
         self.claims: deque[_Claim] = deque()
 
     def take(self, timeout_s: float | None) -> bool:
-        """Take it, waiting if need be; False when the time-out was first.
+        """Take it, waiting if necessary; return False after a timeout.
 
         Args:
             timeout_s: None waits for ever, 0 does not wait.
@@ -100,7 +99,7 @@ class _Mutex:
         self.give_on()
 
     def give_on(self) -> None:
-        """Hand it to the thread that has waited longest, or leave it free."""
+        """Hand it to the thread that has waited longest, or release it."""
         self.count = 0
         if self.claims:
             claim = self.claims.popleft()
@@ -113,7 +112,7 @@ class _Mutex:
 
 
 def _timeout(blocking: Any, timeout: Any) -> float | None:
-    """The arguments of `acquire` as seconds: None for ever, 0 not at all.
+    """Return the arguments of `acquire` as a timeout in s: None for ever, 0 without waiting.
 
     Raises:
         ValueError, OverflowError: as CPython's.
@@ -144,7 +143,7 @@ class lock(metaclass=Sealed):
         return mutex.take(None if blocking is True and timeout == -1 else _timeout(blocking, timeout))
 
     def release(self) -> None:
-        """Give the lock back.
+        """Release the lock.
 
         Raises:
             RuntimeError: it is free.
@@ -152,7 +151,7 @@ class lock(metaclass=Sealed):
         _mutex_of(self).give_back()
 
     def locked(self) -> bool:
-        """Whether some thread holds it."""
+        """Return whether a thread holds it."""
         return bool(_mutex_of(self).is_locked)
 
     def __enter__(self) -> bool:
@@ -187,7 +186,7 @@ class RLock(metaclass=Sealed):
         return _retake(mutex, timeout_s, 1)
 
     def release(self) -> None:
-        """Give the lock back once.
+        """Release the lock once.
 
         Raises:
             RuntimeError: the calling thread does not hold it.
@@ -246,7 +245,7 @@ def _retake(mutex: _Mutex, timeout_s: float | None, count: int) -> bool:
 
 
 def _give_back_unowned(mutex: _Mutex) -> None:
-    """Release by a thread that does not own it: a dying one may."""
+    """Release by a thread that does not own it, allowed for a stopped one."""
     strand = mutex.scheduler.current
     if strand is None:
         return
@@ -258,21 +257,21 @@ def _give_back_unowned(mutex: _Mutex) -> None:
 
 
 def new_lock(scheduler: Scheduler) -> lock:
-    """A lock of the threads of one scheduler."""
+    """Return a lock for the threads of one scheduler."""
     result = lock()
     _mutex.__set__(result, _Mutex(scheduler))
     return result
 
 
 def new_rlock(scheduler: Scheduler) -> RLock:
-    """A re-entrant lock of the threads of one scheduler."""
+    """Return a re-entrant lock for the threads of one scheduler."""
     result = RLock()
     _rmutex.__set__(result, _Mutex(scheduler))
     return result
 
 
 def release_at_end(lock_: lock) -> None:
-    """Release a lock because the thread that it stands for has ended."""
+    """Release a lock that represents a thread which has ended."""
     mutex: _Mutex = _mutex_of(lock_)
     if mutex.is_locked:
         mutex.give_on()

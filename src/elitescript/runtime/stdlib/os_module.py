@@ -1,9 +1,9 @@
-"""`os`, `os.path` and `signal` for scripts: the task folder, and signals to processes that do not exist."""
+"""`os`, `os.path` and `signal` for scripts: the task folder, and signals to simulated processes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from elitescript.errors import NotSimulatedError, ScriptPermissionError
 from elitescript.runtime.environment import TASK_PATH, Files, relative_name
@@ -11,45 +11,36 @@ from elitescript.runtime.stdlib.loader import forwarded, real
 from elitescript.runtime.stdlib.subprocess_module import FIRST_PID, HARMLESS, ProcessTable
 
 
-class FilesPort(Protocol):
-    """What `os` asks of the program that it belongs to."""
-
-    @property
-    def task_files(self) -> Files:
-        """The task folder."""
-
-
-def os_names(port: FilesPort, table: ProcessTable, facade: Callable[[str, dict[str, Any]], Any]) -> dict[str, Any]:
-    """Public names of `os` for one program.
+def os_names(files: Files, table: ProcessTable, facade: Callable[[str, dict[str, Any]], Any]) -> dict[str, Any]:
+    """Return the public names of `os` for one program.
 
     Args:
-        port: the program.
-        table: its processes.
+        files: the task folder.
+        table: the processes of the program.
         facade: makes a module of names, for `os.path`.
     """
 
     def kill(pid: int, number: int) -> None:
-        """End a process of the table, unless the signal is one of those that end nothing."""
+        """End a process of the table, unless the signal is harmless."""
         if number in HARMLESS and pid in table.running:
             return
         table.end(pid, -int(number))
 
     def listdir(path: str = TASK_PATH) -> list[str]:
         """Sorted names in a folder of the task folder."""
-        return port.task_files.names(relative_name(path))
+        return files.names(relative_name(path))
 
     def remove(path: str) -> None:
         """Delete a file of the task folder."""
-        port.task_files.remove(relative_name(path))
+        files.remove(relative_name(path))
 
     def mkdir(path: str, mode: int = 0o777) -> None:
         """Make a folder in the task folder."""
-        port.task_files.make_folder(relative_name(path))
+        files.make_folder(relative_name(path))
 
     def makedirs(path: str, mode: int = 0o777, exist_ok: bool = False) -> None:
         """Make a folder and those above it."""
         name = relative_name(path)
-        files = port.task_files
         parts = name.split("/")
         for end in range(1, len(parts)):
             if not files.kind("/".join(parts[:end])):
@@ -70,34 +61,23 @@ def os_names(port: FilesPort, table: ProcessTable, facade: Callable[[str, dict[s
         "makedirs": makedirs,
         "mkdir": mkdir,
         "name": "posix",
-        "path": facade("os.path", _path_names(port)),
+        "path": facade("os.path", _path_names(files)),
         "pathsep": ":",
         "remove": remove,
         "unlink": remove,
     }
 
 
-_PATH_FUNCTIONS: Final = (
-    "basename",
-    "commonprefix",
-    "dirname",
-    "isabs",
-    "join",
-    "normcase",
-    "normpath",
-    "split",
-    "splitdrive",
-    "splitext",
-)
+_PATH_FUNCTIONS: Final = "basename commonprefix dirname isabs join normcase normpath split splitdrive splitext"
 _NAMES_OF_FOLDERS: Final = {"curdir": ".", "extsep": ".", "pardir": "..", "sep": "/"}
 
 
-def _path_names(port: FilesPort) -> dict[str, Any]:
+def _path_names(files: Files) -> dict[str, Any]:
     posixpath = real("posixpath")
 
     def kind(path: str) -> str:
         try:
-            return port.task_files.kind(relative_name(path))
+            return files.kind(relative_name(path))
         except ScriptPermissionError:
             return ""
 
@@ -106,7 +86,7 @@ def _path_names(port: FilesPort) -> dict[str, Any]:
         return str(posixpath.normpath(posixpath.join(TASK_PATH, path)))
 
     def realpath(path: str, *, strict: bool = False) -> str:
-        """The same: programs see no links."""
+        """Return the absolute path: programs see no links."""
         if strict and not kind(path):
             raise FileNotFoundError(2, "No such file or directory", path)
         return abspath(path)
@@ -116,7 +96,7 @@ def _path_names(port: FilesPort) -> dict[str, Any]:
         return str(posixpath.relpath(abspath(path), abspath(start)))
 
     def expanduser(path: str) -> str:
-        """The path as it is: nobody has a home on the robot (*assumed*)."""
+        """Return the path as it is: there are no home folders on the robot (*assumed*)."""
         return str(posixpath.join(path))
 
     def getmtime(path: str) -> float:
@@ -126,18 +106,18 @@ def _path_names(port: FilesPort) -> dict[str, Any]:
             NotSimulatedError: always, for a file that is there.
         """
         name = relative_name(path)
-        if not port.task_files.kind(name):
+        if not files.kind(name):
             raise FileNotFoundError(2, "No such file or directory", path)
         raise NotSimulatedError(f"nobody knows when {path!r} was changed: the task folder keeps no times", value=path)
 
     return {
-        **{name: forwarded(getattr(posixpath, name)) for name in _PATH_FUNCTIONS},
+        **{name: forwarded(getattr(posixpath, name)) for name in _PATH_FUNCTIONS.split()},
         **_NAMES_OF_FOLDERS,
         "abspath": abspath,
         "exists": lambda path: kind(path) != "",
         "expanduser": expanduser,
         "getmtime": getmtime,
-        "getsize": lambda path: port.task_files.size(relative_name(path)),
+        "getsize": lambda path: files.size(relative_name(path)),
         "isdir": lambda path: kind(path) == "folder",
         "isfile": lambda path: kind(path) == "file",
         "realpath": realpath,
@@ -163,7 +143,7 @@ _UNHANDLED: Final = frozenset((9, 19))
 
 
 def signal_names() -> dict[str, Any]:
-    """Public names of `signal` for one program. Handlers are kept and never called: no signal ever arrives."""
+    """Return the public names of `signal` for one program. Handlers are kept and never called: no signal arrives."""
     handlers: dict[int, Any] = {}
 
     def signal(number: int, handler: Any) -> Any:

@@ -7,38 +7,19 @@ from typing import Any, Final
 from elitescript.runtime.stdlib.loader import real
 
 _METHODS: Final = (
-    "betavariate",
-    "choice",
-    "choices",
-    "expovariate",
-    "gammavariate",
-    "gauss",
-    "getrandbits",
-    "getstate",
-    "lognormvariate",
-    "normalvariate",
-    "paretovariate",
-    "randbytes",
-    "randint",
-    "random",
-    "randrange",
-    "sample",
-    "setstate",
-    "shuffle",
-    "triangular",
-    "uniform",
-    "vonmisesvariate",
-    "weibullvariate",
+    "betavariate choice choices expovariate gammavariate gauss getrandbits getstate lognormvariate normalvariate"
+    " paretovariate randbytes randint random randrange sample setstate shuffle triangular uniform vonmisesvariate"
+    " weibullvariate"
 )
 
 
 def new_generator(seed: int) -> Any:
-    """A seeded generator: `random.Random`."""
+    """Return a seeded generator: `random.Random`."""
     return real("random").Random(seed)
 
 
 def random_names(generator: Any) -> dict[str, Any]:
-    """Public names of `random` for one program.
+    """Return the public names of `random` for one program.
 
     Args:
         generator: draws for the functions of the module, and seeds generators that get no seed.
@@ -62,4 +43,4 @@ def random_names(generator: Any) -> dict[str, Any]:
         """Begin a sequence; without a seed, one that the run's seed decides."""
         generator.seed(generator.getrandbits(64) if a is None else a, version)
 
-    return {**{name: getattr(generator, name) for name in _METHODS}, "Random": Random, "seed": seed}
+    return {**{name: getattr(generator, name) for name in _METHODS.split()}, "Random": Random, "seed": seed}

@@ -6,18 +6,7 @@ from typing import Any, Final
 
 from elitescript.runtime.stdlib.loader import forwarded, real
 
-_FUNCTIONS: Final = (
-    "compile",
-    "escape",
-    "findall",
-    "finditer",
-    "fullmatch",
-    "match",
-    "search",
-    "split",
-    "sub",
-    "subn",
-)
+_FUNCTIONS: Final = "compile escape findall finditer fullmatch match search split sub subn"
 
 _FLAGS: Final = {
     "A": 256,
@@ -37,7 +26,7 @@ _FLAGS: Final = {
 
 
 def re_names() -> dict[str, Any]:
-    """Public names of `re`."""
+    """Return the public names of `re`."""
     host = real("re")
-    names: dict[str, Any] = {name: forwarded(getattr(host, name)) for name in _FUNCTIONS}
+    names: dict[str, Any] = {name: forwarded(getattr(host, name)) for name in _FUNCTIONS.split()}
     return {**names, **_FLAGS, "Match": host.Match, "Pattern": host.Pattern, "error": host.error}

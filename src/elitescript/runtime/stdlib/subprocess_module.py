@@ -1,8 +1,8 @@
-"""`subprocess` for scripts: a table of processes that do not exist.
+"""`subprocess` for scripts: a table of simulated processes.
 
-Real programs look for stale `socat` processes, end them and start their own, to reach the serial line of the tool
-over the network. They find an empty table and get a process that runs until they end it. Any other process is
-refused; no process is ever started.
+Real programs look for stale `socat` processes, end them and start their own, to reach the serial line of the tool over
+the network. Here the table is empty at first, and a simulated `socat` runs until the program ends it. Any other process
+is refused; no process is ever started.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _KILLED: Final = -9
 
 
 class ProcessTable:
-    """The processes of one program, none of which exists."""
+    """The simulated processes of one program."""
 
     __slots__ = ("_next_pid", "running")
 
@@ -55,7 +55,7 @@ class ProcessTable:
         return process
 
     def ended(self, args: list[str]) -> Process:
-        """A process that has ended well already."""
+        """Return a process that has ended with status 0."""
         process = Process(args)
         self._next_pid += 1
         state = _state_of(process)
@@ -64,7 +64,7 @@ class ProcessTable:
         return process
 
     def end(self, pid: int, status: int) -> None:
-        """Take a process out.
+        """End a process.
 
         Raises:
             ProcessLookupError: there is none of that number.
@@ -90,7 +90,7 @@ class _ProcessState:
 
 
 class Process(metaclass=Sealed):
-    """What `subprocess.Popen` returns."""
+    """The result of `subprocess.Popen`."""
 
     __slots__ = ("_state", "args", "stderr", "stdin", "stdout")
     __module__ = "subprocess"
@@ -191,7 +191,7 @@ def _end(process: Process, status: int) -> None:
 
 
 class CompletedProcess(metaclass=Sealed):
-    """What `subprocess.run` returns."""
+    """The result of `subprocess.run`."""
 
     __slots__ = ("args", "returncode", "stderr", "stdout")
     __module__ = "subprocess"
@@ -203,14 +203,14 @@ class CompletedProcess(metaclass=Sealed):
         self.stderr: Any = None if stdout is None else type(stdout)()
 
     def check_returncode(self) -> None:
-        """Do nothing: it ended well."""
+        """Do nothing: the status is 0."""
 
 
 _PIPE: Final = -1
 
 
 def subprocess_names(table: ProcessTable, scheduler: Scheduler) -> dict[str, Any]:
-    """Public names of `subprocess` for one program.
+    """Return the public names of `subprocess` for one program.
 
     Args:
         table: its processes.
@@ -335,7 +335,7 @@ def _is_text(options: dict[str, Any]) -> bool:
 
 
 def _stream(name: str, text: str, options: dict[str, Any]) -> ScriptFile:
-    """An output of a process that has written all that it will."""
+    """Return an output of a process with all of its text."""
     return file_over(StringIO(text), "r", name) if _is_text(options) else file_over(BytesIO(text.encode()), "rb", name)
 
 

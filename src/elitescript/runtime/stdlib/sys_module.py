@@ -1,4 +1,4 @@
-"""`sys` for scripts: the version, the way out and the standard output."""
+"""`sys` for scripts: version, `exit` and standard output."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from elitescript.runtime.files import ScriptStream
 
 
 def system_names(write: Callable[[str], None], leave: Callable[[str], None]) -> dict[str, Any]:
-    """Public names of `sys` for one program.
+    """Return the public names of `sys` for one program.
 
     Args:
-        write: takes what the program writes to its standard output.
-        leave: ends the program; gets the name of the function that was called.
+        write: writes to the standard output.
+        leave: ends the program; called with the name of the function.
     """
 
     def exit(status: object = None) -> None:

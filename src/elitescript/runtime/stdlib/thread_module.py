@@ -17,7 +17,7 @@ from elitescript.runtime.threads.strand import ENDED, STOP, Stopped, Strand
 
 
 class ThreadPort(Protocol):
-    """What the module asks of the program that it belongs to."""
+    """Lists the members of the program that the module uses."""
 
     scheduler: Scheduler
 
@@ -29,11 +29,11 @@ class ThreadPort(Protocol):
         """Start a strand; see `commands.definition.context.Robot.start_thread`."""
 
     def thread_failed(self, error: BaseException) -> None:
-        """An exception left the function of a thread."""
+        """Report an exception that has left the function of a thread."""
 
 
 class ThreadHandle(metaclass=Sealed):
-    """What `threading.Thread` of Python 3.13 knows its thread by."""
+    """The handle of `threading.Thread` of Python 3.13."""
 
     __slots__ = ("_state",)
     __module__ = "_thread"
@@ -49,7 +49,7 @@ class ThreadHandle(metaclass=Sealed):
         return 0 if strand is None else int(strand.handle)
 
     def is_done(self) -> bool:
-        """Whether the thread has ended."""
+        """Return whether the thread has ended."""
         state: _HandleState = _state_of(self)
         return state.is_done or (state.strand is not None and state.strand.state == ENDED)
 
@@ -57,7 +57,7 @@ class ThreadHandle(metaclass=Sealed):
         _state_of(self).is_done = True
 
     def join(self, timeout: float | None = None) -> None:
-        """Wait until the thread has ended, or for a time-out in seconds."""
+        """Wait until the thread has ended, or for a timeout in seconds."""
         state: _HandleState = _state_of(self)
         if self.is_done():
             return
@@ -128,11 +128,11 @@ def _values(instance: local) -> dict[str, Any]:
 
 
 def thread_module(port: ThreadPort, *, is_loading: Callable[[], bool]) -> SimpleNamespace:
-    """`_thread` for one program.
+    """Return `_thread` for one program.
 
     Args:
         port: the program.
-        is_loading: whether the copy of `threading` is being made just now; its main thread is the main strand,
+        is_loading: whether the copy of `threading` is being loaded; its main thread is the main strand,
             whichever strand imports it first.
     """
     scheduler = port.scheduler
@@ -225,6 +225,6 @@ def _hook_args(values: Iterable[Any]) -> SimpleNamespace:
 
 
 def _name_of(function: Callable[..., Any]) -> str:
-    """The name of the `Thread` whose method is started; else the function's own."""
+    """Return the name of the `Thread` whose method is started, or else of the function."""
     owner = getattr(function, "__self__", None)
     return str(getattr(owner, "_name", "") or getattr(function, "__name__", "thread"))

@@ -1,7 +1,7 @@
 """`time` for scripts and for copies of the standard library: the clock is the robot's, and stands still between ticks.
 
-The zone is UTC whatever the computer's is (*assumed*), so that a program prints the same everywhere. What C functions
-would take from the computer's zone is put in before they are called.
+The zone is always UTC (*assumed*), so that a program prints the same everywhere; format fields of the zone are filled
+in before C functions are called.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from elitescript.messages.timing import seconds, ticks_for
 from elitescript.runtime.stdlib.loader import real
 
 COPY_GAIN_S: Final = 1e-9
-"""How much faster per tick the clock of the copies runs than the robot's.
+"""Gain per tick of the clock of the copies over that of the robot.
 
 `threading` and `queue` compute an end from a sum of floats and wait again while the difference to it is above 0.
 The gain is more than the rounding of such sums and less than any wait, so a wait of n ticks is over after n ticks.
@@ -22,7 +22,7 @@ The gain is more than the rounding of such sums and less than any wait, so a wai
 
 
 class ClockPort(Protocol):
-    """What the module asks of the program that it belongs to."""
+    """Lists the members of the context that the module uses."""
 
     @property
     def is_secondary(self) -> bool:
@@ -44,7 +44,7 @@ _ZONE_FIELDS: Final = r"%%|%[-_0^#]*[0-9]*[EO]?([sZz])"
 
 
 def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dict[str, Any]:
-    """Public names of `time` for one program.
+    """Return the public names of `time` for one program.
 
     Args:
         port: the program.
@@ -146,13 +146,13 @@ def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dic
 
 
 def _offset(offset_s: int) -> str:
-    """How far east of UTC, as hours and minutes."""
+    """Return an offset east of UTC as hours and minutes."""
     minutes = abs(offset_s) // 60
     return f"{'-' if offset_s < 0 else '+'}{minutes // 60:02}{minutes % 60:02}"
 
 
 def copy_clock(port: ClockPort) -> Callable[[], float]:
-    """`monotonic` for the copies; see `COPY_GAIN_S`."""
+    """Return `monotonic` for the copies; see `COPY_GAIN_S`."""
 
     def monotonic() -> float:
         tick = port.now

@@ -1,6 +1,6 @@
 """`typing` for scripts: annotations mean nothing while a program runs, so most names stand for nothing.
 
-The real module keeps annotations in text form and evaluates them, which would be a way round the compiler.
+The real module evaluates annotations in text form, which would bypass the compiler.
 """
 
 from __future__ import annotations
@@ -12,49 +12,10 @@ from elitescript.runtime.sealed import Sealed, no_copy
 from elitescript.runtime.stdlib.typing_records import record_names
 
 _FORMS: Final = (
-    "AbstractSet",
-    "Annotated",
-    "Any",
-    "AnyStr",
-    "Callable",
-    "ClassVar",
-    "Collection",
-    "Concatenate",
-    "Counter",
-    "DefaultDict",
-    "Deque",
-    "Dict",
-    "Final",
-    "FrozenSet",
-    "Generator",
-    "Hashable",
-    "IO",
-    "Iterable",
-    "Iterator",
-    "List",
-    "Literal",
-    "LiteralString",
-    "Mapping",
-    "Match",
-    "MutableMapping",
-    "MutableSequence",
-    "MutableSet",
-    "Never",
-    "NoReturn",
-    "NotRequired",
-    "Optional",
-    "OrderedDict",
-    "Pattern",
-    "Required",
-    "Self",
-    "Sequence",
-    "Set",
-    "Sized",
-    "Text",
-    "Tuple",
-    "Type",
-    "TypeAlias",
-    "Union",
+    "AbstractSet Annotated Any AnyStr Callable ClassVar Collection Concatenate Counter DefaultDict Deque Dict"
+    " Final FrozenSet Generator Hashable IO Iterable Iterator List Literal LiteralString Mapping Match"
+    " MutableMapping MutableSequence MutableSet Never NoReturn NotRequired Optional OrderedDict Pattern Required"
+    " Self Sequence Set Sized Text Tuple Type TypeAlias Union"
 )
 
 
@@ -90,7 +51,7 @@ class TypingForm(metaclass=Sealed):
 
 
 def typing_names(namedtuple: Callable[..., Any]) -> dict[str, Any]:
-    """Public names of `typing` for one program.
+    """Return the public names of `typing` for one program.
 
     Args:
         namedtuple: `collections.namedtuple` of that program.
@@ -113,7 +74,7 @@ def typing_names(namedtuple: Callable[..., Any]) -> dict[str, Any]:
         return identity
 
     return {
-        **{name: TypingForm(name) for name in (*_FORMS, "Generic", "Protocol")},
+        **{name: TypingForm(name) for name in (*_FORMS.split(), "Generic", "Protocol")},
         **record_names(namedtuple),
         "NewType": new_type,
         "ParamSpec": variable,

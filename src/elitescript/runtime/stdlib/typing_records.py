@@ -11,11 +11,11 @@ from typing import Any, Final
 _KEPT: Final = frozenset(
     ("__new__", "__init__", "__slots__", "__getnewargs__", "_asdict", "_field_defaults", "_fields", "_make", "_replace")
 )
-"""What a class of named tuples is made of and cannot define itself."""
+"""Attributes that a class of named tuples cannot define."""
 
 
 def record_names(namedtuple: Callable[..., Any]) -> dict[str, Any]:
-    """`NamedTuple` and `TypedDict` of one program.
+    """Return `NamedTuple` and `TypedDict` of one program.
 
     Args:
         namedtuple: `collections.namedtuple` of that program.
@@ -83,7 +83,7 @@ def _typed_dict() -> Callable[..., Any]:
 
 
 def _extensible(function: Callable[..., Any], name: str, base: type) -> Callable[..., Any]:
-    """The function, which classes can name as what they extend, and then extend `base`."""
+    """Return the function, as a base of which classes extend `base`."""
     function.__name__ = function.__qualname__ = name
     function.__module__ = "typing"
     function.__mro_entries__ = lambda bases: (base,)  # type: ignore[attr-defined]

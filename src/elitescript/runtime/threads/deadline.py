@@ -1,4 +1,4 @@
-"""The end of the time that a command may take."""
+"""Deadlines of commands that wait for events from outside."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from elitescript.runtime.threads.scheduler import Scheduler
 
 
 class Deadline:
-    """Until when a command waits for something from outside. A pause of the program puts it off, as it does every wait.
+    """The end of a wait for an event from outside. A pause of the program extends it, as every wait.
 
-    It is over no earlier by the wall clock than by robot time: ticks that are made up for do not count beyond those
-    that robot time was behind by at the beginning, for what arrived while they were missed came all at once.
+    It is not over earlier by the wall clock than by robot time: while robot time catches up, only the lag of the
+    beginning counts, because everything that arrived in the missed ticks arrived at once.
 
     Args:
         scheduler: of the thread that waits.
@@ -27,7 +27,7 @@ class Deadline:
 
     @property
     def tick(self) -> int | None:
-        """The tick, as far as it is known by now; None for ever."""
+        """The tick, as known now; None for ever."""
         if self._tick is None:
             return None
         scheduler = self._scheduler

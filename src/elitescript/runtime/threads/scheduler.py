@@ -1,13 +1,13 @@
-"""Whose turn it is: script threads in virtual time, in an order that is the same in every run.
+"""Schedules script threads in virtual time, in an order that is the same in every run.
 
 In each tick the threads that are due run in the order of their start, each until it waits or has used up its work for
 this tick. Threads that others wake in the same tick run after those, in the order in which they were woken. Work is
-counted in checkpoints (loop passes, calls), never in time, so an endless loop costs one tick for every `work_per_tick`
-checkpoints and can stop nothing. How fast the real controller is, is not known: the number is *assumed*.
+counted in checkpoints (loop passes, calls), never in time, so an endless loop takes one tick for every `work_per_tick`
+checkpoints and blocks nothing. The speed of the real controller is not known: the number is *assumed*.
 
-Compiled scripts evaluate `tick() or checkpoint()`, where `tick` pops from the list `fuel`. The list holds True
-for every checkpoint that costs nothing more, above False values that lead to `checkpoint`. It is filled in
-portions; the books are kept exactly, so the size of a portion shows nowhere.
+Compiled scripts evaluate `tick() or checkpoint()`, where `tick` pops from the list `fuel`. The list holds True for
+every checkpoint that is passed at once, above False values that lead to `checkpoint`. It is filled in portions; work is
+counted exactly, so the size of a portion has no effect on results.
 """
 
 from __future__ import annotations
@@ -22,18 +22,17 @@ from elitescript.runtime.threads.strand import ENDED, READY, WAITING, Stopped, S
 from elitescript.runtime.threads.timers import Timers
 
 WORK_PER_ACTIVATION: Final = 20
-"""Checkpoints that it costs to be woken, so that threads which only wake each other use up the tick too."""
+"""Cost of a wake-up in checkpoints, so that threads which only wake each other use up the tick too."""
 
 WORK_PER_EVENT: Final = 20
-"""Checkpoints that an event costs (*assumed*), so that a loop which only writes messages or signals keeps up with time
-and leaves its readers theirs."""
+"""Cost of an event in checkpoints (*assumed*), which limits the events of a loop in one tick."""
 
 FLOOR: Final = 1000
-"""False values below the fuel. One is enough as long as `checkpoint` can be called; in the last calls before the
-recursion limit it cannot, and each try takes one away."""
+"""False values below the fuel. In the last calls before the recursion limit `checkpoint` cannot be called, and each try
+takes one away."""
 
 STARTS_PER_TICK: Final = 1000
-"""Threads that begin in the tick in which they are started; those that start each other do not stop time either."""
+"""Most threads that begin in the tick in which they are started, so that a chain of starts does not stop time."""
 
 PORTION: Final = 500
 """Checkpoints that are paid out at a time."""
@@ -50,7 +49,7 @@ class Scheduler:
 
     Args:
         work_per_tick: checkpoints that a thread may pass in one tick.
-        portion: checkpoints paid out at a time; shows in speed alone.
+        portion: checkpoints paid out at a time; affects speed only.
 
     Attributes:
         now: the tick that runs, or ran last.
@@ -59,8 +58,8 @@ class Scheduler:
         is_ending: whether the running strand was stopped.
         needs_attention: keeps `run_ready` from going on; set by `call_attention`.
         is_paused: whether only secondary programs run.
-        lag_ticks: by which robot time is behind the wall clock, see `Deadline`.
-        timers: when waits end.
+        lag_ticks: delay of robot time behind the wall clock, see `Deadline`.
+        timers: timeouts of waits.
     """
 
     __slots__ = (
@@ -133,13 +132,24 @@ class Scheduler:
         return strand
 
     def find(self, handle: int) -> Strand | None:
-        """The living strand with that handle."""
+        """Return the living strand with that handle."""
         return next((strand for strand in self.strands if strand.handle == handle), None)
 
-    # ---------------------------------------------------------------- the loop's side
+    @property
+    def caller(self) -> Strand:
+        """The running strand.
+
+        Raises:
+            Stopped: the caller is no strand, but left-over code of one.
+        """
+        if self.current is None:
+            raise Stopped
+        return self.current
+
+    # ---------------------------------------------------------------- calls of the loop
 
     def begin_tick(self, tick: int) -> None:
-        """Make everything ready that is due at a tick."""
+        """Make the strands ready that are due at a tick."""
         self.now = tick
         self._starts_max = self._started + STARTS_PER_TICK
         self._is_in_tick = True
@@ -181,7 +191,7 @@ class Scheduler:
         self._is_interrupted = False
 
     def next_tick(self, tick: int) -> int | None:
-        """Earliest tick after `tick` at which a strand is due; None while all wait for something else."""
+        """Return the earliest tick after `tick` at which a strand is due; None while all wait for something else."""
         if self._is_resuming or (self._is_pausing and not self.is_paused):
             return tick + 1
         for strand in (*self._next, *self._ready):
@@ -224,14 +234,14 @@ class Scheduler:
                 self._is_resuming = True
 
     def forget_pause(self) -> None:
-        """Let no pause outlive the program that was paused."""
+        """Drop the pause of a program that has ended."""
         self.is_paused = self._is_pausing = self._is_resuming = False
         self.timers.forget_held()
 
     # ---------------------------------------------------------------- stopping
 
     def kill(self, strand: Strand) -> None:
-        """End a strand from where it stands, whatever it waits for; its `finally` blocks run first.
+        """End a strand where it stands; its `finally` blocks run first.
 
         When a strand stops another one, it goes on after that one has unwound. A strand that stops itself does not
         come back from this call.
@@ -261,7 +271,7 @@ class Scheduler:
             self._go_on(current)
 
     def refuse_if_stopped(self) -> None:
-        """Let a stopped strand's `finally` blocks use commands that do not wait; refuse what swallowed the stop.
+        """Let `finally` blocks of a stopped strand use commands that do not wait; stop it again otherwise.
 
         Raises:
             Stopped: again.
@@ -272,10 +282,10 @@ class Scheduler:
         if strand.is_dying:
             strand.spend_cleanup()
 
-    # ---------------------------------------------------------------- the strand's side
+    # ---------------------------------------------------------------- calls of strands
 
     def checkpoint(self) -> bool:
-        """Called by compiled scripts when the fuel is used up; returns True when the strand may go on.
+        """Refill the fuel, or suspend the strand; return True when it may go on. Called by compiled scripts.
 
         Raises:
             Stopped: it may not.
@@ -302,23 +312,23 @@ class Scheduler:
             self._next.append(strand)
             strand.suspend()
             self._go_on(strand)
-        # Whoever ran meanwhile may have left fuel, which is this strand's since its turn began.
+        # Another strand may have left fuel, which this strand has used since it was resumed.
         if self._loaded == 0:
             self._load(strand)
         return True
 
     def spend_event(self) -> None:
-        """Have the running strand pay for an event, as far as it has fuel."""
+        """Charge the running strand for an event, as far as it has fuel."""
         if self.current is not None:
             fuel = self.fuel
             del fuel[max(FLOOR, len(fuel) - WORK_PER_EVENT) :]
 
     def wait(self, reason: str, until: int | None = None) -> bool:
-        """Suspend the running strand until it is woken, or until a tick; say which: True when woken.
+        """Suspend the running strand until it is woken, or until a tick; return whether it was woken.
 
         Args:
-            reason: what it waits for, as in "waits for ...".
-            until: tick of the time-out.
+            reason: of the wait, as in "waits for ...".
+            until: tick of the timeout.
 
         Raises:
             Stopped: the strand was stopped.
@@ -342,7 +352,7 @@ class Scheduler:
         return strand.was_woken
 
     def join(self, strand: Strand, until: int | None = None) -> bool:
-        """Suspend the running strand until another one has ended, or until a tick; say which: True when it ended.
+        """Suspend the running strand until another one has ended, or until a tick; return whether it has ended.
 
         Raises:
             Stopped: the running strand was stopped.
@@ -387,7 +397,7 @@ class Scheduler:
             strand.state = READY
             self._enqueue(strand)
 
-    # ---------------------------------------------------------------- inside
+    # ---------------------------------------------------------------- internal
 
     def _enqueue(self, strand: Strand) -> None:
         if self._is_in_tick:
@@ -450,7 +460,7 @@ class Scheduler:
         self._on_end(strand)
 
     def _orphan(self) -> bool:
-        """A checkpoint in code that no strand runs."""
+        """Pass a checkpoint in code that no strand runs."""
         self._orphan_work -= 1
         if self._orphan_work < 0:
             raise Stopped

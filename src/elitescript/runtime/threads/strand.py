@@ -1,8 +1,8 @@
-"""One script thread, and the only place that knows how it is suspended.
+"""Runs one script thread as a greenlet.
 
-A strand is a greenlet: it keeps its whole stack while it waits, so a wait can happen anywhere, also inside
-`sorted(key=...)`, a property or a `with` statement. Strands of one scheduler belong to one thread of the
-operating system and give way only where they say so.
+A strand keeps its whole stack while it waits, so a wait can happen anywhere, also inside `sorted(key=...)`, a property
+or a `with` statement. Strands of one scheduler belong to one thread of the operating system and are suspended only by
+their own calls.
 """
 
 from __future__ import annotations
@@ -22,26 +22,25 @@ WAITING: Final = "waiting"
 ENDED: Final = "ended"
 
 CLEANUP_WORK: Final = 1000
-"""Checkpoints that the `finally` blocks of a stopped thread may pass; what takes longer is cut off."""
+"""Most checkpoints in the `finally` blocks of a stopped thread."""
 
 SCRIPT_DEPTH: Final = 1000
-"""Calls inside each other that a script thread may make, a few of ours included; CPython's own default."""
+"""Most nested calls of a script thread, a few of the runtime included; CPython's default."""
 
 REFUSALS_MAX: Final = 10_000
-"""How often a thread may swallow its stop before it is given up. One that is deep in a recursion swallows it once
-for every level without meaning to."""
+"""How often a thread may swallow its stop before it is given up; a deep recursion swallows it once per level."""
 
 _CONTEXTS_MAX: Final = 64
-"""Exceptions during the handling of exceptions that are looked through for a stop."""
+"""Most chained exceptions that are searched for a stop."""
 
 STOP: Final = GreenletExit
-"""What ends a strand: `Stopped`, and what a forgotten strand gets when it is collected."""
+"""Base of `Stopped`; a forgotten strand gets it when it is collected."""
 
 UNCATCHABLE: Final = (GreenletExit, KeyboardInterrupt)
-"""What every `try` of a script lets pass: the end of a strand, and the user's interrupt."""
+"""Exceptions that no `try` of a script catches: the end of a strand, and the user's interrupt."""
 
 INNER_TEXTS: Final = ("<eval", "<exec", "<interpreter")
-"""How the names of texts begin that a program makes while it runs; places are told in its own text."""
+"""Prefixes of file names of texts that a program makes while it runs; places refer to its own text."""
 
 
 class Stopped(GreenletExit):  # type: ignore[misc]
@@ -55,24 +54,24 @@ class Strand:
         order: place in the order of start, from 0.
         name: for messages.
         body: runs in the thread; must not raise, except to reach the caller of `resume`.
-        builtins: the built-ins that its script code runs with; a frame with others is not script code.
+        builtins: built-ins of its script code; a frame with others is not script code.
         is_secondary: whether it is a secondary program.
 
     Attributes:
-        handle: what scripts know it by: a positive number that looks like a thread id, another one for each strand.
-        resume: gives it control, until it suspends itself or ends. Not inside a strand of the same scheduler.
-        suspend: gives control back to the caller of `resume`; returns when it is resumed. Only inside the strand.
+        handle: positive number for scripts, unique for each strand.
+        resume: runs it until it suspends itself or ends. Not called inside a strand of the same scheduler.
+        suspend: returns to the caller of `resume` until it is resumed. Called inside the strand only.
         state: `READY`, `WAITING` or `ENDED`.
         work: checkpoints counted in the tick `work_tick`.
-        waits_for: in plain words; empty while it does not wait.
-        until: tick of the time-out of its wait; None without one.
+        waits_for: reason of its wait; empty while it does not wait.
+        until: tick of the timeout of its wait; None without one.
         ticket: number of its present wait; a timer with another number is stale.
-        was_woken: whether the last wait ended by a wake-up and not by its time-out.
-        is_dying: it was stopped, and unwinds or will.
-        is_abandoned: it could not be stopped and will never run again.
-        cancel: undoes what it waits for at the moment of a stop (brakes a move).
+        was_woken: whether the last wait ended by a wake-up and not by its timeout.
+        is_dying: whether it was stopped, and unwinds or will.
+        is_abandoned: whether it could not be stopped and never runs again.
+        cancel: cancels what it waits for when it is stopped (brakes a move).
         started_line: line of the call that started it; 0 for a program.
-        owed: locks that it took only in pretence while dying, and how often.
+        owed: locks that it has pretended to take while dying, and how often.
         at_end: called once when it has ended.
         recursion_limit: the interpreter's limit while it runs; 0 before it has begun.
     """
@@ -172,14 +171,14 @@ class Strand:
         return self._greenlet is getcurrent()
 
     def abandon(self) -> None:
-        """Give it up: it can be neither run nor stopped, and its stack is kept for ever."""
+        """Give it up: it can neither run nor be stopped, and its stack is kept."""
         self.is_abandoned = True
         _abandoned.append(self._greenlet)
 
     def spend_cleanup(self) -> None:
-        """Let the `finally` blocks of a stopped thread work a little; once it has swallowed the stop, stop it again.
+        """Count the work of `finally` blocks of a stopped thread; stop it again if it has swallowed the stop.
 
-        Does not return, ever, when the thread has swallowed too many.
+        Never returns after too many swallowed stops.
 
         Raises:
             Stopped: again.
@@ -193,11 +192,11 @@ class Strand:
             self.suspend()
         raise Stopped
 
-    # ---------------------------------------------------------------- where it stands
+    # ---------------------------------------------------------------- place
 
     @property
     def line(self) -> int:
-        """Innermost line of script text that it is in; 0 before it has begun and after its end."""
+        """Its innermost line of script text; 0 before it has begun and after its end."""
         if self._greenlet is None or self.state == ENDED:
             return 0
         if self._greenlet is getcurrent():
@@ -210,7 +209,7 @@ class Strand:
         return self._line
 
     def script_frame(self) -> FrameType | None:
-        """Innermost frame of the program's own text; of a text that it made only if there is no other."""
+        """Return the innermost frame of the program's own text, or else of a text of `eval`."""
         builtins = self._builtins
         frame, inner = self._top_frame(), None
         while frame is not None:
@@ -222,7 +221,7 @@ class Strand:
         return inner
 
     def called_from_script(self) -> FrameType | None:
-        """The frame that the innermost line of script text has called; None if it has called none of ours."""
+        """Return the frame that the innermost script frame has called; None if there is none."""
         called = None
         frame = self._top_frame()
         while frame is not None and frame.f_builtins is not self._builtins:
@@ -243,7 +242,7 @@ def _not_begun() -> None:
 
 
 def _depth() -> int:
-    """How deep the calling function is in calls, as the interpreter counts."""
+    """Return the call depth of the calling function, as the interpreter counts."""
     try:
         sys.setrecursionlimit(1)
     except RecursionError as refusal:
@@ -253,15 +252,12 @@ def _depth() -> int:
 
 
 def is_stop(error: BaseException | None) -> bool:
-    """Whether an exception ends a strand."""
+    """Return whether an exception ends a strand."""
     return isinstance(error, GreenletExit)
 
 
 def is_unwinding() -> bool:
-    """Whether the caller runs in a `finally` block or an `__exit__` that a stop passes through.
-
-    Once script code has swallowed the stop, it is not.
-    """
+    """Return whether the caller runs in a `finally` block or an `__exit__` that a stop passes through."""
     error = sys.exception()
     for _ in range(_CONTEXTS_MAX):
         if error is None or isinstance(error, GreenletExit):
@@ -271,20 +267,20 @@ def is_unwinding() -> bool:
 
 
 _abandoned: Final[list[greenlet | None]] = []
-"""Stacks that swallow every stop. To collect one would run its code again, so they are never collected."""
+"""Stacks that swallow every stop; kept, because collecting one would run its code again."""
 
 
 class ThreadState(NamedTuple):
-    """Says where a script thread is."""
+    """Place and wait of a script thread."""
 
     name: str
     line: int
     waits_for: str
-    """In plain words; empty while it runs."""
+    """Reason of its wait; empty while it runs."""
 
     @property
     def doing(self) -> str:
-        """What it does, as half a sentence."""
+        """State in words."""
         return f"waiting for {self.waits_for}" if self.waits_for else "running"
 
 

@@ -1,4 +1,4 @@
-"""When waits end: a queue of time-outs, part of which can be taken out of time and put back later."""
+"""Queues the timeouts of waits, which can be held during a pause."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from heapq import heapify, heappop, heappush
 from elitescript.runtime.threads.strand import WAITING, Strand
 
 _Timer = tuple[int, int, int, Strand]
-"""Tick (or ticks left, while held), sequence number, ticket of the wait, who waits."""
+"""Tick (or ticks left, while held), sequence number, ticket of the wait, strand."""
 
 
 class Timers:
-    """Time-outs of strands, earliest first; of equal ones the one that was set first.
+    """Timeouts of strands, earliest first; equal ones in the order in which they were set.
 
-    A time-out whose strand has gone on since is stale: its ticket is not the strand's any more. Stale ones are
-    dropped when they come up.
+    A timeout whose strand has gone on is stale: its ticket differs from the strand's. Stale ones are dropped when they
+    are due.
 
     Attributes:
-        held_ticks: how long waits were out of time so far, from each `hold` to its `release`.
+        held_ticks: sum of the times from each `hold` to its `release`.
     """
 
     __slots__ = ("_held", "_hold_tick", "_queue", "_sequence", "held_ticks")
@@ -30,17 +30,17 @@ class Timers:
         self._sequence = 0
 
     def set(self, strand: Strand, until: int) -> None:
-        """Have the present wait of a strand end at a tick."""
+        """Let the present wait of a strand end at a tick."""
         self._sequence += 1
         heappush(self._queue, (until, self._sequence, strand.ticket, strand))
 
     def set_held(self, strand: Strand, ticks_left: int) -> None:
-        """Have the present wait of a strand end so many ticks after `release`."""
+        """Let the present wait of a strand end `ticks_left` after `release`."""
         self._sequence += 1
         self._held.append((max(0, ticks_left), self._sequence, strand.ticket, strand))
 
     def due(self, tick: int) -> list[Strand]:
-        """Take out what is due at a tick: the strands whose wait ends, in order."""
+        """Remove the timeouts that are due at a tick; return their strands, in order."""
         queue = self._queue
         found = []
         while queue and queue[0][0] <= tick:
@@ -50,7 +50,7 @@ class Timers:
         return found
 
     def next_tick(self) -> int | None:
-        """The earliest tick at which a wait ends; None when there is none."""
+        """Return the earliest tick at which a wait ends; None if there is none."""
         queue = self._queue
         while queue:
             if _is_live(queue[0]):
@@ -59,7 +59,7 @@ class Timers:
         return None
 
     def hold(self, now: int) -> None:
-        """Take the waits of all but secondary programs out of time; what is left of each is kept."""
+        """Hold the waits of all strands but secondary programs; the rest of each is kept."""
         live = [timer for timer in self._queue if _is_live(timer)]
         self._held += [
             (max(0, until - now), sequence, ticket, strand)
@@ -71,7 +71,7 @@ class Timers:
         heapify(self._queue)
 
     def release(self, now: int) -> None:
-        """Put the held waits back into time."""
+        """Let the held waits go on."""
         self.held_ticks += now - self._hold_tick
         for ticks_left, sequence, ticket, strand in self._held:
             if strand.ticket == ticket and strand.state is WAITING:
@@ -80,7 +80,7 @@ class Timers:
         self._held.clear()
 
     def forget_held(self) -> None:
-        """Drop the held waits; their strands are gone."""
+        """Drop the held waits: their strands have ended."""
         self._held.clear()
 
 

@@ -1,4 +1,4 @@
-"""Whose turn it is to use something that one thread at a time may use."""
+"""Locks a resource that one thread at a time may use."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from elitescript.runtime.threads.strand import ENDED, Strand
 
 
 class Turns:
-    """Threads that take turns, in the order in which they came.
+    """A lock that threads get in the order in which they came.
 
     Args:
         scheduler: runs the threads.
@@ -21,18 +21,18 @@ class Turns:
         self._queue: list[Strand] = []
 
     def take(self, reason: str, until: int | None) -> bool:
-        """Let the calling thread wait for its turn; whether it has come. A secondary program does not wait.
+        """Take the lock, waiting for it; return whether it was taken. A secondary program does not wait.
 
         Args:
-            reason: what it waits for.
-            until: tick at which it gives up.
+            reason: of the wait.
+            until: tick of the timeout.
 
         Raises:
             Stopped: the thread was stopped.
         """
         strand = self._scheduler.current
         assert strand is not None
-        # One that did not let itself be stopped never gives its turn away.
+        # An abandoned strand never releases it.
         if self._holder is None or self._holder.state is ENDED:
             self._holder = strand
             return True
@@ -56,7 +56,7 @@ class Turns:
         return strand in self._queue
 
     def give(self) -> None:
-        """The turn of whoever has it is over."""
+        """Release the lock to the next thread."""
         self._holder = self._queue.pop(0) if self._queue else None
         if self._holder is not None:
             self._scheduler.wake(self._holder)
