@@ -8,7 +8,8 @@ import subprocess
 import sys
 import tomllib
 from array import array
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import get_args
@@ -65,13 +66,8 @@ class TestCycles:
     Imports under `TYPE_CHECKING` and inside functions count too: what a file has to know, it has to know then as well.
     """
 
-    SERVICES = frozenset(
-        {"elitescript.services.robot_server", "elitescript.services.served_devices", "elitescript.services.ssh.desk"}
-    )
-    """The one that is left: a served robot, what is beside it and its SSH port."""
-
     def test_modules_have_none(self):
-        assert [cycle for cycle in cycles(imports_of_modules()) if not cycle <= self.SERVICES] == []
+        assert cycles(imports_of_modules()) == []
 
     def test_packages_have_none(self):
         packages: dict[str, set[str]] = {}
@@ -169,7 +165,7 @@ class TestPage:
         assert set(table) == set(imported)
         order = list(table)
         for package, cell in table.items():
-            if cell == "all below":
+            if cell == "all rows above":
                 assert imported[package] <= set(order[: order.index(package)]), package
             elif cell != "all":
                 listed = set() if cell == "nothing" else {name.strip(" `") for name in cell.split(",")}
@@ -192,8 +188,9 @@ class TestPage:
         return re.findall(r"^([a-z_/]+\.py) ", self.section(title), re.MULTILINE)
 
     @staticmethod
-    def files_called(action: Callable[[], object]) -> list[str]:
-        """Files of ours in the order of the calls into them; one entry for calls in a row."""
+    @contextmanager
+    def recorded() -> Iterator[list[str]]:
+        """Record files of ours in the order of the calls into them; one entry for calls in a row."""
         found: list[str] = []
 
         def note(frame: FrameType, event: str, _argument: object) -> None:
@@ -206,10 +203,9 @@ class TestPage:
         before = sys.getprofile()
         sys.setprofile(note)
         try:
-            action()
+            yield found
         finally:
             sys.setprofile(before)
-        return found
 
     @staticmethod
     def not_reached(walk: list[str], called: list[str]) -> str:
@@ -222,9 +218,29 @@ class TestPage:
 
         robot = VirtualRobot()
         text = "def walk():\n    movej([0, -1.5, -1.6, -1.5, 1.5, 0], a=1, v=1)\nend\n"
-        called = self.files_called(lambda: robot.run(text, trace=True))
+        with self.recorded() as called:
+            robot.run(text, trace=True)
         walk = self.walk("Walk 1")
         assert len(walk) > 10
+        assert self.not_reached(walk, called) == ""
+        assert self.not_reached(walk[::-1], called) != ""
+
+    def test_the_walk_of_a_program_on_a_port_is_the_real_one(self):
+        from elitescript.kernel import Kernel, RobotOptions
+        from tests.services.served import run, serving
+
+        async def served() -> None:
+            async with serving(Kernel(RobotOptions(power_on=True))) as scene:
+                client = await scene.connect("primary")
+                with self.recorded() as files:
+                    client.send(b'def walk():\n  textmsg("first line")\nend\n')
+                    await scene.until(lambda: any(getattr(said, "text", "") == "first line" for said in scene.said))
+                called.extend(files)
+
+        called: list[str] = []
+        run(served())
+        walk = self.walk("Walk 2")
+        assert len(walk) > 5
         assert self.not_reached(walk, called) == ""
         assert self.not_reached(walk[::-1], called) != ""
 

@@ -22,7 +22,7 @@ MEMBERS: Final[dict[str, str]] = {
     "VirtualRobot": "run start advance pause resume stop interrupt compile submit_secondary at set_start "
     "set_speed fault protective_stop unlock_protective_stop restart_safety tick time_s state current threads",
     "Run": "check time_s globals joints tcp_pose signals is_over is_reproducible",
-    "PlantConfig": "is_ideal from_table",
+    "PlantConfig": "from_table",
     "Device": "started signal_changed after every log warn random title check",
     "ModbusClient": "read_registers read_coils write_register write_coil",
     "ModbusDevice": "register_written coil_written reading refuse",

@@ -10,7 +10,7 @@ from tools.markdown import NOTICE
 
 def command_line_page() -> str:
     """Write every command of the command line with its options."""
-    _, subparsers = main._parser()
+    _, subparsers = main._parser("")
     summaries = {choice.dest: choice.help or "" for choice in subparsers._choices_actions}
     lines = [
         "# Command line",

@@ -879,7 +879,7 @@ class TestChild:
             events: list[Event] = []
             cycle = Cycle()
             events += (await link.tick([RunUnit("primary#1", "program", text)])).events
-            for _ in range(2500):
+            for _ in range(10_000):
                 await cycle.next()
                 events += (await link.tick(())).events
                 if any(isinstance(event, TextMessage | Alarm) for event in events):

@@ -1,7 +1,10 @@
 """Everything that a robot is made with, each option written once.
 
 A field of `RobotOptions` is an option: its name, type and default stand there as in any dataclass, and `option` adds
-its help text, the values it takes, and its flag on the command line.
+its help text, the values it takes, and its flag on the command line. Derived from it: arguments of `run`, `plot`,
+`check` and `serve` (`cli.robot_options`), the section `[robot]` of world files (`world_file`), signature and docstring
+of `VirtualRobot` (`kernel.option_signature`), the types of its keywords (`kernel.option_keywords`) and the page
+docs/reference/options.md; the last two are written by `make reference`.
 """
 
 from __future__ import annotations
@@ -10,6 +13,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from importlib import import_module
 from math import inf, isfinite
+from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -91,9 +95,10 @@ class Whole:
         return "a whole number" if self.low is None else f"a whole number >= {self.low}"
 
     def accept(self, value: Any) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or (self.low is not None and value < self.low):
+        number = index(value) if hasattr(value, "__index__") and not isinstance(value, bool) else None
+        if number is None or (self.low is not None and number < self.low):
             raise UsageError(f"must be {self}, got {value!r}")
-        return value
+        return number
 
 
 class Switch:

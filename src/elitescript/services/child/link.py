@@ -172,6 +172,7 @@ class ChildLink:
             if self._description is None:
                 transport.process.kill()
         if self._description is None:
+            await transport.process.gone()
             reason = transport.failure or transport.end_reason or "it does not answer"
             raise ElitescriptError(f"the robot's process did not come up: {reason}\n{transport.process.log}".rstrip())
 
@@ -186,7 +187,10 @@ class ChildLink:
         if self._transport is None and self._supervision.may_start(tick):
             self._start_again(tick)
         if (transport := self._transport) is not None:
-            await self._let_catch_up(transport)
+            if len(transport.unanswered) >= LAG_MAX:
+                await self._let_catch_up(transport)
+            else:
+                self._is_catching_up = False
             if transport.is_ready:
                 if not transport.is_begun:
                     self._go_on(transport, tick)
@@ -332,8 +336,7 @@ class ChildLink:
     async def _let_catch_up(self, transport: ChildTransport) -> None:
         """Wait for a child whose ticks last longer than a period; what keeps time finds itself late, and counts it."""
         unanswered, supervision = transport.unanswered, self._supervision
-        self._is_catching_up = self._is_catching_up and len(unanswered) >= LAG_MAX
-        if len(unanswered) >= LAG_MAX and not self._is_catching_up and supervision.silent_s() < LAG_S:
+        if not self._is_catching_up and supervision.silent_s() < LAG_S:
             await self._wait_until(lambda: len(unanswered) < LAG_MAX or bool(transport.end_reason), LAG_S)
         if len(unanswered) >= UNANSWERED_MAX:
             # Only where ticks are not paced.

@@ -163,12 +163,11 @@ class Supervision:
 
         One that does not answer is asked first where its program is.
         """
-        process = transport.process
         if transport.end_reason:
-            return Failure(transport.failure or transport.end_reason, process.where())
+            return Failure(transport.failure or transport.end_reason, transport.process.where())
         if not transport.unanswered:
             return None
-        sent = transport.unanswered[0]
+        process, sent = transport.process, transport.unanswered[0]
         if not self.is_hanging(tick - sent.number, process.worked_s, more_s=compile_s(sent.size)):
             return None
         if not self._asked_where_s:
