@@ -78,9 +78,7 @@ def add_check(parser: ArgumentParser) -> None:
     parser.add_argument("--fix", action="store_true", help="make the repairs that are safe; of - to standard output")
     parser.add_argument("--explain", metavar="CODE", help="say what a code such as E303 means, with an example")
     parser.add_argument(
-        "--world",
-        metavar="FILE",
-        help="what is around the robot: its options and the joint ranges of its safety count",
+        "--world", metavar="FILE", help="what is around the robot: its options and the joint ranges of its safety count"
     )
     _add_color(parser)
     _add_json_lines(parser)

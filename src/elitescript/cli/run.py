@@ -95,14 +95,7 @@ def run(options: argparse.Namespace) -> int:
         pace = _pacer() if options.realtime else None
         with _InterruptHandler(robot) as interrupted:
             try:
-                result = robot.run(
-                    unit,
-                    until_s=options.until,
-                    presets=presets,
-                    trace=trace,
-                    pace=pace,
-                    watch=watch,
-                )
+                result = robot.run(unit, until_s=options.until, presets=presets, trace=trace, pace=pace, watch=watch)
             except ElitescriptError as error:
                 # A device beside the robot has failed: readers of records need that event, and the end.
                 if options.json and robot.current is not None:

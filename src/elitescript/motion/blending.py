@@ -60,12 +60,7 @@ SAMPLE_MARGIN: Final = 0.97
 
 
 def blended(
-    arm: Arm,
-    limits: MotionLimits,
-    first: Plan,
-    t_s: float,
-    second: Plan,
-    T_flange_tcp: Transform,
+    arm: Arm, limits: MotionLimits, first: Plan, t_s: float, second: Plan, T_flange_tcp: Transform
 ) -> BlendedSegment | None:
     """Return the second move with a blend at its begin, or None when the arm must stop in between.
 
@@ -165,13 +160,7 @@ class _Blend:
     )
 
     def __init__(
-        self,
-        arm: Arm,
-        limits: MotionLimits,
-        first: Plan,
-        t_s: float,
-        second: Plan,
-        T_flange_tcp: Transform,
+        self, arm: Arm, limits: MotionLimits, first: Plan, t_s: float, second: Plan, T_flange_tcp: Transform
     ) -> None:
         self.arm = arm
         self.limits = limits

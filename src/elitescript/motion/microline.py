@@ -25,13 +25,7 @@ from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_
 from elitescript.kinematics.jacobian import singularity, tcp_twist
 from elitescript.kinematics.transforms import Transform, compose, inverse, position_of, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveJ, MoveML, Six
-from elitescript.motion.limits import (
-    JOINT_NAMES,
-    RANGE_TOLERANCE_RAD,
-    MotionLimits,
-    joint_range_error,
-    unwrapped,
-)
+from elitescript.motion.limits import JOINT_NAMES, RANGE_TOLERANCE_RAD, MotionLimits, joint_range_error, unwrapped
 from elitescript.motion.paths.spline import JointSpline
 from elitescript.motion.planner import SURELY_DEGREES, MoveNote, MoveNoteKind, Plan, plan_movej
 from elitescript.motion.refusals import JUMP_RAD, SINGULAR_HINT, SURELY_MILLIMETRES

@@ -36,7 +36,7 @@ class Connection(ABC):
         description: the robot.
     """
 
-    __slots__ = ("_due", "_out", "description", "is_over", "origin")
+    __slots__ = ("_count", "_due", "_out", "description", "is_over", "origin")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         self.origin = origin
@@ -45,6 +45,7 @@ class Connection(ABC):
         """Whether the connection is to be closed once its messages are sent."""
         self._out: list[bytes] = []
         self._due: list[Input] = []
+        self._count = 0
 
     @abstractmethod
     def receive(self, data: bytes, output: Output) -> list[Input]:
@@ -115,6 +116,11 @@ class Connection(ABC):
         """Return the messages to send, in order; each is one write."""
         out, self._out = self._out, []
         return out
+
+    def next_origin(self) -> str:
+        """Return a new origin for one request, such as `query#2/7` for the seventh of `query#2`."""
+        self._count += 1
+        return f"{self.origin}/{self._count}"
 
     def send(self, message: bytes) -> None:
         """Queue one message."""

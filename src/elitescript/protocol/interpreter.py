@@ -140,7 +140,7 @@ class InterpreterConnection(Connection):
     have no reply yet.
     """
 
-    __slots__ = ("_block", "_block_size", "_count", "_given_up", "_lines", "_problem", "_start", "_unanswered")
+    __slots__ = ("_block", "_block_size", "_given_up", "_lines", "_problem", "_start", "_unanswered")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
@@ -151,7 +151,6 @@ class InterpreterConnection(Connection):
         """In bytes; lines beyond `LINE_LIMIT` are not kept."""
         self._problem = ""
         """Why the block cannot be a statement."""
-        self._count = 0
         self._start = f"{origin}/"
         self._unanswered: dict[str, InterpreterOutcome] = {}
         """For each line by origin, the outcome if the robot ends before its reply."""
@@ -174,7 +173,7 @@ class InterpreterConnection(Connection):
             if line.problem or text not in WORDS:
                 inputs.append(self._statement(text, line.problem))
             else:
-                origin = self._origin()
+                origin = self.next_origin()
                 inputs.append(InterpreterWord(origin, text))
                 if WORDS[text].reply:
                     self._unanswered[origin] = SessionState(False) if text == "state" else StatementNumber(text, 0)
@@ -199,17 +198,13 @@ class InterpreterConnection(Connection):
         return self._statement(text, problem)
 
     def _statement(self, text: str, problem: str) -> Input:
-        origin = self._origin()
+        origin = self.next_origin()
         if problem:
             text = shown(one_line(text))
             self._unanswered[origin] = StatementDiscarded(DiscardReason.COMPILE_ERROR, text, problem)
             return Interpret(origin, text, problem)
         self._unanswered[origin] = StatementDiscarded(DiscardReason.INVALID_STATE, text)
         return Interpret(origin, text)
-
-    def _origin(self) -> str:
-        self._count += 1
-        return f"{self._start}{self._count}"
 
     @property
     def is_busy(self) -> bool:

@@ -120,7 +120,7 @@ class ModbusConnection(Connection):
         port: shared with the other clients.
     """
 
-    __slots__ = ("_count", "_frames", "_left", "_port", "_splitter", "_tick", "_ticks", "_write")
+    __slots__ = ("_frames", "_left", "_port", "_splitter", "_tick", "_ticks", "_write")
 
     def __init__(self, origin: str, description: RobotDescription, port: ModbusPort) -> None:
         super().__init__(origin, description)
@@ -128,7 +128,6 @@ class ModbusConnection(Connection):
         self._splitter = TcpSplitter()
         self._frames: deque[TcpFrame] = deque()
         self._write: _Write | None = None
-        self._count = 0
         self._tick = -1
         self._left = 0
         self._ticks = 0
@@ -206,8 +205,7 @@ class ModbusConnection(Connection):
         if request.function == READ_WRITE_REGISTERS:
             # Registers to read must exist before anything is written.
             self._values(request, output)
-        self._count += 1
-        self._write = _Write(f"{self.origin}/{self._count}", frame, request)
+        self._write = _Write(self.next_origin(), frame, request)
         return [Do(self._write.origin, change, is_answered=True)]
 
     def _settle(self, write: _Write, output: Output) -> None:

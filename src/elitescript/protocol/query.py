@@ -50,12 +50,11 @@ class QueryConnection(Connection):
     another request.
     """
 
-    __slots__ = ("_count", "_lines", "_waiting")
+    __slots__ = ("_lines", "_waiting")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
         self._lines = PacedLines(LINE_LIMIT, LINES_PER_TICK)
-        self._count = 0
         self._waiting: dict[str, str] = {}
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
@@ -73,8 +72,7 @@ class QueryConnection(Connection):
             elif len(self._waiting) >= WAITING_LIMIT:
                 self._send_reply(ident, NOT_EXECUTED)
             else:
-                self._count += 1
-                origin = f"{self.origin}/{self._count}"
+                origin = self.next_origin()
                 self._waiting[origin] = ident
                 inputs.append(Query(origin, statement))
         return inputs

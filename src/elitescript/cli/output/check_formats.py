@@ -130,11 +130,7 @@ class SarifReport(CheckReport):
         self._results.append(result)
 
     def end(self) -> None:
-        driver = {
-            "name": "elitescript",
-            "version": __version__,
-            "rules": [_sarif_rule(code) for code in self._codes],
-        }
+        driver = {"name": "elitescript", "version": __version__, "rules": [_sarif_rule(code) for code in self._codes]}
         run = {
             "tool": {"driver": driver},
             "columnKind": "unicodeCodePoints",

@@ -70,7 +70,7 @@ class Compliance(NamedTuple):
         """
         tool = self.tool
         arm, limits, T_flange_tcp = tool.arm, tool.limits, tool.T_flange_tcp
-        q_ahead = _moved(now.q, now.qd, PERIOD_S)
+        q_ahead = _sum(now.q, now.qd, PERIOD_S)
         blocked = singularity(arm, q_ahead).blocked
         kept = None if blocked else joint_speeds(arm, q_ahead, _sum(bound, free), T_flange_tcp)
         if kept is None:
@@ -90,10 +90,10 @@ class Compliance(NamedTuple):
             if way == ZERO_SIX:
                 q = now.q
             else:
-                guess = _moved(now.q, _sum(now.qd, qd), 0.5 * PERIOD_S)
+                guess = _sum(now.q, _sum(now.qd, qd), 0.5 * PERIOD_S)
                 q = solved_near(arm, T_flange_tcp, after_way(arm.forward_tcp(now.q, T_flange_tcp), way), guess)
         # A stop changes all joints in proportion, so this is the longest way to standstill.
-        q_stop = q if is_last_resort else _moved(q, qd, 0.5 * max(map(abs, qd)) / tool.deceleration)
+        q_stop = q if is_last_resort else _sum(q, qd, 0.5 * max(map(abs, qd)) / tool.deceleration)
         joint = joint_outside(limits, q_stop)
         if joint is not None:
             return range_obstacle(limits, joint, now.q, self.what)
@@ -145,7 +145,7 @@ class Compliance(NamedTuple):
             low, high = max(-top, w - a_top * PERIOD_S), min(top, w + a_top * PERIOD_S)
             speeds.append(max(low, min(high, w_wanted)))
         qd = _six(speeds)
-        return Setpoint(_moved(now.q, _sum(now.qd, qd), 0.5 * PERIOD_S), qd)
+        return Setpoint(_sum(now.q, _sum(now.qd, qd), 0.5 * PERIOD_S), qd)
 
 
 def after_way(T_base_tcp: Transform, way: Six) -> Transform:
@@ -170,10 +170,6 @@ def solved_near(arm: Arm, T_flange_tcp: Transform, T_base_tcp: Transform, q: Six
             return q
         q = _sum(q, step)
     return q
-
-
-def _moved(q: Six, qd: Six, time_s: float) -> Six:
-    return _sum(q, qd, time_s)
 
 
 def _sum(one: Sequence[float], other: Sequence[float], factor: float = 1.0) -> Six:

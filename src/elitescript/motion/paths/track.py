@@ -27,15 +27,7 @@ from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error, unwrapped
 from elitescript.motion.paths.cartesian import FlangePath
-from elitescript.motion.refusals import (
-    JUMP_RAD,
-    RANGE_HINT,
-    jump,
-    leaves_reach,
-    out_of_range,
-    out_of_reach,
-    singular,
-)
+from elitescript.motion.refusals import JUMP_RAD, RANGE_HINT, jump, leaves_reach, out_of_range, out_of_reach, singular
 
 INTERVAL_M: Final = 0.05
 """Widest interval of the first grid. Limits of reach and of joints with finer structure than this

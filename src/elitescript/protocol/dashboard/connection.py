@@ -42,7 +42,7 @@ class DashboardConnection(Connection):
     taken for that of another command.
     """
 
-    __slots__ = ("_asked_tick", "_awaited", "_count", "_lines", "_settled_tick", "_waiting")
+    __slots__ = ("_asked_tick", "_awaited", "_lines", "_own_origin", "_settled_tick", "_waiting")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
@@ -51,7 +51,7 @@ class DashboardConnection(Connection):
         self._awaited: Answer | None = None
         self._asked_tick = 0
         self._settled_tick = 0
-        self._count = 0
+        self._own_origin = ""
         self._send_text(
             f"EliRobot dashboard shell, version {version_text(description)}.\r\n"
             "Type help to see all commands.\r\n"
@@ -70,8 +70,7 @@ class DashboardConnection(Connection):
         self._work(output)
 
     def _await(self, awaited: Answer, output: Output) -> None:
-        own = self._own_origin
-        outcome = next((reply.outcome for reply in output.replies if reply.origin == own), None)
+        outcome = next((reply.outcome for reply in output.replies if reply.origin == self._own_origin), None)
         if outcome is not None:
             why_not = refusal_of(outcome)
             if why_not is None:
@@ -104,10 +103,6 @@ class DashboardConnection(Connection):
     def is_expecting(self) -> bool:
         return self._awaited is not None or bool(self._waiting) or self._lines.is_waiting
 
-    @property
-    def _own_origin(self) -> str:
-        return f"{self.origin}/{self._count}"
-
     def _send_text(self, text: str) -> None:
         self.send(text.encode() + b"\r\n")
 
@@ -121,7 +116,7 @@ class DashboardConnection(Connection):
             if line.problem:
                 self._send_text(f"Command is not understood: {line.problem}")
             elif line.text.strip():
-                self._count += 1
+                self._own_origin = self.next_origin()
                 self._carry_out(self._answer(line.text, output), output.tick)
 
     def _carry_out(self, answer: Answer, tick: int) -> None:

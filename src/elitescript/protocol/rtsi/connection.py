@@ -24,13 +24,7 @@ from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.binary import UINT8, UINT16, UINT32, Field, FieldList, WireValue
 from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.rtsi.inputs import INPUTS, Arrival, requests_of
-from elitescript.protocol.rtsi.recipes import (
-    FREQUENCY_MAX_HZ,
-    FREQUENCY_MIN_HZ,
-    InputRecipe,
-    OutputRecipe,
-    RtsiPort,
-)
+from elitescript.protocol.rtsi.recipes import FREQUENCY_MAX_HZ, FREQUENCY_MIN_HZ, InputRecipe, OutputRecipe, RtsiPort
 from elitescript.protocol.rtsi.variables import OUTPUTS
 
 HELD_BACK_TICKS: Final = TICKS_PER_S // 2

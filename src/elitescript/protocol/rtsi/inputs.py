@@ -16,13 +16,7 @@ from math import isfinite
 from typing import Final, NamedTuple, TypeAlias
 
 from elitescript.messages.enums import AnalogDomain
-from elitescript.messages.machine import (
-    MachineRequest,
-    SetAnalogDomain,
-    SetAnalogFraction,
-    SetSpeedScale,
-    WriteSignal,
-)
+from elitescript.messages.machine import MachineRequest, SetAnalogDomain, SetAnalogFraction, SetSpeedScale, WriteSignal
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import Snapshot
 from elitescript.protocol.binary import (
