@@ -73,7 +73,7 @@ def add_check(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--format",
         choices=["text", "json", "github", "sarif"],
-        help="form of the report: for people, JSON lines (as --json), GitHub workflow commands, SARIF 2.1.0",
+        help="form of the report: text, JSON lines (as --json), GitHub workflow commands, SARIF 2.1.0",
     )
     parser.add_argument("--fix", action="store_true", help="make the repairs that are safe; of - to standard output")
     parser.add_argument("--explain", metavar="CODE", help="say what a code such as E303 means, with an example")

@@ -67,7 +67,7 @@ class Warned:
     thread: str = ""
     line: int = 0
     code: str = ""
-    """Row of `errors.CODES`, when `check` knows the same finding."""
+    """Row of `errors.CODES`, when `check` has the same finding."""
     hint: str = ""
     """What to do about it."""
     column: int = 0

@@ -93,7 +93,7 @@ class MicroLine:
     """Points of a file at a constant interval of time, in SI units.
 
     Points are numbered from 1, as scripts number them. Lines of the file that hold no point do not count (*assumed*:
-    the manual speaks of lines, and knows files of nothing but points).
+    the manual counts lines, of files that hold only points).
     """
 
     name: str
