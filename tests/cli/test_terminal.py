@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import threading
 
-from elitescript.cli.output.terminal import WAITING_MAX, PatientStream
-from elitescript.cli.serve import told_to_programs
+from elitescript.cli.output.terminal import WAITING_MAX, QueuedStream
+from elitescript.cli.serve import missing_record
 
 
 class SlowTerminal:
@@ -29,7 +29,7 @@ class SlowTerminal:
 
 def test_texts_keep_their_order_and_what_is_left_out_is_counted_in_its_place() -> None:
     terminal = SlowTerminal()
-    stream = PatientStream(terminal)
+    stream = QueuedStream(terminal)
     stream.write("first\n")
     stream.flush()
     assert terminal.is_asked.wait(20)
@@ -46,7 +46,7 @@ def test_texts_keep_their_order_and_what_is_left_out_is_counted_in_its_place() -
 
 def test_it_goes_on_behind_the_gap() -> None:
     terminal = SlowTerminal()
-    stream = PatientStream(terminal, told_to_programs)
+    stream = QueuedStream(terminal, missing_record)
     stream.write("{}\n")
     stream.flush()
     assert terminal.is_asked.wait(20)

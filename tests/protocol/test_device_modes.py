@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.messages.enums import RobotMode, SafetyMode
-from elitescript.protocol.device_modes import is_powered, joint_mode, tool_mode
+from elitescript.messages.enums import POWERED, RobotMode, SafetyMode
+from elitescript.protocol.device_modes import joint_mode, tool_mode
 from tests.protocol.snapshots import robot_state
 
 
@@ -38,7 +38,7 @@ def test_a_fault_shows_in_the_joints(safety: SafetyMode, number: int) -> None:
 
 
 def test_power_goes_from_power_on_to_running() -> None:
-    assert {mode.name for mode in RobotMode if is_powered(mode)} == {
+    assert {mode.name for mode in RobotMode if mode in POWERED} == {
         "POWER_ON",
         "BOOTING",
         "IDLE",

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.messages.enums import RobotMode, SafetyMode
-from elitescript.protocol.device_modes import DeviceMode, is_powered, joint_mode, tool_mode
+from elitescript.messages.enums import POWERED, RobotMode, SafetyMode
+from elitescript.protocol.device_modes import DeviceMode, joint_mode, tool_mode
 from tests.protocol.snapshots import robot_state
 from tests.tables import rows
 
@@ -65,4 +65,4 @@ def test_modes_of_joint_and_tool(
     assert joint_mode(state) == int(wanted)
     assert tool_mode(state) == int(tool)
     assert tool_mode(state) in TOOL_NUMBERS
-    assert is_powered(RobotMode[mode]) == (power == "on")
+    assert (RobotMode[mode] in POWERED) == (power == "on")

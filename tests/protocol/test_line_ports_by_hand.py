@@ -9,6 +9,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.protocol import interpreter
+from elitescript.protocol.connection import RESTARTED
 from elitescript.protocol.dashboard.verbs import VERBS, help_text, usage_text
 from tests.tables import rows
 
@@ -108,4 +109,4 @@ def test_limits_of_interpreter_mode() -> None:
     assert interpreter.QUEUE_LIMIT == 8500
     assert interpreter.LINE_LIMIT == 65536  # assumed
     assert interpreter.LINES_PER_TICK == 20  # assumed
-    assert interpreter.RESTARTED == "R132"
+    assert RESTARTED == "R132"

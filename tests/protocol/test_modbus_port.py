@@ -13,9 +13,8 @@ from elitescript.messages.inputs import Do, SetRemote
 from elitescript.messages.machine import SetRunstateChoice, WritePortRegisters
 from elitescript.messages.outcomes import Done, RegistersRead, SessionState, ShownValue
 from elitescript.messages.outputs import Reply
-from elitescript.protocol.connection import ProtocolError
+from elitescript.protocol.connection import RESTARTED, ProtocolError
 from elitescript.protocol.modbus_port import REQUESTS_OF_ALL, REQUESTS_PER_TICK
-from elitescript.protocol.query import RESTARTED
 from tests.protocol import modbus_client as client
 from tests.protocol.line_peer import picture
 from tests.protocol.modbus_site import Peer, Site

@@ -20,7 +20,7 @@ from elitescript.messages.machine import (
     StopTask,
 )
 from elitescript.protocol.primary.commands import request_of
-from elitescript.protocol.primary.messages import KINDS, note_of
+from elitescript.protocol.primary.messages import KINDS, message_of
 from elitescript.protocol.primary.packets import ROBOT_STATE, STATE_SIZE, SUB_MESSAGES
 from tests.protocol.snapshots import description, snapshot
 from tests.tables import rows
@@ -325,7 +325,7 @@ SAFETY_LEVELS = {
 
 @pytest.mark.parametrize("mode", SafetyMode)
 def test_level_of_the_error_that_tells_of_a_safety_mode(mode: SafetyMode) -> None:
-    note = note_of(SafetyModeChanged(tick=0, mode=mode))
+    note = message_of(SafetyModeChanged(tick=0, mode=mode))
     level = None if note is None else int.from_bytes(note.data[23:27], "big")
     assert level == SAFETY_LEVELS.get(mode.name)
     assert note is None or (note.data[13], note.data[14]) == (99, 6)

@@ -35,10 +35,10 @@ from elitescript.protocol.primary.messages import (
     WARNING,
     RobotMessage,
     RobotMessageQueue,
-    error_note,
-    exception_note,
-    note_of,
-    version_note,
+    error_message,
+    exception_message,
+    message_of,
+    version_message,
 )
 from tests.protocol import primary_client as client
 from tests.protocol.snapshots import description
@@ -47,7 +47,7 @@ ALARM = Alarm(250, "R100", "NameError", "name 'abcd' is not defined", 2, 5, "mai
 
 
 def shown(event) -> dict:
-    note = note_of(event)
+    note = message_of(event)
     assert note is not None
     return client.robot_message(note.data)
 
@@ -65,10 +65,10 @@ class TestScriptException:
 
     def test_bytes_are_the_known_ones(self):
         head = bytes.fromhex("0000001a 14 000000000000fa00 68 0a 00000007 ffffffff")
-        assert exception_note(16, 7, -1, "ab").data == head + b"ab\0"
+        assert exception_message(16, 7, -1, "ab").data == head + b"ab\0"
 
     def test_the_terminator_can_be_left_out(self):
-        note = note_of(ALARM, terminator=b"")
+        note = message_of(ALARM, terminator=b"")
         assert note is not None
         assert note.data.endswith(b"is not defined")
 
@@ -76,7 +76,7 @@ class TestScriptException:
 class TestRobotError:
     def test_bytes_are_the_known_ones(self):
         head = bytes.fromhex("00000022 14 0000000000000fa0 63 06 00000000 00000000 00000002 00000005")
-        assert error_note(1, ERROR, "ab", SOURCE_SAFETY).data == head + b"ab\0"
+        assert error_message(1, ERROR, "ab", SOURCE_SAFETY).data == head + b"ab\0"
 
     def test_exception_of_a_secondary_program_is_a_warning(self):
         message = shown(Warned(1, "[SEC] Exception: ValueError: no", "sec a", 3, is_exception=True))
@@ -84,11 +84,11 @@ class TestRobotError:
         assert message["text"] == "[SEC] Exception: ValueError: no"
 
     def test_advice_on_a_line_of_a_program_is_a_text_and_no_error(self) -> None:
-        advice = note_of(Warned(1, "the blend radius is shortened", "main", 3))
+        advice = message_of(Warned(1, "the blend radius is shortened", "main", 3))
         assert advice is not None and not advice.is_vital
         assert advice.data[14] == 0
         assert advice.data[15:] == b"warning: line 3: the blend radius is shortened\0"
-        refusal = note_of(Warned(1, "power on: refused"))
+        refusal = message_of(Warned(1, "power on: refused"))
         assert refusal is not None and refusal.data[14] == 6
 
     @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ class TestRobotError:
 
     @pytest.mark.parametrize("mode", [SafetyMode.NORMAL, SafetyMode.REDUCED, SafetyMode.RECOVERY])
     def test_modes_in_which_the_arm_may_move_are_no_errors(self, mode):
-        assert note_of(SafetyModeChanged(1, mode)) is None
+        assert message_of(SafetyModeChanged(1, mode)) is None
 
 
 class TestOtherKinds:
@@ -148,7 +148,7 @@ class TestOtherKinds:
         assert (message["kind"], message["title"], message["text"]) == (7, title, "pick")
 
     def test_version(self):
-        message = client.robot_message(version_note(0, description()).data)
+        message = client.robot_message(version_message(0, description()).data)
         assert (message["kind"], message["version"]) == (3, description().firmware)
 
     @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ class TestOtherKinds:
         ],
     )
     def test_clients_do_not_hear_of_the_rest(self, event):
-        assert note_of(event) is None
+        assert message_of(event) is None
 
 
 class TestTexts:
@@ -197,7 +197,7 @@ class TestTable:
         vital = [ALARM, Warned(1, "[SEC] Exception: x", is_exception=True), SafetyModeChanged(1, SafetyMode.FAULT)]
         vital.append(TaskStateChanged(1, TaskState.PLAYING, "x"))
         others = [TextMessage(1, "x", "main", 1), Warned(1, "x")]
-        notes = [note_of(event) for event in vital + others]
+        notes = [message_of(event) for event in vital + others]
         assert [note is not None and note.is_vital for note in notes] == [True] * 4 + [False] * 2
 
 

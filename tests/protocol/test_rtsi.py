@@ -480,7 +480,7 @@ def test_the_longest_message_is_taken() -> None:
 
 def test_a_long_text_for_the_client_is_cut_at_a_character() -> None:
     client = connect()
-    client.say(3, "ü" * 40000)
+    client.send_text(3, "ü" * 40000)
     ((_, payload),) = told(client)
     assert payload == b"\x03" + "ü".encode() * 32765
 

@@ -1,4 +1,4 @@
-"""Arguments of the commands: one function a command, which is called for the command that is run."""
+"""Arguments of the commands: one function for each command, called only for the one that is run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ FOLDER_OF_FILE: Final = "folder for open() and get_task_path() (default: FILE's 
 
 
 def add_run(parser: ArgumentParser) -> None:
-    """Add the arguments of `run`."""
     from elitescript.cli.robot_options import add_options
     from elitescript.cli.watched import MEMORY_DEFAULT
 
@@ -59,7 +58,6 @@ def add_run(parser: ArgumentParser) -> None:
 
 
 def add_check(parser: ArgumentParser) -> None:
-    """Add the arguments of `check`."""
     from elitescript.cli.robot_options import add_options
 
     parser.description = (
@@ -75,21 +73,18 @@ def add_check(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--format",
         choices=["text", "json", "github", "sarif"],
-        help="form of the report: for people, JSON lines (as --json), GitHub workflow commands, SARIF 2.1.0",
+        help="form of the report: text, JSON lines (as --json), GitHub workflow commands, SARIF 2.1.0",
     )
     parser.add_argument("--fix", action="store_true", help="make the repairs that are safe; of - to standard output")
     parser.add_argument("--explain", metavar="CODE", help="say what a code such as E303 means, with an example")
     parser.add_argument(
-        "--world",
-        metavar="FILE",
-        help="what is around the robot: its options and the joint ranges of its safety count",
+        "--world", metavar="FILE", help="what is around the robot: its options and the joint ranges of its safety count"
     )
     _add_color(parser)
     _add_json_lines(parser)
 
 
 def add_plot(parser: ArgumentParser) -> None:
-    """Add the arguments of `plot`."""
     from elitescript.cli.robot_options import add_options
 
     parser.description = (
@@ -108,7 +103,6 @@ def add_plot(parser: ArgumentParser) -> None:
 
 
 def add_serve(parser: ArgumentParser) -> None:
-    """Add the arguments of `serve`."""
     from elitescript.cli.robot_options import add_options, help_text
 
     parser.description = (
@@ -200,7 +194,6 @@ def add_serve(parser: ArgumentParser) -> None:
 
 
 def add_ctl(parser: ArgumentParser) -> None:
-    """Add the arguments of `ctl`."""
     parser.description = "Speak to a `serve` on this computer. `elitescript ctl help` lists the verbs."
     parser.add_argument("--instance", type=int, default=0, metavar="N", help="which robot (default 0)")
     parser.add_argument("--socket", metavar="PATH", help="which robot, by the address that serve has printed")
@@ -213,7 +206,6 @@ def add_ctl(parser: ArgumentParser) -> None:
 
 
 def add_devices(parser: ArgumentParser) -> None:
-    """Add the arguments of `devices`."""
     parser.description = (
         "Serve the devices of a world file to a real robot or to any other program: TCP devices on their ports, serial "
         "devices on pseudo-terminals or on serial ports. Ctrl-C ends it."
@@ -232,7 +224,6 @@ def add_devices(parser: ArgumentParser) -> None:
 
 
 def add_replay(parser: ArgumentParser) -> None:
-    """Add the arguments of `replay`."""
     parser.description = (
         "Play a journal of serve --journal as fast as possible, print what the session printed, and check that every "
         "tick comes out the same. Exit code 1 if one does not."
@@ -247,7 +238,6 @@ def add_replay(parser: ArgumentParser) -> None:
 
 
 def add_doctor(parser: ArgumentParser) -> None:
-    """Add the arguments of `doctor`."""
     parser.description = (
         "Say which layers of the jail are active, and why not; versions, ports, timers. Exit code 1 if a layer is "
         "missing."
@@ -257,7 +247,6 @@ def add_doctor(parser: ArgumentParser) -> None:
 
 
 def add_commands(parser: ArgumentParser) -> None:
-    """Add the arguments of `commands`."""
     parser.description = (
         "Print the list of all robot commands, one command in full, or those that a word finds in names, parameters "
         "and descriptions. Exit code 2 if it finds none."
@@ -279,7 +268,7 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[ArgumentParser], None]]]] = {
     "doctor": ("what this computer has that serving needs", add_doctor),
     "commands": ("the catalogue of robot commands", add_commands),
 }
-"""Every command: what it does, for the list of all, and what adds its arguments."""
+"""Every command: its summary in the list of commands, and the function that adds its arguments."""
 
 
 # ---------------------------------------------------------------- arguments of several commands

@@ -1,4 +1,4 @@
-"""What `check` knows of the arm: its model, and what its safety configuration limits."""
+"""Facts of the arm for `check`: its model, and the limits of its safety configuration."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from elitescript.models.model import load_model
 
 
 class _Limited(NamedTuple):
-    """An arm in an installation."""
+    """An arm with the limits of an installation."""
 
     arm: Arm
     joint_ranges: tuple[tuple[float, float], ...]
@@ -19,7 +19,7 @@ class _Limited(NamedTuple):
 
 
 def arm_facts(robot: RobotOptions) -> ArmFacts:
-    """Return the arm of a robot, with the joint ranges that its safety configuration leaves.
+    """Return the arm of a robot, with the joint ranges that its safety configuration allows.
 
     Raises:
         UsageError: no such arm.

@@ -1,4 +1,4 @@
-"""`elitescript check`: every problem of programs, without running them; its repairs, and what a code means."""
+"""`elitescript check`: reports every problem of programs without running them, repairs some, explains codes."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ STANDARD_INPUT: Final = "-"
 
 
 class _Text(NamedTuple):
-    """What is to be checked.
+    """A text to check.
 
     Attributes:
-        name: as the report names it.
+        name: in the report.
         path: the file; None for standard input.
         data: its bytes; None if it cannot be read.
         why_not: why it cannot be read.
-        is_named: it stands on the command line itself.
+        is_named: whether it is on the command line itself.
     """
 
     name: str
@@ -61,7 +61,7 @@ def check(options: argparse.Namespace) -> int:
     if is_filter and len(options.files) > 1:
         raise UsageError("--fix writes the repaired text of - to standard output: check the other files by themselves")
     name = "json" if options.json else options.format or "text"
-    # The repaired text of standard input goes to standard output alone.
+    # Standard output has only the repaired text of standard input.
     out = sys.stderr if is_filter else sys.stdout
     report = FORMATS[name](out)
     robot, arm = _robot(options)
@@ -83,10 +83,10 @@ def check(options: argparse.Namespace) -> int:
 
 
 def _robot(options: argparse.Namespace) -> tuple[RobotOptions, ArmFacts | None]:
-    """Return the robot that programs are for, and what is known of its arm; None if no model is named.
+    """Return the robot that programs are for, and the facts of its arm; None if no model is named.
 
     Raises:
-        UsageError: no such arm, or a world file that makes no sense.
+        UsageError: no such arm, or an invalid world file.
     """
     given = options_from(options)
     from_file: dict[str, Any] = {}
@@ -114,7 +114,7 @@ def _explain(code: str) -> int:
 
 
 def _texts(names: Iterable[str]) -> Iterator[_Text]:
-    """Yield the texts that the command line names, each once; folders with everything in them, by name."""
+    """Yield the texts of the command line, each once, and those of its folders, by name."""
     seen: set[str] = set()
     for name in names:
         if name == STANDARD_INPUT:
@@ -133,7 +133,7 @@ def _texts(names: Iterable[str]) -> Iterator[_Text]:
 
 
 def _programs(folder: Path) -> Iterator[Path]:
-    """Yield the programs of a folder and of those in it; hidden folders are left out."""
+    """Yield the programs of a folder and its subfolders, without hidden ones."""
     for home, folders, files in os.walk(folder, onerror=_refuse):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for name in sorted(files):
@@ -203,13 +203,7 @@ def _write_out(data: bytes) -> None:
 
 
 def _rewrite(path: Path, data: bytes) -> None:
-    """Put new contents in the place of a file, all at once; its permissions stay.
-
-    Args:
-        path: of the file.
-        firmware: that it is for.
-        strict: what only this implementation accepts is an error.
-        arm: that it is for; None leaves out what depends on it.
+    """Replace the contents of a file atomically; its permissions stay.
 
     Raises:
         UsageError: it cannot be written.

@@ -1,4 +1,4 @@
-"""`elitescript commands`: the catalogue, from the commands themselves."""
+"""`elitescript commands`: the catalogue of robot commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`elitescript ctl`: hands on a robot that `elitescript serve` serves on this computer."""
+"""`elitescript ctl`: operates a robot that `elitescript serve` serves on this computer."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ REFUSED = 1
 
 
 def ctl(options: argparse.Namespace) -> int:
-    """Ask a served robot; return the exit code."""
+    """Send a verb to a served robot; return the exit code."""
     if options.verb == "help":
         print(help_text())
         return 0
@@ -51,22 +51,22 @@ def ctl(options: argparse.Namespace) -> int:
 
 
 def shown(answer: dict[str, Any]) -> list[str]:
-    """Return lines for people."""
+    """Return an answer as lines of text."""
     if "result" not in answer:
         return [str(answer.get("text", "done"))]
     result: dict[str, Any] = answer["result"]
     lines = []
     for name, value in result.items():
         if isinstance(value, dict) and isinstance(clients := value.get("clients"), list):
-            who = ", ".join(f"{client['origin']} from {client['peer']}" for client in clients)
-            lines.append(f"{name} {value['port']}: {who or 'nobody'}")
+            peers = ", ".join(f"{client['origin']} from {client['peer']}" for client in clients)
+            lines.append(f"{name} {value['port']}: {peers or 'nobody'}")
         else:
             lines.append(f"{name} = {_text(value)}")
     return lines or ["everything is at its default"]
 
 
 def help_text() -> str:
-    """Return all verbs."""
+    """Return the list of verbs."""
     width = max(len(verb.usage) for verb in VERBS.values())
     lines = []
     for verb in VERBS.values():

@@ -1,4 +1,4 @@
-"""`elitescript devices`: virtual devices on real ports and lines."""
+"""`elitescript devices`: serves virtual devices on real ports and serial lines."""
 
 from __future__ import annotations
 

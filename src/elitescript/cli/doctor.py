@@ -1,4 +1,4 @@
-"""`elitescript doctor`: what this computer has that serving needs."""
+"""`elitescript doctor`: checks whether this computer has what serving needs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _CYCLES = 50
 
 
 def doctor(options: argparse.Namespace) -> int:
-    """Look at everything and say what was found; 1 if serving would not be safe or not work."""
+    """Report versions, jail, ports and timers; return 1 if serving would be unsafe or would not work."""
     versions = {
         "elitescript": __version__,
         "Python": f"{platform.python_version()} ({sys.executable})",
@@ -35,7 +35,7 @@ def doctor(options: argparse.Namespace) -> int:
     layers, trouble = asyncio.run(probe_jail())
     extras = {"serial": find_spec("serial") is not None, "ssh": has_extra()}
     ports = port_numbers(options.instance, {}, has_ssh=True)
-    # Where this user may not have a port, `serve` takes its spare one.
+    # Where this user may not bind a port, `serve` takes its spare one.
     for name, number in spare_numbers(options.instance, {}, has_ssh=True).items():
         if _is_forbidden(ports[name]):
             ports[name] = number

@@ -1,6 +1,6 @@
-"""The command `elitescript`: one subcommand a file, loaded when it is asked for.
+"""The command `elitescript`: subcommand NAME is the function `NAME` of `cli/NAME.py`, imported when it is called.
 
-`run` may have to start Python once more, so that this module is loaded twice: it imports next to nothing.
+`run` may have to start Python once more, so that this module is loaded twice: it imports little.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from elitescript.cli.watched import MARK, can_watch, run_watched
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
 USAGE = 2
-"""Exit code of a call that makes no sense."""
+"""Exit code of an invalid call."""
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells count it."""
 
 HASH_SEED = "0"
-"""The order of a set of strings depends on it; every process that we start has the same."""
+"""The order of a set of strings depends on it, so every process has the same."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -44,7 +44,7 @@ def _run_here(arguments: list[str]) -> int:
     from elitescript.errors import ElitescriptError, ProgramError, UsageError
 
     for stream in (sys.stdout, sys.stderr):
-        # Programs speak every language, and pipes on some systems only one.
+        # Texts of programs may need characters that the encoding of a pipe does not have.
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="backslashreplace")
     options = _parsed(arguments)
@@ -62,7 +62,7 @@ def _run_here(arguments: list[str]) -> int:
         print(f"elitescript {options.command}: {error}", file=sys.stderr)
         return 3 if isinstance(error, ProgramError) else 1
     except BrokenPipeError:
-        # The reader went away (`| head`): nothing is wrong with us.
+        # The reader has closed the pipe (`| head`), which is no error.
         sys.stderr = None
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
@@ -72,47 +72,17 @@ def _run_here(arguments: list[str]) -> int:
 
 
 def _has_screen(options: argparse.Namespace) -> bool:
-    """Return whether a command has colours or a status line: pipes and files need nothing of that."""
+    """Return whether a command has colours or a status line, not for pipes and files."""
     color = getattr(options, "color", None)
     return color == "always" or (color is not None and (sys.stdout.isatty() or sys.stderr.isatty()))
 
 
 def _dispatch(options: argparse.Namespace) -> int:
-    if options.command == "run":
-        from elitescript.cli.run import run
+    from importlib import import_module
 
-        return run(options)
-    if options.command == "check":
-        from elitescript.cli.check import check
-
-        return check(options)
-    if options.command == "plot":
-        from elitescript.cli.plot import plot
-
-        return plot(options)
-    if options.command == "serve":
-        from elitescript.cli.serve import serve
-
-        return serve(options)
-    if options.command == "ctl":
-        from elitescript.cli.ctl import ctl
-
-        return ctl(options)
-    if options.command == "replay":
-        from elitescript.cli.replay import replay
-
-        return replay(options)
-    if options.command == "devices":
-        from elitescript.cli.devices import devices
-
-        return devices(options)
-    if options.command == "doctor":
-        from elitescript.cli.doctor import doctor
-
-        return doctor(options)
-    from elitescript.cli.commands import commands
-
-    return commands(options)
+    command: Callable[[argparse.Namespace], int]
+    command = getattr(import_module(f"elitescript.cli.{options.command}"), options.command)
+    return command(options)
 
 
 def _needs_another_process(arguments: list[str]) -> bool:
@@ -122,7 +92,7 @@ def _needs_another_process(arguments: list[str]) -> bool:
 
 
 def _is_watched(arguments: list[str]) -> bool:
-    """Return whether another process is to watch over the call."""
+    """Return whether another process watches the call."""
     return arguments[0] in ("run", "plot") and (can_watch() or _names_max_wall(arguments))
 
 
@@ -145,7 +115,7 @@ def _run_again(arguments: list[str]) -> int:
             given = _parsed(arguments).max_wall
             max_wall_s = given if given is not None and 0.0 <= given < 1e9 else None
         if max_wall_s is not None or can_watch():
-            # Nothing else can be meant by what begins so, and most calls are spared the parser.
+            # No other option begins like that; parsing all arguments would take longer.
             is_json = arguments[0] == "run" and any(word.startswith("--js") for word in arguments)
             return run_watched(command, environment, max_wall_s, is_json=is_json)
     if os.name == "posix":
@@ -153,13 +123,13 @@ def _run_again(arguments: list[str]) -> int:
     import signal
     import subprocess
 
-    # The child answers Ctrl-C; its parent only waits.
+    # The child reacts to Ctrl-C; its parent only waits.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     return subprocess.run(command, env=environment, check=False).returncode
 
 
 def _parsed(arguments: list[str]) -> argparse.Namespace:
-    """Return the options of a call; a mistake ends the process with the usage of the subcommand it is about."""
+    """Return the options of a call; an error ends the process with the usage of its subcommand."""
     from elitescript.cli.arguments import COMMANDS
 
     word = arguments[0] if arguments else ""
@@ -203,7 +173,7 @@ def _parser(command: str) -> tuple[argparse.ArgumentParser, argparse._SubParsers
     parser.add_argument("--version", action="version", version=f"elitescript {__version__}")
     # With a given prog, argparse builds no help formatter at this point, which saves importing shutil.
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", prog="elitescript")
-    # A start waits for this: nothing is built for the other commands.
+    # This is part of the start-up time: nothing is built for the other commands.
     for name in [command] if command else COMMANDS:
         text, add_arguments = COMMANDS[name]
         add_arguments(subparsers.add_parser(name, help=text))

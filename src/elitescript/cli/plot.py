@@ -1,4 +1,4 @@
-"""`elitescript plot`: a run or a trace as a page to look at."""
+"""`elitescript plot`: shows a run or a trace as an HTML page."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from elitescript.plotting.trace_reader import SUFFIXES, read_trace
 from elitescript.robot import VirtualRobot
 
 UNTIL_S: Final = 300.0
-"""Robot time after which a program that goes on is cut off, if nothing else is asked for."""
+"""Default limit of robot time."""
 
 _OF_PROGRAMS: Final = ("until", "task_dir", "set", "world")
-"""What goes with a program alone, beside the options of its robot."""
+"""Arguments for programs only, besides the options of the robot."""
 
 
 def plot(options: argparse.Namespace) -> int:
@@ -49,7 +49,7 @@ def plot(options: argparse.Namespace) -> int:
             return DOES_NOT_COMPILE
     text = page(recording)
     try:
-        # Half a surrogate pair is legal in a text of a program; the escape in its place is legal JSON.
+        # A text of a program may hold half a surrogate pair; its escape is valid JSON.
         target.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
     except OSError as error:
         raise UsageError(f"-o {target}: {error.strerror or error}") from error

@@ -1,4 +1,4 @@
-"""`elitescript replay`: a recorded session once more, as fast as possible, and whether it came out the same."""
+"""`elitescript replay`: replays a recorded session as fast as possible, and checks that it is the same."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import JournalReader
 
 DIFFERS = 1
-"""Exit code if the session came out otherwise."""
+"""Exit code if the session differs."""
 
 
 def replay(options: argparse.Namespace) -> int:
@@ -59,7 +59,7 @@ def replay(options: argparse.Namespace) -> int:
 
 
 def _hints(reader: JournalReader) -> list[str]:
-    """Return what may keep this process from doing the same as the one that wrote the journal."""
+    """Return the differences from the process that wrote the journal, which may change results."""
     theirs = {
         "elitescript": (reader.header.get("version"), __version__),
         "Python": (reader.header.get("python"), platform.python_version()),

@@ -18,13 +18,13 @@ def add_options(parser: argparse.ArgumentParser, command: str, **changed: dict[s
     Args:
         parser: of the command.
         command: its name.
-        **changed: by option, arguments of `add_argument` that are others for this command.
+        **changed: by option, arguments of `add_argument` that differ for this command.
     """
     from argparse import SUPPRESS
 
     for name, option in OPTIONS.items():
         if command in option.commands:
-            # What is not given is not in the result: a world file may say it.
+            # Only given options are in the result: a world file may have the others.
             settings = {"dest": name, "default": SUPPRESS, "help": help_text(name), **_form(name, option)}
             parser.add_argument(option.flag, **{**settings, **changed.get(name, {})})
 
@@ -54,10 +54,10 @@ def _form(name: str, option: Option) -> dict[str, Any]:
 
 
 def options_from(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return the options of a robot that stand on the command line.
+    """Return the options of a robot that the command line gives.
 
     Raises:
-        UsageError: a value that makes no sense; the text names the flag.
+        UsageError: an invalid value; the text names the flag.
     """
     given: dict[str, Any] = {}
     for name, option in OPTIONS.items():

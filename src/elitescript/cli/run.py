@@ -1,4 +1,4 @@
-"""`elitescript run`: a program from its start to its end, on the terminal or as JSON lines."""
+"""`elitescript run`: runs a program to its end, with a report as text or JSON lines."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ INTERRUPTED: Final = 130
 """Ctrl-C, as shells count it."""
 
 HINT_AFTER_S: Final = 5.0
-"""Wall time after which a run says where it is, and again after each such time, where there is no status line."""
+"""Interval of wall time after which a run without a status line reports its place."""
 
-PATIENCE_S: Final = 1.0
-"""What a program or a device has to come to an end after Ctrl-C, before people are told how to end the process."""
+STOP_LIMIT_S: Final = 1.0
+"""Time for a program or a device to end after Ctrl-C, before a message about a second one is printed."""
 
 
 def run(options: argparse.Namespace) -> int:
@@ -89,22 +89,15 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError("--step goes with --trace")
         elif options.trace_signals is not None:
             raise UsageError("--trace-signals goes with --trace")
-        report.start(robot, path)
+        report.start()
         progress = None if options.json else progress_on(sys.stderr, robot.time_s)
         watch = _Watch(report, options.max_wall, progress)
         pace = _pacer() if options.realtime else None
         with _InterruptHandler(robot) as interrupted:
             try:
-                result = robot.run(
-                    unit,
-                    until_s=options.until,
-                    presets=presets,
-                    trace=trace,
-                    pace=pace,
-                    watch=watch,
-                )
+                result = robot.run(unit, until_s=options.until, presets=presets, trace=trace, pace=pace, watch=watch)
             except ElitescriptError as error:
-                # A device beside the robot has failed. Who reads records is to hear of it, and of the end.
+                # A device beside the robot has failed: readers of records need that event, and the end.
                 if options.json and robot.current is not None:
                     report.event(DeviceNoted(robot.tick, "world", str(error), is_warning=True))
                     report.end(robot.current, is_interrupted=False, overruns=None)
@@ -128,7 +121,7 @@ def _pacer() -> Any:
 
 
 class _Watch:
-    """Looks at the wall clock while the program runs: shows where it is, and ends it at the limit."""
+    """Checks the wall clock while the program runs: shows its place, and ends it at the limit."""
 
     __slots__ = ("_calls", "_end_s", "_next_hint_s", "_progress", "_report", "_start_s")
 
@@ -156,7 +149,7 @@ class _Watch:
 
 
 class _InterruptHandler:
-    """Ctrl-C ends the program at its next checkpoint; a second one ends the process at once."""
+    """Ends the program at its next checkpoint after Ctrl-C, and the process at once after a second one."""
 
     def __init__(self, robot: VirtualRobot) -> None:
         self._robot = robot
@@ -172,15 +165,15 @@ class _InterruptHandler:
         self.happened = True
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         self._robot.interrupt()
-        # Hardly any run is interrupted, and threads take their time to load.
+        # Few runs are interrupted, and importing threads takes time.
         from threading import Timer
 
-        self._timer = Timer(PATIENCE_S, self._say)
+        self._timer = Timer(STOP_LIMIT_S, self._print_hint)
         self._timer.daemon = True
         self._timer.start()
 
     @staticmethod
-    def _say() -> None:
+    def _print_hint() -> None:
         print(
             "elitescript run: still busy: a call of the program or of a device does not come back; "
             "Ctrl-C again ends it at once",

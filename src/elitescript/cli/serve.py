@@ -1,4 +1,4 @@
-"""`elitescript serve`: virtual controllers on the network."""
+"""`elitescript serve`: serves virtual controllers on the network."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from elitescript.cli.last_resort import last_resort
 from elitescript.cli.output import jsonlines
 from elitescript.cli.output.remedies import served
 from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunReport, parse_logs
-from elitescript.cli.output.terminal import PatientStream, TaggedStream
+from elitescript.cli.output.terminal import QueuedStream, TaggedStream
 from elitescript.cli.output.writable import Writable
 from elitescript.cli.robot_options import options_from
 from elitescript.cli.settings import parse_settings, parse_size
@@ -59,7 +59,7 @@ def serve(options: argparse.Namespace) -> int:
     """Serve until a signal comes; return the exit code."""
     configs, worlds = robot_configs(options)
     for config in {(config.model, config.model_text): config for config in configs}.values():
-        # What cannot be a robot is told before a port is open or a process started.
+        # An invalid robot is reported before a port is open or a process started.
         _check_ports(options, Kernel(config).description)
     chosen = chosen_ports(options.port, (*NAMES, SSH.name) if options.ssh else NAMES)
     login = ssh_login(options)
@@ -70,7 +70,7 @@ def serve(options: argparse.Namespace) -> int:
     _lockstep_timeout_s(options)
     if not is_in_process(options):
         return _run(options, configs, worlds, numbers, spares, login, _on_signals)
-    # Programs run in this process, and may keep it from hearing signals.
+    # Programs run in this process, and may block its signal handlers.
     with last_resort("elitescript serve") as listen:
         return _run(options, configs, worlds, numbers, spares, login, lambda stop: listen(_threadsafe(stop)))
 
@@ -84,8 +84,8 @@ def _run(
     login: Login | None,
     on_signals: Callable[[asyncio.Event], None],
 ) -> int:
-    out = PatientStream(sys.stdout, told_to_programs) if options.json else PatientStream(sys.stdout)
-    err = PatientStream(sys.stderr)
+    out = QueuedStream(sys.stdout, missing_record) if options.json else QueuedStream(sys.stdout)
+    err = QueuedStream(sys.stderr)
     try:
         names = [config.robot_id for config in configs]
         log = ServeLog(out, err, names, is_json=options.json, logs=parse_logs(options.log))
@@ -114,7 +114,7 @@ async def _serve(
     policy = ConnectPolicy(options.allow_connect)
     stop = asyncio.Event()
     on_signals(stop)
-    stations = [
+    servers = [
         served_robot(
             config.robot_id,
             make_link(options, config, index),
@@ -129,18 +129,18 @@ async def _serve(
         )
         for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
     ]
-    server = ServeSession(stations, options.host, numbers, options.instance, spares)
-    await server.open()
+    session = ServeSession(servers, options.host, numbers, options.instance, spares)
+    await session.open()
     try:
-        log.ready(options.host, server, configs, policy.text, login)
-        await server.run(stop)
+        log.ready(options.host, session, configs, policy.text, login)
+        await session.run(stop)
     finally:
-        await server.close()
+        await session.close()
     log.end()
 
 
 def make_link(options: argparse.Namespace, config: RobotOptions, index: int) -> RobotLink:
-    """Return the way to a robot."""
+    """Return the link to a robot."""
     return robot_link(
         config,
         task_dir=None if options.task_dir is None else Path(options.task_dir),
@@ -152,10 +152,10 @@ def make_link(options: argparse.Namespace, config: RobotOptions, index: int) -> 
 
 
 def _keepers(path: str | None, count: int, held: contextlib.ExitStack) -> list[StateKeeper | None]:
-    """Return what remembers for each robot; `held` lets the files go in the end.
+    """Return the state keeper of each robot; `held` releases the files in the end.
 
     Raises:
-        UsageError: somebody else uses a file.
+        UsageError: another process uses a file.
     """
     keepers: list[StateKeeper | None] = [None] * count
     if path is not None:
@@ -167,22 +167,22 @@ def _keepers(path: str | None, count: int, held: contextlib.ExitStack) -> list[S
 
 
 def _remembering(config: RobotOptions, keeper: StateKeeper | None) -> RobotOptions:
-    """Return a robot that begins with what is kept; what the command line sets counts more."""
+    """Return a robot that begins with the kept signals; those of the command line have priority."""
     if keeper is None:
         return config
     return replace(config, signals=tuple({**keeper.load(), **dict(config.signals)}.items()))
 
 
 def is_in_process(options: argparse.Namespace) -> bool:
-    """Return whether the robots are in this process: asked for, needed for lockstep, or the only way on this system."""
+    """Return whether the robots are in this process: by option, for lockstep, or as the only way on this system."""
     return bool(options.in_process) or options.lockstep is not None or os.name != "posix"
 
 
 def _lockstep_timeout_s(options: argparse.Namespace) -> float:
-    """Return how long robot time waits for a client in lockstep, s.
+    """Return the timeout of a client in lockstep, s.
 
     Raises:
-        UsageError: the time makes no sense, or there is no lockstep.
+        UsageError: an invalid time, or no lockstep.
     """
     timeout_s: float | None = options.lockstep_timeout
     if timeout_s is None:
@@ -195,10 +195,10 @@ def _lockstep_timeout_s(options: argparse.Namespace) -> float:
 
 
 def _check_world_place(options: argparse.Namespace) -> None:
-    """Refuse a world file that programs can write: it names Python files, which run where nothing holds them.
+    """Refuse a world file that programs can write: it names Python files, which run outside the jail.
 
     Raises:
-        UsageError: it is in the task folder of robots that are kept away from this computer.
+        UsageError: it is in the task folder of jailed robots.
     """
     if options.world is None or options.task_dir is None or is_in_process(options):
         return
@@ -210,10 +210,10 @@ def _check_world_place(options: argparse.Namespace) -> None:
 
 
 def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list[World | None]]:
-    """Return the robots that the options ask for, and what is beside each.
+    """Return the options of each robot, and the world beside it.
 
     Raises:
-        UsageError: an option that makes no sense.
+        UsageError: an invalid option.
     """
     from elitescript.devices.channels.machine_faults import machine_fault
     from elitescript.devices.surroundings import REAL
@@ -238,13 +238,11 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list
         arm, named = named_model(model or file.options.get("model") or DEFAULTS["model"])
         robot_id = file.options.get("robot_id", arm.name)
         worlds.append(file.world)
+        if len(models) > 1:
+            robot_id = f"{robot_id}-{options.instance + index}"
         configs.append(
             robot_options(
-                {
-                    **given,
-                    **named,
-                    "robot_id": robot_id if len(models) == 1 else f"{robot_id}-{options.instance + index}",
-                },
+                {**given, **named, "robot_id": robot_id},
                 file.options,
                 epoch_s=time.time(),
                 signals=tuple({**file.signals, **signals}.items()),
@@ -255,10 +253,10 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list
 
 
 def line_bindings(texts: list[str], robots: int) -> dict[str, str]:
-    """Return what is on the robot's serial ports.
+    """Return the bindings of the robot's serial ports.
 
     Raises:
-        UsageError: a binding that makes no sense, or several robots that would share a port.
+        UsageError: an invalid binding, or several robots that would share a port.
     """
     if texts and robots > 1:
         raise UsageError(f"--serial {texts[0]}: {robots} robots cannot share a serial port; serve one robot")
@@ -302,26 +300,22 @@ def _check_host(options: argparse.Namespace) -> None:
         )
     why = _why_not_jailed(options)
     if not why:
-        print(
-            f"WARNING: every computer that reaches {options.host} can run programs on the robots",
-            file=sys.stderr,
-            flush=True,
-        )
+        _warn(f"every computer that reaches {options.host} can run programs on the robots")
         return
     if not options.trust_network:
         raise UsageError(
             f"--host {options.host} lets other computers run programs on this one, and no jail is active that would "
             f"keep them away from its files and network ({why}). Insist with --trust-network"
         )
-    print(
-        f"WARNING: every computer that reaches {options.host} can run programs here, and no jail is active",
-        file=sys.stderr,
-        flush=True,
-    )
+    _warn(f"every computer that reaches {options.host} can run programs here, and no jail is active")
+
+
+def _warn(text: str) -> None:
+    print(f"WARNING: {text}", file=sys.stderr, flush=True)
 
 
 def _why_not_jailed(options: argparse.Namespace) -> str:
-    """Return why programs are not locked in; empty if they are."""
+    """Return why programs are not in a jail; empty if they are."""
     if is_in_process(options):
         return "the robots are in this process"
     if options.no_jail:
@@ -332,12 +326,12 @@ def _why_not_jailed(options: argparse.Namespace) -> str:
     return "; ".join(f"{layer.name}: {layer.detail}" for layer in layers if not layer.is_active)
 
 
-def _ports_text(station: RobotServer) -> str:
-    ports = ", ".join(f"{name} {number}" for name, number in station.ports.items())
-    release = station.link.description.firmware[:2]
-    absent = [row.name for row in SERVICES if row.name not in station.ports]
+def _ports_text(server: RobotServer) -> str:
+    ports = ", ".join(f"{name} {number}" for name, number in server.ports.items())
+    release = server.link.description.firmware[:2]
+    absent = [row.name for row in SERVICES if row.name not in server.ports]
     closed = f" (firmware {release[0]}.{release[1]} has no {', '.join(absent)})" if absent else ""
-    return f"{station.name}: {ports}{closed}"
+    return f"{server.name}: {ports}{closed}"
 
 
 def _on_signals(stop: asyncio.Event) -> None:
@@ -347,7 +341,7 @@ def _on_signals(stop: asyncio.Event) -> None:
 
 
 def _threadsafe(stop: asyncio.Event) -> Callable[[], None]:
-    """Sets the event from wherever a signal interrupts this process."""
+    """Return a function that sets the event from a signal handler."""
     loop = asyncio.get_running_loop()
 
     def set_stop() -> None:
@@ -358,22 +352,22 @@ def _threadsafe(stop: asyncio.Event) -> Callable[[], None]:
     return set_stop
 
 
-def told_to_programs(count: int) -> str:
-    """Return the line in the place of lines that were left out."""
+def missing_record(count: int) -> str:
+    """Return the JSON line in the place of dropped lines."""
     text = f"{count} lines are missing here: they came faster than they could be printed"
     record = {"type": "serve", "what": "missing", "level": "problem", "text": text, "count": count}
     return jsonlines.line(record) + "\n"
 
 
 class ServeLog:
-    """What a `serve` prints.
+    """Prints the output of a `serve`.
 
     Args:
         out: for messages.
-        err: for problems, if the lines are for people.
-        names: of the robots; with several of them every line says whose it is.
-        is_json: one JSON object a line instead.
-        logs: what lines for people have besides, of `report.LOGS`.
+        err: for problems, if the lines are text.
+        names: of the robots; with several of them every line begins with the name.
+        is_json: whether to print one JSON object per line.
+        logs: further events for lines of text, of `report.LOGS`.
     """
 
     def __init__(
@@ -384,7 +378,7 @@ class ServeLog:
         self._is_json = is_json
         self._are_several = len(names) > 1
         self._held: list[tuple[str, Event | LogLine]] | None = []
-        """What has happened before all ports were open."""
+        """Events and lines before all ports were open; None afterwards."""
         self._reports: dict[str, RunReport] = {}
         self._task_states: dict[str, TaskState] = {}
         for name in names:
@@ -396,38 +390,38 @@ class ServeLog:
                 self._reports[name] = TextRunReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
 
     def ready(
-        self, host: str, server: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None = None
+        self, host: str, session: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None = None
     ) -> None:
-        """Every port is open; say so with what programs reach, and then what has happened before."""
-        self._say_ready(host, server, configs, reach, login)
+        """Print that every port is open, what programs reach, and then the earlier events."""
+        self._print_ready(host, session, configs, reach, login)
         held, self._held = self._held or [], None
         for robot, what in held:
             self.take(robot, what)
 
-    def _say_ready(
-        self, host: str, server: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None
+    def _print_ready(
+        self, host: str, session: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None
     ) -> None:
         if self._is_json:
             robots: list[dict[str, Any]] = [
-                {"robot": config.robot_id, "model": config.model, "ports": station.ports, "ctl": address}
-                for config, station, address in zip(configs, server.stations, server.control_addresses, strict=True)
+                {"robot": config.robot_id, "model": config.model, "ports": server.ports, "ctl": address}
+                for config, server, address in zip(configs, session.stations, session.control_addresses, strict=True)
             ]
             if login is not None:
-                for robot, station in zip(robots, server.stations, strict=True):
-                    robot["ssh"] = {"user": login.user, "host_key": station.host_key}
+                for robot, server in zip(robots, session.stations, strict=True):
+                    robot["ssh"] = {"user": login.user, "host_key": server.host_key}
                     if login.is_random:
                         robot["ssh"]["password"] = login.password
             self._record({"type": "ready", "host": host, "robots": robots, "allow_connect": reach})
             return
-        robots_text = "; ".join(_ports_text(station) for station in server.stations)
+        robots_text = "; ".join(_ports_text(server) for server in session.stations)
         self._out.write(f"ready on {host}: {robots_text}\n")
-        self._out.write(f"ctl at {', '.join(server.control_addresses)}\n")
+        self._out.write(f"ctl at {', '.join(session.control_addresses)}\n")
         self._out.write(f"programs reach {'no address' if reach == NONE else reach}\n")
         if login is not None:
             password = f"password {login.password}" if login.is_random else "password as given"
-            keys = ", ".join(station.host_key for station in server.stations)
+            keys = ", ".join(server.host_key for server in session.stations)
             self._out.write(f"ssh: user {login.user}, {password}, host key {keys}\n")
-        for address, usual in zip(server.control_addresses, server.usual_addresses, strict=True):
+        for address, usual in zip(session.control_addresses, session.usual_addresses, strict=True):
             if address != usual:
                 self._err.write(
                     f"another serve has {usual}: `elitescript ctl` speaks to that one; "
@@ -458,7 +452,7 @@ class ServeLog:
             stream.flush()
 
     def _task(self, robot: str, event: TaskLoaded | TaskStateChanged) -> None:
-        """Print what became of the task: loaded, started, paused, resumed, finished, stopped, ended by an alarm."""
+        """Print a change of the task: loaded, started, paused, resumed, finished, stopped, ended by an alarm."""
         what = "loaded"
         if isinstance(event, TaskStateChanged):
             before = self._task_states.get(robot, TaskState.STOPPED)
@@ -474,7 +468,7 @@ class ServeLog:
         self._out.flush()
 
     def end(self) -> None:
-        """Everything is closed."""
+        """Print that everything is closed."""
         if self._is_json:
             self._record({"type": "stopped"})
         else:

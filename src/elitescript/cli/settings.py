@@ -18,7 +18,7 @@ def parse_settings(texts: list[str], option: str = "--set") -> tuple[dict[str, V
     """Split `NAME=VALUE` settings into signals and program globals.
 
     A name of the signal table (with an index in brackets, where the family has several) is a signal; any other
-    identifier is a global of the program. `option` is what people wrote in front of them.
+    identifier is a global of the program. `option` is the option or verb before them, for messages.
 
     Raises:
         UsageError: not of this form, or a value that is no literal.
@@ -66,10 +66,10 @@ def parse_joints(text: str) -> Six:
 
 
 def parse_epoch(text: str) -> float:
-    """Return a time as seconds since 1970, given as such or in ISO 8601 (UTC unless it names a zone).
+    """Return a time as seconds since 1970, from such a number or ISO 8601 (UTC without a zone).
 
     Raises:
-        UsageError: neither.
+        UsageError: neither form.
     """
     from datetime import UTC, datetime
 

@@ -1,4 +1,4 @@
-"""Who may log in at the SSH port of `serve`, from the command line."""
+"""The login at the SSH port of `serve`, from the command line."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ RANDOM_BYTES: Final = 12
 
 
 class Login(NamedTuple):
-    """The only login."""
+    """Name and password of the only user."""
 
     user: str
     password: str
     is_random: bool
-    """Made here, so that it must be printed."""
+    """Whether it was generated, so that it must be printed."""
 
 
 def ssh_login(options: argparse.Namespace) -> Login | None:
-    """Return the login that the options ask for; None without `--ssh`.
+    """Return the login of the options; None without `--ssh`.
 
     Raises:
-        UsageError: the extra is missing, or the password is none.
+        UsageError: the extra is missing, or the password is invalid.
     """
     if not options.ssh:
         if options.ssh_password is not None:

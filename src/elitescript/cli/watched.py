@@ -1,11 +1,11 @@
-"""A run in a process that another one watches over.
+"""Runs a program in a child process that its parent watches.
 
 A single call into C, such as `sum(range(10**12))`, reaches no checkpoint and lets no other thread of its process run;
-one that calls itself too deep, such as the end of a `map` of `map` of `map`, crashes the process. So programs run in
-a child, and the parent does nothing but wait for it: it ends what takes too long, and says where a crash was.
+one that recurses too deep, such as the end of a `map` of `map` of `map`, crashes the process. So programs run in a
+child, and the parent only waits for it: it ends a child that takes too long, and reports the place of a crash.
 
-The child writes where it is to a pipe when it crashes (`faulthandler`). It ends with its parent, and signals that only
-the parent gets are passed on.
+The child writes a trace to a pipe when it crashes (`faulthandler`). It ends with its parent, and signals that only the
+parent gets are passed on.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ if TYPE_CHECKING:
     from typing import Any, Final
 
 MARK: Final = "ELITESCRIPT_WATCHED"
-"""Set in the environment of a child that is watched: the descriptor for the trace of a crash, 0 for none."""
+"""Set in the environment of a watched child: the descriptor for the trace of a crash, 0 for none."""
 
 GRACE_S: Final = 2.0
-"""What a child gets beyond its limit: to start, and to end by itself at its next checkpoint."""
+"""Time of a child beyond its limit: to start, and to end by itself at its next checkpoint."""
 
 ALARM: Final = 1
 TIME_LIMIT: Final = 4
-"""Exit codes, as those of a run that ends so by itself."""
+"""Exit codes of a run that ends so by itself."""
 
 STACK_BYTES: Final = 1 << 30
-"""Stack of a child, for calls of C code in C code: 8 MB, which is usual, hold 100,000 `map` in one another. It takes
-memory only as it is used."""
+"""Stack of a child, for recursion of C code; the usual 8 MB hold 100,000 nested `map`. It takes memory only as it is
+used."""
 
 MEMORY_DEFAULT: Final = "4GiB"
-"""Memory that a run may have, *assumed*: more than a controller has, less than most computers."""
+"""Limit of the memory of a run, *assumed*: more than a controller has, less than most computers."""
 MEMORY_MIN: Final = 512 << 20
-"""Address space that a run has whatever was asked for: Python, this package and its model take it."""
+"""Least limit of the address space, for Python, this package and its model."""
 
 TRACE_MAX: Final = 1 << 16
 
@@ -43,18 +43,18 @@ HINT: Final = "do not nest iterators (map, filter, zip, itertools) or objects hu
 
 
 def can_watch() -> bool:
-    """Return whether this system lets a process be watched without a limit of its time."""
+    """Return whether this system can watch a process without a time limit."""
     return sys.platform == "linux"
 
 
 def run_watched(command: list[str], environment: dict[str, str], max_wall_s: float | None, *, is_json: bool) -> int:
-    """Run a command of ours; return its exit code.
+    """Run `elitescript` in a watched child; return its exit code.
 
     Args:
-        command: program and arguments; the third word behind `-m elitescript` names the command for messages.
+        command: program and arguments; the word behind `elitescript` names the command for messages.
         environment: of the child.
-        max_wall_s: how much wall time it may take; any if None.
-        is_json: how to say how it ended if it does not say so itself.
+        max_wall_s: limit of its wall time; None for no limit.
+        is_json: whether an end that the child cannot report itself is reported as JSON.
     """
     name = f"elitescript {command[command.index('elitescript') + 1]}"
     if can_watch():
@@ -73,7 +73,7 @@ def run_watched(command: list[str], environment: dict[str, str], max_wall_s: flo
     import signal
 
     if -status in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGPIPE):
-        # Somebody has ended it: this process ends alike, for whoever looks at how.
+        # It was ended from outside: this process ends by the same signal, so that its parent sees it.
         signal.signal(-status, signal.SIG_DFL)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {-status})
         os.kill(os.getpid(), -status)
@@ -86,14 +86,14 @@ def place_in_trace(trace: bytes) -> tuple[str, int] | None:
     """Return the name and line of the program text that a trace of `faulthandler` was in; None if it was in none."""
     for row in trace.decode("utf-8", "replace").splitlines():
         file, quote, rest = row.strip().removeprefix('File "').partition('", line ')
-        # Texts of programs are the only ones that are no files of Python.
+        # Only texts of programs are no files of Python.
         if quote and not file.endswith(".py") and not file.startswith("<frozen"):
             return file, int(rest.split()[0])
     return None
 
 
 def watch_for_crashes() -> bool:
-    """Prepare a child that is watched for a crash, which writes its trace; return whether this is such a child."""
+    """Let a watched child write its trace when it crashes; return whether this is such a child."""
     mark = os.environ.get(MARK, "")
     if not mark.isdigit():
         return False
@@ -104,22 +104,21 @@ def watch_for_crashes() -> bool:
 
         faulthandler.enable(file=int(mark), all_threads=False)
         if isinstance(sys.stdout, TextIOWrapper):
-            # What is in a buffer is lost in a crash.
+            # The contents of a buffer are lost in a crash.
             sys.stdout.reconfigure(line_buffering=True)
-        # Threads would get as much stack as this process may have.
+        # By default threads would get the same stack as this process.
         _thread.stack_size(8 << 20)
     return True
 
 
 def limit_memory(size: int) -> None:
-    """Let this process have so many bytes of memory at most, where the system can limit it."""
+    """Limit the memory of this process, in bytes, where the system can."""
     try:
         import resource
     except ImportError:
         return
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
     soft = size if hard == resource.RLIM_INFINITY else min(size, hard)
-    # The least that a run needs for itself.
     resource.setrlimit(resource.RLIMIT_AS, (max(soft, MEMORY_MIN), hard))
 
 
@@ -169,24 +168,24 @@ def _ended(child: int, max_wall_s: float | None) -> int | None:
         ended, status = os.waitpid(child, os.WNOHANG)
         if ended:
             return os.waitstatus_to_exitcode(status)
-        # Not longer at once than an hour: who sleeps for years overflows a counter.
+        # At most an hour at a time: a wait of years overflows a counter.
         left_s = 3600.0 if end_s is None else min(end_s - time.monotonic(), 3600.0)
         if left_s <= 0.0:
             os.kill(child, signal.SIGKILL)
             os.waitpid(child, 0)
             return None
-        told = signal.sigtimedwait(awaited, left_s)
-        # A terminal sends to both processes, which has the code of the kernel, a positive one.
-        if told is not None and told.si_signo in passed_on and told.si_code <= 0:
-            os.kill(child, told.si_signo)
+        received = signal.sigtimedwait(awaited, left_s)
+        # A terminal sends to both processes, with the code of the kernel, which is positive.
+        if received is not None and received.si_signo in passed_on and received.si_code <= 0:
+            os.kill(child, received.si_signo)
 
 
 def _wait(command: list[str], environment: dict[str, str], max_wall_s: float) -> int | None:
-    """Run a command where nothing but its time can be watched; see `_watch`."""
+    """Run a command where only its time can be watched; see `_watch`."""
     import signal
     import subprocess
 
-    # In a process group of its own, the child hears of Ctrl-C once: through us.
+    # In its own process group, the child gets Ctrl-C once: from this process.
     own_group: dict[str, Any] = {"process_group": 0, "close_fds": False} if os.name == "posix" else {}
     child = subprocess.Popen(command, env={**environment, MARK: "0"}, **own_group)
 
@@ -207,7 +206,7 @@ def _wait(command: list[str], environment: dict[str, str], max_wall_s: float) ->
 
 
 def _erased() -> str:
-    """Return what takes away the status line that a child has left on the terminal; see `cli.output.screen`."""
+    """Return the escape code that erases a status line of the child; see `cli.output.screen`."""
     from elitescript.cli.output.screen import ERASE, understands_escapes
 
     return ERASE if sys.stderr.isatty() and understands_escapes(os.environ, os.name) else ""

@@ -155,6 +155,16 @@ def rotate(R: Rotation, v: Sequence[float]) -> Vector3:
     )
 
 
+def cross(a: Vector3, b: Vector3) -> Vector3:
+    """Return the vector product a x b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def from_columns(x: Vector3, y: Vector3, z: Vector3) -> Rotation:
+    """Return the rotation whose columns are three axes."""
+    return x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]
+
+
 _PITCH_LIMIT: Final = 0.5 * pi - GIMBAL_MARGIN_RAD
 
 _SMALL_ANGLE: Final = 1e-9

@@ -1,1 +1,1 @@
-"""The waist: what scripts ask, what the machine answers, and the words both use. No behaviour."""
+"""The waist: requests of scripts and clients, events, replies and state of the machine. Frozen data, no behaviour."""

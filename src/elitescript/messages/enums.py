@@ -1,4 +1,4 @@
-"""The modes of robot, safety and task, with the numbers that clients see.
+"""Modes of robot, safety and task, with the numbers that clients see.
 
 Evidence: *documented* by the vendor's SDK and dashboard pages unless marked otherwise.
 """
@@ -9,7 +9,7 @@ from enum import IntEnum
 
 
 class RobotMode(IntEnum):
-    """What the arm's power and brakes are doing."""
+    """State of the arm's power and brakes."""
 
     NO_CONTROLLER = -1
     DISCONNECTED = 0
@@ -48,7 +48,7 @@ class SafetyMode(IntEnum):
 
 
 class TaskState(IntEnum):
-    """What the program is doing."""
+    """State of the program."""
 
     UNKNOWN = 0
     PLAYING = 1
@@ -66,7 +66,7 @@ class AnalogDomain(IntEnum):
 
 
 class RunstateChoice(IntEnum):
-    """What an output does when no program runs (manual, `set_runstate_..._to_value`)."""
+    """Level of an output while no program runs (manual, `set_runstate_..._to_value`)."""
 
     KEEP = 0
     LOW_WHEN_STOPPED = 1
@@ -87,7 +87,7 @@ class PulseDecoder(IntEnum):
     """Which edges of an incremental encoder count (manual 2.14, 3.1.25)."""
 
     QUADRATURE = 1
-    """All edges of two channels, which also tell the direction."""
+    """All edges of two channels, which also give the direction."""
     EDGES = 2
     """Both edges of one channel."""
     RISING = 3
@@ -111,17 +111,17 @@ class DiscardReason(IntEnum):
 
 
 class ChannelError(IntEnum):
-    """Why a channel does not open or breaks; the numbers are those of TCP/IP on Linux, which programs see."""
+    """Why a channel does not open or breaks: errno of Linux, which programs see."""
 
     NOTHING_BOUND = -1
-    """Nothing of this computer is bound to the serial port: it opens all the same, and is silent."""
+    """Nothing is bound to the serial port: it opens all the same, and is silent."""
     OTHER = 5
     BROKEN_PIPE = 32
     NETWORK_UNREACHABLE = 101
     RESET = 104
-    """Also if the peer just closes."""
+    """Also when the peer closes."""
     TIMED_OUT = 110
     REFUSED = 111
     HOST_DOWN = 112
     HOST_UNREACHABLE = 113
-    """Also if the address is not known."""
+    """Also for an unknown address."""

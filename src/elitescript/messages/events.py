@@ -1,7 +1,6 @@
-"""What happened, in the order in which it happened.
+"""Events of a robot, in the order in which they happened; each carries its tick.
 
-Every event carries the tick at which it happened. The list of events of a run is its meaning: two runs
-with the same events did the same.
+Two runs with the same events did the same.
 """
 
 from __future__ import annotations
@@ -50,25 +49,25 @@ class Popup:
     is_blocking: bool
     """Whether the thread waits until the button is pressed."""
     is_confirmed_at_once: bool
-    """Nobody is there to press the button, so the program goes on."""
+    """Whether the program goes on at once, because nothing can press the button."""
     thread: str
     line: int
 
 
 UNDELIVERED: Final = "W270"
-"""Code of warnings about what a program gave away and that did not arrive."""
+"""Code of warnings about data that a program sent and that did not arrive."""
 
 
 @dataclass(frozen=True, slots=True)
 class Warned:
-    """Something that goes on, but not as the program asked."""
+    """A warning: the program goes on, but not as it asked."""
 
     tick: int
     text: str
     thread: str = ""
     line: int = 0
     code: str = ""
-    """Row of `errors.CODES`, when `check` knows the same finding."""
+    """Row of `errors.CODES`, when `check` has the same finding."""
     hint: str = ""
     """What to do about it."""
     column: int = 0
@@ -140,8 +139,8 @@ class SignalChanged:
 class ChannelActivity:
     """A connection to the outside was opened or closed, or carried data.
 
-    MODBUS TCP signals have an entry when their value or their trouble changes, not for each request. Of one tick no
-    more than 100 entries are kept; the one that follows says so.
+    MODBUS TCP signals have an entry when their value or their error changes, not for each request. At most 100 entries
+    of one tick are kept; one more counts the rest.
     """
 
     tick: int
@@ -165,9 +164,9 @@ class ChannelActivity:
 
 @dataclass(frozen=True, slots=True)
 class MotionStarted:
-    """The arm begins what was asked for: at once, at the begin of a blend, or when it has come to rest before.
+    """The arm begins a motion: at once, at the begin of a blend, or when it has come to rest before.
 
-    A line of a `movep` chain that runs already is told of when it is accepted.
+    A line of a `movep` chain that runs already has this event when it is accepted.
     """
 
     tick: int
@@ -182,19 +181,19 @@ class MotionStarted:
 
 @dataclass(frozen=True, slots=True)
 class MotionEnded:
-    """The arm stands still again, at its target or because it was stopped; or another motion has taken over.
+    """A motion has ended: at its target, by a stop, or because another motion has taken over.
 
     A move that ends because the next one is blended with it is complete.
     """
 
     tick: int
     is_complete: bool
-    """Whether it has come to its target."""
+    """Whether it has reached its target."""
 
 
 @dataclass(frozen=True, slots=True)
 class TrackingStarted:
-    """The arm goes along with a conveyor, besides its moves."""
+    """The arm follows a conveyor, besides its moves."""
 
     tick: int
     request: TrackLinear | TrackCircular
@@ -205,7 +204,7 @@ class TrackingStarted:
 
 @dataclass(frozen=True, slots=True)
 class TrackingEnded:
-    """The arm does not go along with a conveyor any more, and comes to rest."""
+    """The arm no longer follows a conveyor, and comes to rest."""
 
     tick: int
 
@@ -260,12 +259,12 @@ class LineMarked:
     number: int
     """Of the node of the program tree."""
     label: str
-    """What the mark says besides."""
+    """Text of the mark."""
 
 
 @dataclass(frozen=True, slots=True)
 class YieldingChanged:
-    """Force mode or hand guiding began, changed or is asked to end; the end of a program says nothing more."""
+    """Force mode or hand guiding began, changed or is asked to end; the end of a program ends both without event."""
 
     tick: int
     request: YieldRequest

@@ -1,4 +1,4 @@
-"""Faults of connections and serial lines, as the robot gets them."""
+"""Faults of connections and serial lines."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class ChannelFault:
-    """Something that goes wrong on channels; `devices.channels.faults` has the kinds. For inputs see `DisturbInput`."""
+    """A fault of channels; `devices.channels.faults` has the kinds. For inputs see `DisturbInput`."""
 
     kind: str
     on: int | str
@@ -15,17 +15,17 @@ class ChannelFault:
     place: tuple[str, str, int]
     """`tcp`, address (empty for any) and port; or `line`, device and 0."""
     begin_tick: int = 0
-    """The first tick with it; one that is over begins at once."""
+    """First tick with the fault; a past one begins at once."""
     ticks: int | None = None
-    """So many ticks; to the end if None."""
+    """How long it lasts; to the end if None."""
     nth: int = 1
-    """The first message that it meets."""
+    """Number of the first message that it affects."""
     count: int | None = None
-    """How many messages it meets; all if None."""
+    """How many messages it affects; all if None."""
     direction: str = "both"
     """`to_robot`, `to_device` or `both`."""
     share: float = 1.0
-    """Of these messages it meets this share, drawn at random."""
+    """Share of these messages that it affects, drawn at random."""
     delay_ticks: int = 0
     """Of `delay`."""
     chunk: int = 1
@@ -33,4 +33,4 @@ class ChannelFault:
     form: str = ""
     """Of `wrong_reply`: `bytes`, or a MODBUS answer that is wrong in one way."""
     reply: bytes = b""
-    """Of `wrong_reply`: what arrives of the form `bytes`, the number of an `exception`."""
+    """Of `wrong_reply`: the bytes of the form `bytes`, the number of an `exception`."""

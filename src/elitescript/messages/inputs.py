@@ -1,7 +1,7 @@
-"""What comes in from outside at a tick: everything that a session does to a robot.
+"""Inputs of a robot from outside, at a tick.
 
-A session is the sequence of (tick, inputs). The journal records it, `replay` feeds it back. Each input carries what
-it needs and nothing live; `origin` names who sent it, such as `primary#3`.
+A session is the sequence of (tick, inputs): the journal records it, `replay` feeds it back. An input is plain data;
+`origin` names its sender, such as `primary#3`.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from elitescript.messages.faults import ChannelFault
 from elitescript.messages.machine import DisturbInput, MachineRequest
 
 WORLD: Final = "world"
-"""Origin of what the devices beside a robot do to its signals, followed by `:` and the kind of device."""
+"""Origin of signal changes by devices beside a robot, followed by `:` and the kind of device."""
 
 RESTART: Final = "restart"
-"""Origin of the inputs that give a fresh robot the state of the one before it."""
+"""Origin of the inputs that give a restarted robot the state of the one before it."""
 
 UNIT_KINDS: Final = ("program", "secondary", "line")
-"""What a unit of script text is."""
+"""Kinds of a unit of script text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class Do:
     origin: str
     request: MachineRequest
     is_answered: bool = False
-    """Whether the robot is to reply what came of it; if not, a refusal is a warning alone."""
+    """Whether the robot replies with the outcome; if not, a refusal is only a warning."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,12 +136,12 @@ class Interpret:
     origin: str
     text: str
     problem: str = ""
-    """Why it cannot be a statement, whatever it says; empty if it can. The text is its beginning then."""
+    """Why it cannot be a statement, empty if it can. With a problem, `text` is the beginning of the line only."""
 
 
 @dataclass(frozen=True, slots=True)
 class InterpreterWord:
-    """A word for interpreter mode that does not wait its turn, such as `skipbuffer`."""
+    """A word for interpreter mode that is handled at once, such as `skipbuffer`."""
 
     origin: str
     word: str
@@ -157,7 +157,7 @@ class Query:
 
 @dataclass(frozen=True, slots=True)
 class VariablesArrived:
-    """A client has sent these RTSI inputs; their values come as `Do(WriteSignal)`. For the watchdog."""
+    """Report to the watchdog that a client has sent these RTSI inputs; their values come as `Do(WriteSignal)`."""
 
     origin: str
     names: tuple[str, ...]
@@ -167,18 +167,17 @@ class VariablesArrived:
 class Lag:
     """How far robot time is behind the wall clock from this tick on, while missed ticks are made up for.
 
-    What has arrived by then came over a longer time than the ticks take that are made up for: a peer that sends often
-    enough may seem silent in them.
+    These ticks take less time than they stand for, so that a peer that sends often enough may seem silent in them.
     """
 
     origin: str
     ticks: int
-    """0: it is not behind any more."""
+    """0 when it has caught up."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChannelOpened:
-    """The end of an attempt to connect."""
+    """Result of an attempt to connect."""
 
     channel: int
     is_open: bool
@@ -198,7 +197,7 @@ class ChannelData:
 
 @dataclass(frozen=True, slots=True)
 class ChannelCredit:
-    """So many bytes that the script sent have left: as many more may follow; see `outputs.CHANNEL_WINDOW`."""
+    """Bytes of the script that were sent: as many more may follow; see `outputs.CHANNEL_WINDOW`."""
 
     channel: int
     size: int
@@ -206,7 +205,7 @@ class ChannelCredit:
 
 @dataclass(frozen=True, slots=True)
 class ChannelClosed:
-    """The peer has closed, or the connection broke. Nothing of this channel comes any more."""
+    """The peer has closed, or the connection broke; the last event of this channel."""
 
     channel: int
     reason: str = ""
@@ -217,7 +216,7 @@ class ChannelClosed:
 
 @dataclass(frozen=True, slots=True)
 class AddFault:
-    """Let something go wrong on channels or at an input, from this tick on or later."""
+    """Add a fault of channels or of an input, from this tick on or later."""
 
     origin: str
     fault: ChannelFault | DisturbInput

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import Final
 
 PORT_NAMES: Final = {"tool": "tool", "/dev/ttymxc0": "box"}
-"""What people call the serial ports of the robot, by the device that programs name."""
+"""Names of the robot's serial ports, by the device that programs open."""
 
 
 @dataclass(frozen=True, slots=True)
 class LineSettings:
-    """How characters go over a serial line."""
+    """Format of characters on a serial line."""
 
     baud: int
     """Bits per second."""
@@ -23,5 +23,5 @@ class LineSettings:
 
     @property
     def character_s(self) -> float:
-        """How long one character takes: start bit, data, parity, stop bits."""
+        """Time of one character: start bit, data, parity, stop bits."""
         return (1 + self.size + (self.parity != 0) + self.stop_bits) / self.baud

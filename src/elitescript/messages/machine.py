@@ -35,7 +35,7 @@ class WritePortRegisters:
     """0 to 65535 each."""
     read_first: int = 0
     read_count: int = 0
-    """Registers that the answer shows as they are right after; none if the count is 0."""
+    """Registers that the reply holds, read right after the write; none if the count is 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class SetRunstateChoice:
 
 @dataclass(frozen=True, slots=True)
 class SetInputAction:
-    """Bind hand guiding to an input, or nothing."""
+    """Bind hand guiding to an input, or unbind it."""
 
     name: str
     index: int
@@ -81,7 +81,7 @@ class ResetInputActions:
 
 @dataclass(frozen=True, slots=True)
 class SetToolAnalogMode:
-    """What the tool's shared pins do: 0 serial, 1 analog in, 2 analog out, 3 both."""
+    """Choose the use of the tool's shared pins: 0 serial, 1 analog in, 2 analog out, 3 both."""
 
     mode: int
 
@@ -98,14 +98,14 @@ class SetToolPin:
 
 @dataclass(frozen=True, slots=True)
 class SetTcp:
-    """Active TCP: transform from flange to TCP as a pose."""
+    """Set the active TCP: transform from flange to TCP as a pose."""
 
     offset: Six
 
 
 @dataclass(frozen=True, slots=True)
 class SetPayload:
-    """Payload at the flange."""
+    """Set the payload at the flange."""
 
     mass_kg: float
     cog: tuple[float, float, float]
@@ -116,21 +116,21 @@ class SetPayload:
 
 @dataclass(frozen=True, slots=True)
 class SetGravity:
-    """Acceleration that the base feels: points away from the earth, m/s^2, base frame."""
+    """Set the acceleration of the base against free fall: points away from the earth, m/s^2, base frame."""
 
     vector: tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class SetSpeedScale:
-    """Speed percentage of the pendant as a fraction, 0 to 1."""
+    """Set the speed percentage of the pendant as a fraction, 0 to 1."""
 
     fraction: float
 
 
 @dataclass(frozen=True, slots=True)
 class SetOption:
-    """A setting that programs send and that changes nothing the simulation shows."""
+    """Set an option that the simulation does not show."""
 
     name: str
     value: Value
@@ -138,7 +138,7 @@ class SetOption:
 
 @dataclass(frozen=True, slots=True)
 class SetLineMark:
-    """The node of the pendant's program tree that the program has reached (`$ LINE`)."""
+    """Report the node of the pendant's program tree that the program has reached (`$ LINE`)."""
 
     number: int
     label: str
@@ -146,7 +146,7 @@ class SetLineMark:
 
 @dataclass(frozen=True, slots=True)
 class PrepareEncoder:
-    """The program supplies the count of a conveyor encoder."""
+    """Let the program supply the count of a conveyor encoder."""
 
     index: int
     range_id: int
@@ -155,7 +155,7 @@ class PrepareEncoder:
 
 @dataclass(frozen=True, slots=True)
 class DecodePulses:
-    """A conveyor encoder counts pulses at high-speed inputs."""
+    """Let a conveyor encoder count pulses at high-speed inputs."""
 
     index: int
     decoder: PulseDecoder
@@ -165,7 +165,7 @@ class DecodePulses:
 
 @dataclass(frozen=True, slots=True)
 class SetEncoderCount:
-    """The count that a program supplies."""
+    """Supply the count of a conveyor encoder."""
 
     index: int
     count: float
@@ -173,17 +173,17 @@ class SetEncoderCount:
 
 @dataclass(frozen=True, slots=True)
 class PowerOn:
-    """Give the arm its power; it ends up idle, with its brakes closed."""
+    """Power the arm on; it becomes idle, with its brakes closed."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReleaseBrakes:
-    """Open the brakes of an idle arm; of one without power, give it power first."""
+    """Open the brakes; an arm without power is powered on first."""
 
 
 @dataclass(frozen=True, slots=True)
 class PowerOff:
-    """Stop the arm and take its power away; the cabinet stays on."""
+    """Stop the arm and power it off; the cabinet stays on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,12 +193,12 @@ class PowerDown:
 
 @dataclass(frozen=True, slots=True)
 class PauseTask:
-    """Brake on the path and let no script thread go on."""
+    """Brake on the path and hold every script thread."""
 
 
 @dataclass(frozen=True, slots=True)
 class ResumeTask:
-    """Go on where the task was paused."""
+    """Resume a paused task."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,14 +208,14 @@ class StopTask:
 
 @dataclass(frozen=True, slots=True)
 class SetForceGain:
-    """How quickly force control answers, 0 to 2."""
+    """Set the gain of force control, 0 to 2."""
 
     scaling: float
 
 
 @dataclass(frozen=True, slots=True)
 class SetForceDamping:
-    """Damping of force control, 0 to 1."""
+    """Set the damping of force control, 0 to 1."""
 
     damping: float
 
@@ -227,7 +227,7 @@ class ZeroForceSensor:
 
 @dataclass(frozen=True, slots=True)
 class SetClientSensor:
-    """Read forces from a client's sensor (signals `external_force_torque`) instead of the arm's, or no more."""
+    """Switch between a client's force sensor (signals `external_force_torque`) and that of the arm."""
 
     is_enabled: bool
     mass_kg: float = 0.0
@@ -239,7 +239,7 @@ class SetClientSensor:
 
 @dataclass(frozen=True, slots=True)
 class AskSafety:
-    """An action of the safety system that people and clients ask for."""
+    """Request an action of the safety system."""
 
     action: str
     """`stop_protectively`, `unlock_protective_stop`, `restart_safety`, `violate` or `fail`."""
@@ -248,20 +248,20 @@ class AskSafety:
 
 @dataclass(frozen=True, slots=True)
 class DisturbInput:
-    """Let a digital or analog input read something else than what is applied to it, for a time.
+    """Let a digital or analog input read another value than the applied one, for a time.
 
     Attributes:
         kind: `stuck`, `inverted`, `bouncing`, `open_wire`, `drifting`, `noisy` or `late`.
         name: family of the input.
         index: within the family.
-        begin_tick: the first tick with it; one that is over begins at once.
-        ticks: so many ticks; to the end if None.
-        value: what `stuck` and `open_wire` read; the present level or what the kind says if None.
+        begin_tick: the first tick with it; a past one begins at once.
+        ticks: how long it lasts; to the end if None.
+        value: what `stuck` and `open_wire` read; the present level or the default of the kind if None.
         span_ticks: settling time of `bouncing`, delay of `late`, period of `drifting` and `noisy`.
         bounces: of `bouncing`, after each edge.
         amount: V/s or A/s of `drifting`; standard deviation, V or A, or flips a second of `noisy`.
         bound: largest deviation of `drifting`, V or A; without a limit if None.
-        seed: of what is drawn.
+        seed: of the random numbers.
     """
 
     kind: str
@@ -279,7 +279,7 @@ class DisturbInput:
 
 @dataclass(frozen=True, slots=True)
 class EndInputFaults:
-    """Let every input read again what is applied to it."""
+    """Let every input read the applied value again."""
 
 
 MachineRequest = (

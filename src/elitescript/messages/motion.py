@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 from typing import Final
 
 BLEND_SHARE: Final = 0.5
-"""Most that a blend takes of a move."""
+"""Largest share of a move that a blend takes."""
 
 RADIUS_SHORTENED: Final = "r = {r:g} m is shortened to {most:.4g} m: a blend takes at most half of a move"
-"""What is said about a longer radius (W235)."""
+"""Text of the warning about a longer radius (W235)."""
 
 RADIUS_HINT: Final = "choose r up to {most:.4g}, or leave more way between the points"
 
@@ -24,7 +24,7 @@ Six = tuple[float, float, float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class MoveJ:
-    """Straight in joint space to `q_target`."""
+    """Move straight in joint space to `q_target`."""
 
     q_target: Six
     a: float
@@ -39,7 +39,7 @@ class MoveJ:
 
 @dataclass(frozen=True, slots=True)
 class MoveL:
-    """TCP on a straight line to `p_target`."""
+    """Move the TCP on a straight line to `p_target`."""
 
     p_target: Six
     a: float
@@ -52,7 +52,7 @@ class MoveL:
 
 @dataclass(frozen=True, slots=True)
 class MoveC:
-    """TCP on the circle through the present pose, `p_via` and `p_target`."""
+    """Move the TCP on the circle through the present pose, `p_via` and `p_target`."""
 
     p_via: Six
     p_target: Six
@@ -65,7 +65,7 @@ class MoveC:
 
 @dataclass(frozen=True, slots=True)
 class MoveP:
-    """TCP on a straight line to `p_target`, as one of a chain of lines that keeps its speed at the corners."""
+    """Move the TCP on a line to `p_target`, one of a chain of lines that keeps its speed at the corners."""
 
     p_target: Six
     a: float
@@ -90,10 +90,10 @@ class StopL:
 
 @dataclass(frozen=True, slots=True)
 class MicroLine:
-    """Points at a constant interval of time, in SI units, as a program holds them.
+    """Points of a file at a constant interval of time, in SI units.
 
     Points are numbered from 1, as scripts number them. Lines of the file that hold no point do not count (*assumed*:
-    the manual speaks of lines, and knows files of nothing but points).
+    the manual counts lines, of files that hold only points).
     """
 
     name: str
@@ -109,11 +109,11 @@ class MicroLine:
     """Part frame in which poses are given, in the base frame."""
 
     def __len__(self) -> int:
-        """Return how many points there are."""
+        """Return the number of points."""
         return len(self.numbers) // 48
 
     def point(self, number: int) -> Six:
-        """Return one point, counted from 1, as the file has it but in SI units."""
+        """Return one point, counted from 1."""
         a, b, c, d, e, f = array("d", self.numbers[48 * number - 48 : 48 * number])
         return a, b, c, d, e, f
 
@@ -122,7 +122,7 @@ class MicroLine:
         return array("I", self.file_lines[4 * number - 4 : 4 * number])[0]
 
     def place(self, number: int) -> str:
-        """Return in words where a point stands."""
+        """Return the place of a point in the file, for messages."""
         line = self.file_line(number)
         where = f"line {line} of {self.name}"
         return where if line == number else f"point {number} ({where})"
@@ -130,7 +130,7 @@ class MicroLine:
 
 @dataclass(frozen=True, slots=True)
 class MoveML:
-    """The points of a loaded file, at its interval."""
+    """Move through the points of a loaded file, at its interval."""
 
     points: MicroLine
     first: int
@@ -143,13 +143,13 @@ class MoveML:
 
     @property
     def r(self) -> float:
-        """Blend radius: it always ends at rest."""
+        """Blend radius, m: 0, it always ends at rest."""
         return 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class SpeedJ:
-    """Joints to the speeds `qd` (rad/s), and on until something else is asked for."""
+    """Move the joints at the speeds `qd` (rad/s) until the next motion."""
 
     qd: Six
     a: float
@@ -160,7 +160,7 @@ class SpeedJ:
 
 @dataclass(frozen=True, slots=True)
 class SpeedL:
-    """TCP to the velocity `xd` (m/s and rad/s, base frame), and on until something else is asked for."""
+    """Move the TCP at the velocity `xd` (m/s and rad/s, base frame) until the next motion."""
 
     xd: Six
     a: float
@@ -172,7 +172,7 @@ class SpeedL:
 
 @dataclass(frozen=True, slots=True)
 class ServoJ:
-    """One target of a stream of joint targets."""
+    """Give the next target of a stream of joint targets."""
 
     q_target: Six
     t_s: float
@@ -180,12 +180,12 @@ class ServoJ:
     lookahead_s: float
     """Window of the smoothing."""
     gain: float
-    """How stiffly the arm follows, 100 to 2000."""
+    """Gain of the following arm, 100 to 2000."""
 
 
 @dataclass(frozen=True, slots=True)
 class TrackLinear:
-    """Go along with a belt from now on."""
+    """Follow a belt from now on."""
 
     direction: tuple[float, float, float]
     """Of travel, base frame; its length does not count."""
@@ -195,7 +195,7 @@ class TrackLinear:
 
 @dataclass(frozen=True, slots=True)
 class TrackCircular:
-    """Go along with a turntable from now on."""
+    """Follow a turntable from now on."""
 
     center: Six
     """Pose in the base frame; the table turns about its z axis."""
@@ -207,7 +207,7 @@ class TrackCircular:
 
 @dataclass(frozen=True, slots=True)
 class StopTracking:
-    """Do not go along with a conveyor any more, and come to rest."""
+    """Follow no conveyor any more, and come to rest."""
 
 
 MoveRequest = MoveJ | MoveL | MoveC | MoveP | MoveML
@@ -216,4 +216,4 @@ DriveRequest = SpeedJ | SpeedL | ServoJ
 """A motion that begins in any state and goes on after the call."""
 MotionRequest = MoveRequest | DriveRequest | StopJ | StopL
 TrackRequest = TrackLinear | TrackCircular | StopTracking
-"""Going along with a conveyor, whatever else moves the arm."""
+"""Following a conveyor, besides any other motion."""

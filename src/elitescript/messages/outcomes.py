@@ -1,4 +1,4 @@
-"""What became of a request that the robot answers: the outcome in a `Reply`."""
+"""Outcomes of requests, as a `Reply` carries them."""
 
 from __future__ import annotations
 
@@ -71,14 +71,14 @@ class SessionState:
 
 @dataclass(frozen=True, slots=True)
 class QueryFailed:
-    """A query has no value."""
+    """The query has no value."""
 
     is_compiled: bool
     """False if it does not compile; True if it raised an exception, is not allowed or took too long."""
 
 
 InterpreterOutcome = StatementAccepted | StatementDiscarded | StatementNumber | SessionState
-"""What becomes of a line of interpreter mode."""
+"""Outcome of a line of interpreter mode."""
 
 Outcome = (
     Done

@@ -1,4 +1,4 @@
-"""What a tick of a robot gives: events, requests of its programs, replies, and the machine as its ports show it."""
+"""Output of a tick of a robot: events, requests of its programs, replies, and the snapshot that its ports show."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from elitescript.messages.outcomes import Outcome
 from elitescript.messages.snapshot import Snapshot
 
 CHANNEL_WINDOW: Final = 65_536
-"""Bytes that may be on their way in each direction of a channel; more only after credit for them.
+"""Bytes that may be under way in each direction of a channel; more only after credit.
 
-Whoever holds the connection reads no more from the peer than this and what `CreditChannel` has added since, and gives
-`ChannelCredit` for what it got rid of. So a script that does not read stops its peer, and the other way round.
+The owner of the connection reads no more from the peer than this plus what `CreditChannel` has added since, and gives
+`ChannelCredit` for what it has sent. So a script that does not read stops its peer, and the other way round.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class OpenChannel:
-    """Connect to a peer; the answer is `ChannelOpened`."""
+    """Connect to a peer; the reply is `ChannelOpened`."""
 
     channel: int
     kind: str
@@ -36,7 +36,7 @@ NOT_CONNECTED: Final = "nothing is connected"
 
 @dataclass(frozen=True, slots=True)
 class OpenLine:
-    """Open a serial line; the answer is `ChannelOpened`. A line that is open already is closed before."""
+    """Open a serial line; the reply is `ChannelOpened`. A line that is open already is closed before."""
 
     channel: int
     device: str
@@ -46,7 +46,7 @@ class OpenLine:
 
 @dataclass(frozen=True, slots=True)
 class SendChannel:
-    """Bytes for the peer."""
+    """Send bytes to the peer."""
 
     channel: int
     data: bytes
@@ -54,14 +54,14 @@ class SendChannel:
 
 @dataclass(frozen=True, slots=True)
 class CloseChannel:
-    """Close the connection, once what was sent before is on its way. No event of this channel is expected any more."""
+    """Close the connection, once what was sent before has left. The channel has no events any more."""
 
     channel: int
 
 
 @dataclass(frozen=True, slots=True)
 class CreditChannel:
-    """The script has taken so many bytes: the peer may send as many more."""
+    """Let the peer send so many bytes more: the script has taken as many."""
 
     channel: int
     size: int
@@ -89,22 +89,18 @@ class TickResult:
     replies: tuple[Reply, ...]
 
     def with_snapshot(self, snapshot: Snapshot) -> Output:
-        """Return what ports publish of this tick."""
+        """Return the output that ports publish."""
         return Output(self.tick, self.events, self.requests, self.replies, snapshot)
 
 
 @dataclass(frozen=True, slots=True)
-class Output:
-    """What ports publish of one tick: what happened, and the machine as they show it."""
+class Output(TickResult):
+    """What ports publish of one tick: what happened, and the snapshot."""
 
-    tick: int
-    events: tuple[Event, ...]
-    requests: tuple[ChannelRequest, ...]
-    replies: tuple[Reply, ...]
     snapshot: Snapshot
-    """Of this tick, or an older one if nothing was to read more than its discrete state; see `is_fresh`."""
+    """Of this tick; an older one if no port reads more than its discrete state, see `is_fresh`."""
 
     @property
     def is_fresh(self) -> bool:
-        """Whether the snapshot is of this very tick."""
+        """Whether the snapshot is of this tick."""
         return self.snapshot.robot.tick == self.tick

@@ -1,4 +1,4 @@
-"""Requests that shift the motion of the arm by a path offset, whatever moves it."""
+"""Requests that shift any motion of the arm by a path offset."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from elitescript.messages.motion import Six
 
 
 class OffsetFrame(IntEnum):
-    """Axes along and about which a path offset counts; the numbers that scripts use."""
+    """Frame of a path offset; the numbers that scripts use."""
 
     BASE = 1
     TCP = 2
@@ -19,7 +19,7 @@ class OffsetFrame(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class EnablePathOffset:
-    """Let path offsets count from now on, beginning with none."""
+    """Apply path offsets from now on, beginning with none."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""How the joints follow their targets, as a setting: exactly, unless something else is asked for."""
+"""Settings of the simulated drives: how the joints follow their targets, exactly by default."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from typing import Final
 from elitescript.errors import UsageError, did_you_mean
 
 LAG_MIN_S: Final = 0.001
-"""A shorter lag is over long before the period ends: none at all."""
+"""A shorter lag would end within the control period."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlantConfig:
-    """What makes *actual* differ from *target*; the default is a perfect arm. All values are *assumed*.
+    """Differences of *actual* from *target*; none by default. All values are *assumed*.
 
     Args:
         lag_s: tracking lag of every joint. At a constant speed a joint is behind its target by the speed times this; at
-            rest it is where it should be. Servo drives have some 5 to 30 ms.
+            rest it is at its target. Servo drives have some 5 to 30 ms.
         noise_rad: standard deviation of the encoders; speeds are worked out from their positions, so they have it too.
         viscous_friction: share of a joint's rated torque that friction takes at the joint's largest speed.
         coulomb_friction: share of a joint's rated torque that friction takes at any speed.

@@ -1,8 +1,4 @@
-"""What differs from one controller firmware to the next.
-
-A profile is data. Which commands exist is not listed here: each command carries the release that
-brought it.
-"""
+"""Differences between the firmwares of the controller. The commands of each are not here: a command has its `since`."""
 
 from __future__ import annotations
 
@@ -17,7 +13,7 @@ Release = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """One firmware."""
+    """What is particular to one firmware."""
 
     name: str
     release: Release
@@ -30,7 +26,7 @@ class Profile:
 
     @property
     def version(self) -> tuple[int, int, int, int]:
-        """What the controller says of itself: major, minor, bug fix, build; the last two are *assumed*."""
+        """Version that the controller reports: major, minor, bug fix, build; the last two are *assumed*."""
         return (*self.release, 0, 0)
 
 
@@ -54,6 +50,6 @@ def profile(name: str = DEFAULT_FIRMWARE) -> Profile:
 
 @cache
 def release_of(text: str) -> Release:
-    """`"2.14"` as a pair that can be compared."""
+    """Return `"2.14"` as a pair that can be compared."""
     major, _, minor = text.partition(".")
     return int(major), int(minor)

@@ -6,7 +6,7 @@ commands and the pendant derive theirs from here.
 Evidence: counts and ranges are *documented* (manual 2.10, I/O and register chapters; the vendor's sheet of the Modbus
 server); that a tool pin has separate in and out images is *assumed*. That flags and registers outlast a restart of the
 controller is *assumed* from the manual: flags keep their value between programs, registers are in system memory. The
-last rows are what a test does to the robot; no program reads them as signals.
+last rows are set by tests and devices; no program reads them as signals.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Signal(NamedTuple):
     kind: str
     """`bool`, `int` or `float`."""
     size: int
-    """How many there are; a family of one is written without an index."""
+    """Number of points; the point of a family of one is written without an index."""
     is_input: bool
     """Set from outside (a sensor, a client), read by programs."""
     low: float | None = None
@@ -34,11 +34,11 @@ class Signal(NamedTuple):
     unit: str = ""
     summary: str = ""
     is_kept: bool = False
-    """Whether a state file has it: the controller remembers it when it is switched off."""
+    """Whether a state file holds it: the controller keeps it when it is switched off."""
 
     @property
     def has_domain(self) -> bool:
-        """Whether it is a voltage or a current, as is chosen for each point."""
+        """Whether each point is a voltage or a current by choice."""
         return self.unit == "V or A"
 
     @property
@@ -87,7 +87,7 @@ _ROWS: Final = (
 
 SIGNALS: Final[dict[str, Signal]] = {row.name: row for row in _ROWS}
 KEPT: Final = tuple(row.name for row in _ROWS if row.is_kept)
-"""Families that the controller remembers when it is switched off."""
+"""Families that the controller keeps when it is switched off."""
 
 
 def parse_signal_name(text: str) -> tuple[Signal, int]:

@@ -1,7 +1,7 @@
-"""All that ports publish, at one tick, and what never changes about a robot.
+"""Data that ports publish: the state of a robot at one tick, and its constant description.
 
 Primary port, RTSI, dashboard, Modbus server, pendant and `ctl` read a `Snapshot` and a `RobotDescription`, nothing
-else: what two ports say of the same tick agrees.
+else, so that they agree about a tick.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class TaskPicture:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """The whole machine as its ports show it, at one tick."""
+    """State of the whole machine at one tick, as its ports show it."""
 
     robot: RobotState
     joint_torques: Six
@@ -53,7 +53,7 @@ class Snapshot:
     elbow_velocity: Three
     """m/s, base frame."""
     speed_scaling: float
-    """How fast planned time passes at present, 0 to 1."""
+    """Present rate of planned time, 0 to 1."""
     controller_temperature: float
     """degC."""
     robot_voltage: float
@@ -89,7 +89,7 @@ class Snapshot:
 
 @dataclass(frozen=True, slots=True)
 class RobotDescription:
-    """What never changes about a robot."""
+    """Constant data of a robot."""
 
     model: str
     type_id: int

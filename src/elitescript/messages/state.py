@@ -1,4 +1,4 @@
-"""The whole machine at one tick."""
+"""State of the arm and the controller at one tick."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class JointState:
 
 @dataclass(frozen=True, slots=True)
 class Payload:
-    """What hangs on the flange; see `messages.machine.SetPayload`."""
+    """Load at the flange; see `messages.machine.SetPayload`."""
 
     mass_kg: float = 0.0
     cog: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -31,7 +31,7 @@ class Payload:
 
 @dataclass(frozen=True, slots=True)
 class RobotState:
-    """One consistent picture of the machine; poses in the base frame, m and rad (roll-pitch-yaw)."""
+    """Consistent state of the machine at one tick; poses in the base frame, m and rad (roll-pitch-yaw)."""
 
     tick: int
     time_s: float

@@ -1,4 +1,4 @@
-"""The control period. Time is counted in ticks of it; seconds are computed, never summed."""
+"""The control period: time is counted in ticks; seconds are computed from them, never summed."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ PERIOD_S: Final = 0.004
 TICKS_PER_S: Final = 250
 
 RPC_TIMEOUT_S: Final = 60.0
-"""How long a remote procedure call waits for its answer, unless configured (*assumed*)."""
+"""Timeout of remote procedure calls, unless configured (*assumed*)."""
 
 WORK_PER_TICK: Final = 2_000
-"""Checkpoints of one thread in one tick (*assumed*): so few that a served loop of mere polling keeps up with time."""
+"""Checkpoints of one thread in one tick (*assumed*): few enough that a served polling loop keeps up with time."""
 
 TICK_MAX: Final = 2**50
-"""No tick of a message lies behind it: its time in microseconds has a place in every packet."""
+"""Largest tick of a message: its time in microseconds fits into every packet."""
 
 _ROUNDING_TICKS: Final = 1e-9
-"""A duration this little above a whole number of ticks is that number: it is rounding, not time."""
+"""A duration this little above a whole number of ticks is that number: the rest is rounding."""
 
 
 def seconds(tick: int) -> float:
@@ -31,11 +31,11 @@ def seconds(tick: int) -> float:
 
 
 LONGEST_S: Final = 1e12
-"""Waits that are longer than this, some thirty thousand years, last as long as this."""
+"""Upper bound of a wait, some thirty thousand years; longer ones are cut to it."""
 
 
 def ticks_for(duration_s: float) -> int:
-    """Return ticks that a wait of `duration_s` takes: rounded up, a wait never ends early.
+    """Return the ticks of a wait of `duration_s`, rounded up: a wait never ends early.
 
     Raises:
         UsageError: not a number.

@@ -1,4 +1,4 @@
-"""Requests that let the arm yield to what touches it, beside its motion.
+"""Requests that let the arm yield to forces, beside its motion.
 
 Frames are TCP poses in the base frame (`[x, y, z, rx, ry, rz]`, m and rad, roll-pitch-yaw).
 """
@@ -28,12 +28,12 @@ class ForceMode:
 
 @dataclass(frozen=True, slots=True)
 class EndForceMode:
-    """Come to rest and let no axis yield any more."""
+    """Come to rest and end force mode."""
 
 
 @dataclass(frozen=True, slots=True)
 class Freedrive:
-    """Let a hand guide the arm."""
+    """Let the arm be guided by hand."""
 
     free_axes: tuple[bool, ...]
     """x, y, z, Rx, Ry, Rz of the frame."""
@@ -43,7 +43,7 @@ class Freedrive:
 
 @dataclass(frozen=True, slots=True)
 class EndFreedrive:
-    """Come to rest and let no hand guide the arm any more."""
+    """Come to rest and end hand guiding."""
 
 
 YieldRequest = ForceMode | EndForceMode | Freedrive | EndFreedrive

@@ -1,1 +1,1 @@
-"""MODBUS without I/O: requests and answers as bytes, the tables of a slave, the schedule of a master."""
+"""MODBUS without I/O: requests and answers as bytes, tables of a slave, schedule of a master."""

@@ -1,4 +1,4 @@
-"""Reading and writing the registers and coils of the controller's own Modbus server, as `port_map` has them."""
+"""Reads and writes of the registers and coils of the controller's own Modbus server; `port_map` is their table."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _COIL_ROWS: Final = {address: row for row in COILS for address in range(row.firs
 
 
 class PortImage:
-    """All registers and coils of a machine at one tick; what nobody asks for is not worked out.
+    """All registers and coils of a machine at one tick, computed when they are read.
 
     Args:
         view: the machine.
@@ -31,7 +31,7 @@ class PortImage:
         """Return registers from an address on, 0 to 65535 each.
 
         Raises:
-            ArgumentRangeError: there are none.
+            ArgumentRangeError: no such registers.
         """
         check_registers(first, count)
         values = [0] * count
@@ -49,11 +49,11 @@ class PortImage:
         """Return coils from an address on.
 
         Raises:
-            ArgumentRangeError: there are none.
+            ArgumentRangeError: no such coils.
         """
         _check(first, count, COIL_COUNT, "coil")
         values = [False] * count
-        end, signals = first + count, self.view.picture.signals
+        end, signals = first + count, self.view.snapshot.signals
         for row in COILS:
             low, high = max(first, row.first), min(end, row.first + row.size)
             if low < high:
@@ -64,7 +64,7 @@ class PortImage:
 
 
 def register_writes(first: int, values: Sequence[int]) -> list[MachineRequest]:
-    """Return what writing registers asks of the machine.
+    """Return the requests to the machine that write registers.
 
     Args:
         first: address of the first one.
@@ -72,7 +72,7 @@ def register_writes(first: int, values: Sequence[int]) -> list[MachineRequest]:
 
     Raises:
         ArgumentRangeError: no such registers, or a value out of range.
-        InvalidValueError: a register that nobody writes, or a value that makes no sense.
+        InvalidValueError: a register that cannot be written, or an invalid value.
     """
     check_writable_registers(first, len(values))
     requests: list[MachineRequest] = []
@@ -92,11 +92,11 @@ def register_writes(first: int, values: Sequence[int]) -> list[MachineRequest]:
 
 
 def coil_writes(first: int, values: Sequence[bool]) -> list[MachineRequest]:
-    """Return what writing coils asks of the machine.
+    """Return the requests to the machine that write coils.
 
     Raises:
         ArgumentRangeError: no such coils.
-        MirroredAddressError: a coil that nobody writes.
+        MirroredAddressError: a coil that cannot be written.
     """
     check_writable_coils(first, len(values))
     requests: list[MachineRequest] = []
@@ -107,20 +107,20 @@ def coil_writes(first: int, values: Sequence[bool]) -> list[MachineRequest]:
 
 
 def check_registers(first: int, count: int) -> None:
-    """Let registers pass that are there.
+    """Check that registers exist.
 
     Raises:
-        ArgumentRangeError: they are not.
+        ArgumentRangeError: no such registers.
     """
     _check(first, count, REGISTER_COUNT, "register")
 
 
 def check_writable_registers(first: int, count: int) -> None:
-    """Let registers pass that can all be written.
+    """Check that registers can be written, all of them.
 
     Raises:
         ArgumentRangeError: no such registers.
-        MirroredAddressError: one of them is not to be written.
+        MirroredAddressError: one of them cannot be written.
     """
     check_registers(first, count)
     for address in range(first, first + count):
@@ -130,11 +130,11 @@ def check_writable_registers(first: int, count: int) -> None:
 
 
 def check_writable_coils(first: int, count: int) -> None:
-    """Let coils pass that can all be written.
+    """Check that coils can be written, all of them.
 
     Raises:
         ArgumentRangeError: no such coils.
-        MirroredAddressError: one of them is not to be written.
+        MirroredAddressError: one of them cannot be written.
     """
     _check(first, count, COIL_COUNT, "coil")
     for address in range(first, first + count):

@@ -1,13 +1,13 @@
-"""The registers and coils of the controller's own Modbus server: what stands behind each address.
+"""The table of the registers and coils of the controller's own Modbus server.
 
-`REGISTERS` and `COILS` are the one place in which an address, its meaning, its scale and who may write it stand. What
-clients (`protocol.modbus_port`) and programs (`read_port_...`, `write_port_...`) get, and the reference page, follow
-from them by way of `modbus.port_image`.
+`REGISTERS` and `COILS` are the only place with the meaning, scale and access of each address. Clients
+(`protocol.modbus_port`), programs (`read_port_...`, `write_port_...`) and the reference page use them through
+`modbus.port_image`.
 
-Evidence: addresses and meanings marked *documented* are those of the vendor's public sheet of the server, which is cut
-off in places: what it shows of the other blocks is that they exist. Their meaning is *assumed* from their sizes and
-their order, and so are their units, that an address below 512 without a row reads as 0, that a value beyond 16 bits
-shows as the nearest that fits, and that functions 1 and 2, and 3 and 4, read the same table.
+Evidence: addresses and meanings marked *documented* are those of the vendor's public sheet of the server. It is cut off
+in places, where it shows only that a block exists: meaning and unit of those are *assumed* from their sizes and their
+order. Also *assumed*: an address below 512 without a row reads as 0, a value beyond 16 bits shows as the nearest that
+fits, functions 1 and 2, and 3 and 4, read the same table.
 """
 
 from __future__ import annotations
@@ -25,14 +25,13 @@ from elitescript.messages.state import RobotState
 COIL_COUNT: Final = 128
 REGISTER_COUNT: Final = 512
 GENERAL_COIL: Final = 60
-"""Address of the first coil that is nobody's but the clients' and programs'."""
+"""Address of the first coil without a meaning of its own, for clients and programs."""
 GENERAL_REGISTER: Final = 256
 
 DOCUMENTED: Final = "documented"
 ASSUMED: Final = "*assumed*"
 _MEANING_ASSUMED: Final = f"block documented, meaning and unit {ASSUMED}"
 
-_WORD_BITS: Final = 16
 _SHORT_MAX: Final = 2**15 - 1
 _STOPPED_BY_BUTTON: Final = frozenset({SafetyMode.ROBOT_EMERGENCY_STOP, SafetyMode.SYSTEM_EMERGENCY_STOP})
 _VOLTAGES: Final = (0, 12, 24)
@@ -41,7 +40,7 @@ _TENTH_MM: Final = 1e4
 
 
 class PortSource(Protocol):
-    """What the table reads of a machine; a `Snapshot` is one."""
+    """Part of a machine's state that the table reads; a `Snapshot` is one."""
 
     @property
     def robot(self) -> RobotState: ...
@@ -64,17 +63,17 @@ class PortSource(Protocol):
 class View(NamedTuple):
     """A machine at one tick."""
 
-    picture: PortSource
+    snapshot: PortSource
     version: tuple[int, ...]
     """Of the controller: major, minor, bug fix."""
 
 
 Words = Sequence[int]
 Write = Callable[[int, int], Iterator[MachineRequest]]
-"""Takes the place in the block and the value; yields what it asks of the machine.
+"""Takes the index in the block and the value; yields the requests to the machine.
 
 Raises:
-    ScriptError: the value makes no sense.
+    ScriptError: an invalid value.
 """
 
 
@@ -89,7 +88,7 @@ class RegisterRow(NamedTuple):
     read: Callable[[View], Words]
     """All registers of the block, 0 to 65535 each."""
     write: Write | None = None
-    """None where nobody writes."""
+    """None for read-only registers."""
 
 
 class CoilRow(NamedTuple):
@@ -105,7 +104,7 @@ class CoilRow(NamedTuple):
     is_writable: bool
 
 
-# ---------------------------------------------------------------------------------------------------- what rows do
+# ---------------------------------------------------------------------------------------------------- reads and writes
 
 
 def _short(value: float) -> int:
@@ -114,7 +113,7 @@ def _short(value: float) -> int:
 
 
 class _Part(NamedTuple):
-    """A family of signals in a word."""
+    """A family of signals in a register, one bit each."""
 
     family: str
     shift: int
@@ -124,7 +123,7 @@ def _bits(*parts: _Part) -> Callable[[View], Words]:
     def read(view: View) -> Words:
         word = 0
         for family, shift in parts:
-            for bit, level in enumerate(view.picture.signals[family], shift):
+            for bit, level in enumerate(view.snapshot.signals[family], shift):
                 word |= bool(level) << bit
         return (word,)
 
@@ -149,7 +148,7 @@ def _set_bits(*parts: _Part) -> Write:
 
 
 def _level(family: str, index: int) -> Callable[[View], Words]:
-    return lambda view: (_short(float(view.picture.signals[family][index]) * _MILLI),)
+    return lambda view: (_short(float(view.snapshot.signals[family][index]) * _MILLI),)
 
 
 def _set_level(family: str, channel: int) -> Write:
@@ -160,7 +159,7 @@ def _set_level(family: str, channel: int) -> Write:
 
 
 def _domain(family: str, index: int) -> Callable[[View], Words]:
-    return lambda view: (int(view.picture.domains[family][index]),)
+    return lambda view: (int(view.snapshot.domains[family][index]),)
 
 
 def _set_domain(family: str, channel: int) -> Write:
@@ -183,7 +182,7 @@ def _set_voltage(_index: int, value: int) -> Iterator[MachineRequest]:
 
 
 def _general(view: View) -> Words:
-    values: Sequence[Value] = view.picture.signals["general_register"]
+    values: Sequence[Value] = view.snapshot.signals["general_register"]
     return [int(value) for value in values]
 
 
@@ -191,14 +190,8 @@ def _set_general(index: int, value: int) -> Iterator[MachineRequest]:
     yield WriteSignal("general_register", index, value)
 
 
-def _six(values: Callable[[PortSource], Six], *scales: float) -> Callable[[View], Words]:
-    """Return six signed values; the scales are those of the first and the last three, or one for all."""
-    factors = (scales[0],) * 3 + (scales[-1],) * 3
-    return lambda view: [_short(value * factor) for value, factor in zip(values(view.picture), factors, strict=True)]
-
-
 def _number(value: Callable[[PortSource], int]) -> Callable[[View], Words]:
-    return lambda view: (value(view.picture) & WORD_MAX,)
+    return lambda view: (value(view.snapshot) & WORD_MAX,)
 
 
 def _zeros(size: int) -> Callable[[View], Words]:
@@ -231,7 +224,20 @@ def _channel(first: int, content: str, family: str, index: int = 0) -> tuple[Reg
     )
 
 
-def _six_row(first: int, content: str, unit: str, read: Callable[[View], Words], evidence: str) -> RegisterRow:
+def _six_row(
+    first: int,
+    content: str,
+    unit: str,
+    values: Callable[[PortSource], Six],
+    *scales: float,
+    evidence: str = _MEANING_ASSUMED,
+) -> RegisterRow:
+    """Return a block of six signed values; the scales are those of the first and the last three, or one for all."""
+    factors = (scales[0],) * 3 + (scales[-1],) * 3
+
+    def read(view: View) -> Words:
+        return [_short(value * factor) for value, factor in zip(values(view.snapshot), factors, strict=True)]
+
     return RegisterRow(first, 6, content, unit, evidence, read)
 
 
@@ -270,10 +276,10 @@ REGISTERS: Final[tuple[RegisterRow, ...]] = (
     _row(68, "protective stop", "0 or 1", _number(lambda p: p.robot.safety_mode is SafetyMode.PROTECTIVE_STOP)),
     _row(69, "emergency stop", "0 or 1", _number(lambda p: p.robot.safety_mode in _STOPPED_BY_BUTTON)),
     _row(70, "reduced mode", "0 or 1", _number(lambda p: p.robot.safety_mode is SafetyMode.REDUCED)),
-    _six_row(73, "joint positions", "mrad, signed", _six(lambda p: p.robot.q_actual, _MILLI), DOCUMENTED),
-    _six_row(84, "joint velocities", "mrad/s, signed", _six(lambda p: p.robot.qd_actual, _MILLI), _MEANING_ASSUMED),
-    _six_row(95, "joint currents", "mA, signed", _six(lambda p: p.joint_currents, _MILLI), _MEANING_ASSUMED),
-    _six_row(105, "joint temperatures", "degC", _six(lambda p: p.joint_temperatures, 1.0), _MEANING_ASSUMED),
+    _six_row(73, "joint positions", "mrad, signed", lambda p: p.robot.q_actual, _MILLI, evidence=DOCUMENTED),
+    _six_row(84, "joint velocities", "mrad/s, signed", lambda p: p.robot.qd_actual, _MILLI),
+    _six_row(95, "joint currents", "mA, signed", lambda p: p.joint_currents, _MILLI),
+    _six_row(105, "joint temperatures", "degC", lambda p: p.joint_temperatures, 1.0),
     RegisterRow(
         GENERAL_REGISTER,
         SIGNALS["general_register"].size,
@@ -287,22 +293,15 @@ REGISTERS: Final[tuple[RegisterRow, ...]] = (
         384,
         "TCP: x, y, z, rx, ry, rz (roll-pitch-yaw), base frame",
         "0.1 mm, mrad, signed",
-        _six(lambda p: p.robot.tcp_pose_actual, _TENTH_MM, _MILLI),
-        _MEANING_ASSUMED,
+        lambda p: p.robot.tcp_pose_actual,
+        _TENTH_MM,
+        _MILLI,
     ),
     _six_row(
-        400,
-        "velocity of the TCP, base frame",
-        "mm/s, mrad/s, signed",
-        _six(lambda p: p.robot.tcp_speed_actual, _MILLI),
-        _MEANING_ASSUMED,
+        400, "velocity of the TCP, base frame", "mm/s, mrad/s, signed", lambda p: p.robot.tcp_speed_actual, _MILLI
     ),
     _six_row(
-        410,
-        "TCP offset from the flange",
-        "0.1 mm, mrad, signed",
-        _six(lambda p: p.robot.tcp_offset, _TENTH_MM, _MILLI),
-        _MEANING_ASSUMED,
+        410, "TCP offset from the flange", "0.1 mm, mrad, signed", lambda p: p.robot.tcp_offset, _TENTH_MM, _MILLI
     ),
     _reserved(449, 511),
 )

@@ -1,8 +1,8 @@
-"""One request to a slave on a serial line, and its answer among all that arrives meanwhile.
+"""One request to a slave on a serial line, and its answer among all received bytes.
 
-A line brings more than answers: noise, what a slave says too late, and with some adapters the bytes that were sent. The
-answer is looked for at every byte, by slave, function, the length that the request implies and checksum, so nothing in
-front of it does harm. Source: MODBUS over Serial Line Specification and Implementation Guide V1.02, chapter 2.5.1.
+A line carries more than answers: noise, late answers, and with some adapters an echo of the sent bytes. The answer is
+searched for at every byte, by slave, function, the length that the request implies and checksum. Source: MODBUS over
+Serial Line Specification and Implementation Guide V1.02, chapter 2.5.1.
 """
 
 from __future__ import annotations
@@ -11,11 +11,9 @@ from math import ceil
 from typing import Final
 
 from elitescript.modbus.frames.pdu import (
+    BIT_READS,
     EXCEPTION_BIT,
-    READ_COILS,
-    READ_DISCRETE_INPUTS,
-    READ_HOLDING_REGISTERS,
-    READ_INPUT_REGISTERS,
+    REGISTER_READS,
     WRITE_COIL,
     WRITE_REGISTER,
     AnswerError,
@@ -29,29 +27,25 @@ GAP_MIN_S: Final = 0.00175
 
 _EXCEPTION_LENGTH: Final = 5
 _WRITTEN_LENGTH: Final = 8
-_AROUND: Final = 5
+_FRAME_BYTES: Final = 5
 """Bytes of an answer to a reading function besides the values."""
 
 
 def gap_s(character_s: float) -> float:
-    """Return how long a line must be silent before a request.
-
-    Args:
-        character_s: time of one character.
-    """
+    """Return the silence, s, that a line needs before a request, from the time of one character."""
     return max(GAP_CHARACTERS * character_s, GAP_MIN_S)
 
 
 class RtuExchange:
-    """One request and what comes of it.
+    """One request and its answer.
 
     Args:
         slave: its number, 1 to 247.
-        request: what it is asked, as `pdu` builds it.
+        request: as `pdu` builds it.
 
     Attributes:
         frame: the bytes to send.
-        repeats: whether the answer repeats the request, and so looks like an echo of it.
+        repeats: whether the answer repeats the request, and so looks like its echo.
     """
 
     __slots__ = ("_length", "_request", "_slave", "frame", "repeats")
@@ -63,10 +57,10 @@ class RtuExchange:
         self.frame = rtu_frame(slave, request)
         self.repeats = function in (WRITE_COIL, WRITE_REGISTER)
         count = int.from_bytes(request[3:5], "big")
-        if function in (READ_COILS, READ_DISCRETE_INPUTS):
-            self._length = _AROUND + ceil(count / 8)
-        elif function in (READ_HOLDING_REGISTERS, READ_INPUT_REGISTERS):
-            self._length = _AROUND + 2 * count
+        if function in BIT_READS:
+            self._length = _FRAME_BYTES + ceil(count / 8)
+        elif function in REGISTER_READS:
+            self._length = _FRAME_BYTES + 2 * count
         else:
             self._length = _WRITTEN_LENGTH
 
@@ -75,10 +69,10 @@ class RtuExchange:
         return data.find(self.frame) + len(self.frame) if self.frame in data else 0
 
     def answer(self, data: bytes | bytearray) -> tuple[int, ...] | None:
-        """Return what the slave says, if its answer is complete: the values that were read, nothing if it has written.
+        """Return the values that were read, none for a write; None while no answer is complete.
 
         Raises:
-            DeviceError: the slave refuses.
+            ExceptionResponse: the slave refuses.
         """
         for begin in self._begins(data):
             is_refusal = bool(data[begin + 1] & EXCEPTION_BIT)
@@ -88,23 +82,23 @@ class RtuExchange:
                 try:
                     return values_of(self._request, bytes(frame[1:-2]))
                 except AnswerError:
-                    # Of an earlier request: other values were asked for.
+                    # The answer to an earlier request for other values.
                     continue
         return None
 
     def has_begun(self, data: bytes | bytearray) -> bool:
-        """Return whether something in the data looks like the begin of an answer that is not complete, or not sound."""
+        """Return whether the data may hold the begin of an answer that is incomplete or damaged."""
         return any(not _is_frame(data, begin) for begin in self._begins(data))
 
     def _begins(self, data: bytes | bytearray) -> list[int]:
-        """Return where the slave's number and the function stand one after the other."""
+        """Return the places of the slave's number followed by the function."""
         function = self._request[0]
         heads = (bytes((self._slave, function)), bytes((self._slave, function | EXCEPTION_BIT)))
         return sorted(begin for head in heads for begin in _finds(data, head))
 
 
 def _is_frame(data: bytes | bytearray, begin: int) -> bool:
-    """Return whether a whole answer begins there, of whatever length: to an earlier request, for instance."""
+    """Return whether a whole answer of any length begins there, such as one to an earlier request."""
     length = answer_length(data[begin : begin + 3])
     return length is not None and _is_sound(data[begin : begin + length], length)
 

@@ -1,6 +1,6 @@
-"""A slave without its line: tables of coils and registers, and the answer to a request.
+"""A slave without its line: tables of coils and registers, and answers to requests.
 
-What stands behind the addresses is a `Tables`: plain memory here, the controller's own signals or a virtual device
+The contents of the addresses are a `Tables`: plain memory here, the controller's own signals or a virtual device
 elsewhere.
 """
 
@@ -42,42 +42,29 @@ NAMES: Final = {
 
 
 class Tables(Protocol):
-    """Coils and registers by address. Addresses and counts stay within those of MODBUS; `ExceptionResponse` refuses."""
+    """Coils and registers by address. Addresses and counts are within the limits of MODBUS.
+
+    Every method raises `ExceptionResponse`, with the exception code to answer, to refuse.
+    """
 
     def read_bits(self, table: int, address: int, count: int) -> Sequence[int]:
-        """Return levels of `READ_COILS` or `READ_DISCRETE_INPUTS`, 0 or 1 each.
-
-        Raises:
-            DeviceError: with the exception code to answer.
-        """
+        """Return levels of `READ_COILS` or `READ_DISCRETE_INPUTS`, 0 or 1 each."""
 
     def read_registers(self, table: int, address: int, count: int) -> Sequence[int]:
-        """Return values of `READ_HOLDING_REGISTERS` or `READ_INPUT_REGISTERS`, 0 to 65535 each.
-
-        Raises:
-            DeviceError: with the exception code to answer.
-        """
+        """Return values of `READ_HOLDING_REGISTERS` or `READ_INPUT_REGISTERS`, 0 to 65535 each."""
 
     def write_bits(self, address: int, values: Sequence[int]) -> None:
-        """Set coils: all of them or, when refusing, none.
-
-        Raises:
-            DeviceError: with the exception code to answer.
-        """
+        """Set coils: all of them or, when refusing, none."""
 
     def write_registers(self, address: int, values: Sequence[int]) -> None:
-        """Set holding registers: all of them or, when refusing, none.
-
-        Raises:
-            DeviceError: with the exception code to answer.
-        """
+        """Set holding registers: all of them or, when refusing, none."""
 
 
 class MemoryTables:
-    """Tables that remember.
+    """Tables in memory.
 
     Args:
-        coils: how many there are, or their levels; the others alike.
+        coils: their number, or their levels; the others alike.
 
     Attributes:
         coils: levels, 0 or 1.
@@ -86,7 +73,7 @@ class MemoryTables:
         input_registers: values, 0 to 65535.
 
     Raises:
-        UsageError: more than there are addresses, or a value that does not fit.
+        UsageError: too many addresses, or a value out of range.
     """
 
     __slots__ = ("coils", "discrete_inputs", "holding_registers", "input_registers")
@@ -105,21 +92,17 @@ class MemoryTables:
         self.input_registers = _filled("input_registers", input_registers, 65535)
 
     def read_bits(self, table: int, address: int, count: int) -> Sequence[int]:
-        """See `Tables.read_bits`."""
         return _part(self.coils if table == READ_COILS else self.discrete_inputs, address, count)
 
     def read_registers(self, table: int, address: int, count: int) -> Sequence[int]:
-        """See `Tables.read_registers`."""
         rows = self.holding_registers if table == READ_HOLDING_REGISTERS else self.input_registers
         return _part(rows, address, count)
 
     def write_bits(self, address: int, values: Sequence[int]) -> None:
-        """See `Tables.write_bits`."""
         _part(self.coils, address, len(values))
         self.coils[address : address + len(values)] = values
 
     def write_registers(self, address: int, values: Sequence[int]) -> None:
-        """See `Tables.write_registers`."""
         _part(self.holding_registers, address, len(values))
         self.holding_registers[address : address + len(values)] = values
 
@@ -146,8 +129,8 @@ class Slave:
     """Answers requests from its tables.
 
     Args:
-        tables: what stands behind the addresses.
-        functions: function codes that it knows; all of them if None.
+        tables: contents of the addresses.
+        functions: known function codes; all of them if None.
     """
 
     __slots__ = ("functions", "tables")
@@ -157,7 +140,7 @@ class Slave:
         self.functions = functions
 
     def answer(self, pdu: bytes) -> bytes:
-        """Return the answer to a request; whatever is wrong with it is answered with an exception code."""
+        """Return the answer to a request; an invalid one is answered with an exception code."""
         function = pdu[0] & 0x7F if pdu else 0
         if self.functions is not None and function not in self.functions:
             return exception(function, 1)
@@ -169,7 +152,7 @@ class Slave:
             if function in (READ_COILS, READ_DISCRETE_INPUTS):
                 return bits_read(function, tables.read_bits(function, request.address, request.quantity))
             if function == READ_WRITE_REGISTERS:
-                # Both ranges have to exist before anything is written.
+                # Both ranges must exist before anything is written.
                 tables.read_registers(READ_HOLDING_REGISTERS, request.address, request.quantity)
                 tables.write_registers(request.write_address, request.values)
                 values = tables.read_registers(READ_HOLDING_REGISTERS, request.address, request.quantity)
@@ -187,11 +170,8 @@ class TcpSlave:
     """One TCP connection of a slave, or of a gateway to several.
 
     Args:
-        slaves: by unit, or one slave that answers for every unit. A unit that is not there is answered with exception
-            11, as gateways do.
-
-    Attributes:
-        is_lost: whether the stream has no frames any more: close the connection.
+        slaves: by unit, or one slave that answers for every unit. An unknown unit is answered with exception 11, as
+            gateways do.
     """
 
     __slots__ = ("_slaves", "_splitter")
@@ -202,7 +182,7 @@ class TcpSlave:
 
     @property
     def is_lost(self) -> bool:
-        """Whether what the peer sends is no MODBUS any more; the connection should be closed."""
+        """Whether the peer sends no MODBUS any more; the connection should be closed."""
         return self._splitter.is_lost
 
     def take(self, data: bytes) -> bytes:
@@ -217,7 +197,7 @@ class TcpSlave:
 
 
 class RtuSlave:
-    """The slaves on one serial line. One that is not there does not answer, and a broadcast is answered by nobody.
+    """The slaves on one serial line. Unknown units and broadcasts are not answered.
 
     Args:
         slaves: by unit, 1 to 247.
@@ -234,7 +214,7 @@ class RtuSlave:
         return self._answers(self._splitter.feed(data))
 
     def silence(self) -> bytes:
-        """End the frame, since the line was silent long enough; return the answers."""
+        """End the frame, after the silence that ends one; return the answers."""
         return self._answers(self._splitter.silence())
 
     def _answers(self, frames: list[RtuFrame]) -> bytes:

@@ -1,13 +1,13 @@
-"""Blends: one move turns into the next without stopping.
+"""Plans blends: one move passes into the next without stopping.
 
 A move with a radius is planned to stop at its waypoint, and leaves its path at a moment, inside the sphere of that
 radius, at which it still has the way d1 to go and the speed v1. Braking evenly it would stop at the waypoint after
-T = 2 d1 / v1. For that time the next move is laid over it (`corner`): it starts from standstill at the waypoint and
+T = 2 d1 / v1. For that time the next move is superposed (`corner`): it starts from standstill at the waypoint and
 has reached the speed v2 when the first stands still, at d2 = v2 T / 2 on its own path. When the next move is so short
-that it would have to be slow for all of T, the first is followed a little further (*assumed*), but never further than
-to where its own braking begins. Then everything about a blend follows from v2, which is the largest that
+that it would have to be slow for all of T, the first is followed a little further (*assumed*), but at most to the begin
+of its own braking. A blend is then determined by v2, which is the largest that
 
-- is no more than the next move's own speed, and one from which that can stop at its own end;
+- is no more than the next move's own speed, and allows that to stop at its end;
 - leaves d2 inside the sphere, and before the next blend begins;
 - keeps the tool within the greater acceleration of the two moves, where both guide the tool (*assumed*);
 - keeps a blend of two joint moves within the greater acceleration of the two, for every joint (*assumed*);
@@ -38,36 +38,31 @@ from elitescript.motion.timing.profile import TimeLaw, trapezoid_of, trapezoid_o
 from elitescript.motion.timing.retiming import ACCELERATION_MARGIN, SPEED_MARGIN, entered
 
 ATTEMPTS: Final = 9
-"""Speeds v2 that are tried, by halving what is left between too much and enough."""
+"""Largest number of speeds v2 that are tried, by bisection."""
 
 ENOUGH: Final = 0.03
-"""A v2 that may be too small by this share is good enough."""
+"""Relative accuracy of v2."""
 
-ARC_LOOKS: Final = 8
-"""Parts of a blend with an arc over which the acceleration of the tool is looked at."""
+ARC_SAMPLES: Final = 8
+"""Parts of a blend with an arc over which the acceleration of the tool is checked."""
 
-JOINT_LOOKS: Final = 8
-"""Parts of a blend in joint space over which speeds and accelerations are looked at."""
+JOINT_SAMPLES: Final = 8
+"""Parts of a blend in joint space over which speeds and accelerations are checked."""
 
-TIMED_LOOKS: Final = 24
-"""Places at which a move of a prescribed duration is looked at."""
+TIMED_SAMPLES: Final = 24
+"""Places at which a move of a prescribed duration is checked."""
 
-LOOK_S: Final = 1e-4
+SAMPLE_S: Final = 1e-4
 """Time over which an acceleration is taken there."""
 
-LOOK_MARGIN: Final = 0.97
-"""Share of a limit that may be used where it is looked at in places only."""
+SAMPLE_MARGIN: Final = 0.97
+"""Share of a limit that may be used where it is checked in places only."""
 
 
 def blended(
-    arm: Arm,
-    limits: MotionLimits,
-    first: Plan,
-    t_s: float,
-    second: Plan,
-    T_flange_tcp: Transform,
+    arm: Arm, limits: MotionLimits, first: Plan, t_s: float, second: Plan, T_flange_tcp: Transform
 ) -> BlendedSegment | None:
-    """Return the second move as it begins with a blend, or None when the arm has to stop in between.
+    """Return the second move with a blend at its begin, or None when the arm must stop in between.
 
     Args:
         arm: the arm.
@@ -118,7 +113,7 @@ def entering_profile(limits: MotionLimits, plan: Plan, start: float, v_start: fl
         if lasting is None:
             quickest = trapezoid_of(path.length, law, start, v_start)
             if quickest.duration_s < plan.t_s - gone_s:
-                # It would have to brake all the way, and arrive too early even so.
+                # It would arrive too early even when braking all the way.
                 return None
         else:
             law = law._replace(v=lasting.peak_speed)
@@ -128,16 +123,16 @@ def entering_profile(limits: MotionLimits, plan: Plan, start: float, v_start: fl
 
 
 def _keeps_joints(path: JointPath, limits: MotionLimits, profile: TimeLaw) -> bool:
-    """Return whether the joints keep their limits, looked at in places."""
+    """Return whether the joints keep their limits, checked in places."""
     if isinstance(path, JointLine):
         # Its law holds for every joint.
         return True
     segment = RunningSegment(path, profile)
-    for look in range(TIMED_LOOKS):
-        t_s = (profile.duration_s - LOOK_S) * look / TIMED_LOOKS
-        qd, qd_later = segment.sample_speed(t_s), segment.sample_speed(t_s + LOOK_S)
+    for sample in range(TIMED_SAMPLES):
+        t_s = (profile.duration_s - SAMPLE_S) * sample / TIMED_SAMPLES
+        qd, qd_later = segment.sample_speed(t_s), segment.sample_speed(t_s + SAMPLE_S)
         for w, w_later, top, a_top in zip(qd, qd_later, limits.qd_max, limits.qdd_max, strict=True):
-            if abs(w) > top * LOOK_MARGIN or abs(w_later - w) > a_top * LOOK_MARGIN * LOOK_S:
+            if abs(w) > top * SAMPLE_MARGIN or abs(w_later - w) > a_top * SAMPLE_MARGIN * SAMPLE_S:
                 return False
     return True
 
@@ -146,7 +141,7 @@ _ALL: Final = 1.0 + 1e-9
 
 
 class _Blend:
-    """One blend, to be tried with several v2."""
+    """One blend, for trials of v2."""
 
     __slots__ = (
         "T_flange_tcp",
@@ -165,13 +160,7 @@ class _Blend:
     )
 
     def __init__(
-        self,
-        arm: Arm,
-        limits: MotionLimits,
-        first: Plan,
-        t_s: float,
-        second: Plan,
-        T_flange_tcp: Transform,
+        self, arm: Arm, limits: MotionLimits, first: Plan, t_s: float, second: Plan, T_flange_tcp: Transform
     ) -> None:
         self.arm = arm
         self.limits = limits
@@ -198,7 +187,7 @@ class _Blend:
         self.q_start: Six = first.segment.path.q(position)
 
     def highest_speed(self) -> float:
-        """Return the v2 that nothing which can be said beforehand forbids."""
+        """Return an upper bound of v2 from simple limits."""
         T, path, law = self.duration_s, self.second.segment.path, self.second.law
         # (v2 T / 2) + v2^2 / (2 brake) is all of its path at most.
         half_gain = 0.5 * law.brake * T
@@ -212,7 +201,7 @@ class _Blend:
         return speed
 
     def at_speed(self, v2: float) -> BlendedSegment | None:
-        """Return the second move as it is entered at v2, or None when that breaks a limit."""
+        """Return the second move entered at v2, or None when that exceeds a limit."""
         T = self.duration_s
         d2 = 0.5 * v2 * T
         profile = entering_profile(self.limits, self.second, d2, v2, self.approach_s + T)
@@ -227,7 +216,7 @@ class _Blend:
         )
 
     def _turning_speed(self, v_far: float) -> float:
-        """Return the v2 at which the change of the tool's velocity takes all of the acceleration, taking it as even."""
+        """Return the v2 at which an even change of the tool's velocity takes all of the acceleration."""
         corner = self._corner(0.5 * v_far * self.duration_s)
         before, after = corner.velocity(0.0), corner.velocity(corner.length)
         change = self._tool_acceleration * self.duration_s
@@ -273,17 +262,17 @@ class _Blend:
         return track
 
     def _keeps_tool(self, corner: Corner) -> bool:
-        """Return whether the tool keeps the sphere and its acceleration on the way past or onto an arc."""
-        step_s = corner.length / ARC_LOOKS
+        """Return whether the tool keeps the sphere and its acceleration at a corner with an arc."""
+        step_s = corner.length / ARC_SAMPLES
         waypoint = position_of(self.first.segment.path.T_base_tcp_end)
         most = self._tool_acceleration * step_s
         zone = self.first.zone
         before = corner.velocity(0.0)
-        for look in range(1, ARC_LOOKS + 1):
-            after = corner.velocity(look * step_s)
-            if most and dist(before, after) > most * LOOK_MARGIN:
+        for sample in range(1, ARC_SAMPLES + 1):
+            after = corner.velocity(sample * step_s)
+            if most and dist(before, after) > most * SAMPLE_MARGIN:
                 return False
-            if zone is not None and dist(corner.point(look * step_s), waypoint) > zone.radius:
+            if zone is not None and dist(corner.point(sample * step_s), waypoint) > zone.radius:
                 return False
             before = after
         return True
@@ -293,25 +282,25 @@ class _Blend:
         corner = JointCorner(self.arm, self.T_flange_tcp, self.first.segment.path, path, self.d1, d2, self.duration_s)
         waypoint = position_of(self.arm.forward_tcp(path.q_start, self.T_flange_tcp))
         zone = self.first.zone
-        step_s = corner.length / JOINT_LOOKS
-        # Two joint moves change their speeds evenly; any other path bends between the looks.
+        step_s = corner.length / JOINT_SAMPLES
+        # Two joint moves change their speeds evenly; any other path bends between the samples.
         is_even = isinstance(path, JointLine) and isinstance(self.first.segment.path, JointLine)
         speed_share, share = (_ALL, _ALL) if is_even else (SPEED_MARGIN, ACCELERATION_MARGIN)
         speeds: list[Six] = []
-        for look in range(JOINT_LOOKS + 1):
-            q, qd = corner.q_and_slope(look * step_s)
+        for sample in range(JOINT_SAMPLES + 1):
+            q, qd = corner.q_and_slope(sample * step_s)
             if joint_outside(self.limits, q) is not None:
                 return None
             if any(abs(w) > top * speed_share for w, top in zip(qd, self.limits.qd_max, strict=True)):
                 return None
-            if zone is not None and look:
+            if zone is not None and sample:
                 place = position_of(self.arm.forward_tcp(q, self.T_flange_tcp))
                 if dist(place, waypoint) > zone.radius * _ALL:
                     return None
             speeds.append(qd)
         for joint, top in enumerate(self.limits.qdd_max):
             changes = [b[joint] - a[joint] for a, b in pairwise(speeds)]
-            # At the ends the acceleration is half a look further on than the mean of the outermost one.
+            # At the ends the acceleration is extrapolated by half a sample from the outermost mean.
             changes += [1.5 * changes[0] - 0.5 * changes[1], 1.5 * changes[-1] - 0.5 * changes[-2]]
             if any(abs(change) > top * share * step_s for change in changes):
                 return None

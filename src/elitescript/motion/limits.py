@@ -1,4 +1,4 @@
-"""What an arm can do: the numbers that the planner needs, and the names of the joints."""
+"""Limits of an arm for the planner, and the names of the joints."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from elitescript.messages.motion import Six
 JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 
 RANGE_TOLERANCE_RAD: Final = 1e-9
-"""A joint this little outside its range is rounding, not a mistake."""
+"""Distance outside its range at which a joint is outside by rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +28,7 @@ class MotionLimits:
         qdd_max: highest acceleration of each joint, rad/s^2. *Assumed*: the maker publishes none.
         tool_speed_max: highest TCP speed of a Cartesian move, m/s. *Assumed.*
         tool_acceleration_max: highest TCP acceleration of a Cartesian move, m/s^2. *Assumed.*
-        equivalent_radius_m: what a radian of tool rotation counts for against a metre of
-            translation. *Assumed.*
+        equivalent_radius_m: translation, m, that a radian of tool rotation counts for. *Assumed.*
 
     Raises:
         UsageError: a range without width, or a limit that is not a positive number.
@@ -84,15 +83,15 @@ def joint_outside(limits: MotionLimits, q: Sequence[float]) -> int | None:
 def joint_range_error(
     limits: MotionLimits, joint: int, angle: float, place: str, *, more: str = "", hint: str | None = None
 ) -> MotionError:
-    """Return the R110 refusal for a joint that would leave its range.
+    """Return the R110 refusal for a joint (index) that would leave its range.
 
     Args:
         limits: limits of the arm.
         joint: index of the joint.
-        angle: where it would be, rad.
-        place: where on the move that is.
+        angle: its position, rad.
+        place: words for the place on the move.
         more: added at the end of the text.
-        hint: what to do about it.
+        hint: of the error.
     """
     low, high = limits.q_min[joint], limits.q_max[joint]
     return MotionError(

@@ -1,16 +1,15 @@
-"""The points of a file as a move: `moveml`.
+"""Plans the points of a file as a move: `moveml`.
 
 The joints follow a cubic spline through every point (`spline`), at the interval of the file wherever they can
-(`filepace`). Poses are solved one by one on the branch of the inverse kinematics on which the arm is; between two of
-them the joints follow the same kind of spline. The manual says only that the file is run, so all of this is *assumed*,
-and so is what follows:
+(`point_timing`). Poses are solved one by one on the present branch of the inverse kinematics; between two of them the
+joints follow the same kind of spline. The manual says only that the file is run, so all of this is *assumed*, and also:
 
-- The arm has to be at the first point, up to `START_TOLERANCE_RAD` in each joint; what is missing is made up for by a
-  straight move in joint space at the machine's default speed. From further away the move is refused, because nobody
-  has said which way would be free.
-- Two neighbouring points further apart than a joint can go in ten intervals are a mistake in the file. What is too
+- The arm must be at the first point, up to `START_TOLERANCE_RAD` in each joint; the rest is made up for by a straight
+  move in joint space at the machine's default speed. From further away the move is refused, because a free way is not
+  known.
+- Two neighbouring points further apart than a joint can go in ten intervals are an error in the file. What is too
   fast by less is played more slowly, with a note.
-- Only joints limit the motion; the speed of the tool is what the file says.
+- Only joints limit the motion; the speed of the tool follows from the file.
 """
 
 from __future__ import annotations
@@ -26,13 +25,7 @@ from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_
 from elitescript.kinematics.jacobian import singularity, tcp_twist
 from elitescript.kinematics.transforms import Transform, compose, inverse, position_of, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveJ, MoveML, Six
-from elitescript.motion.limits import (
-    JOINT_NAMES,
-    RANGE_TOLERANCE_RAD,
-    MotionLimits,
-    joint_range_error,
-    unwrapped,
-)
+from elitescript.motion.limits import JOINT_NAMES, RANGE_TOLERANCE_RAD, MotionLimits, joint_range_error, unwrapped
 from elitescript.motion.paths.spline import JointSpline
 from elitescript.motion.planner import SURELY_DEGREES, MoveNote, MoveNoteKind, Plan, plan_movej
 from elitescript.motion.refusals import JUMP_RAD, SINGULAR_HINT, SURELY_MILLIMETRES
@@ -40,16 +33,16 @@ from elitescript.motion.segment import Segment
 from elitescript.motion.timing.point_timing import CURVATURE_SHARE, TooFast, paced
 
 START_TOLERANCE_RAD: Final = 0.01
-"""How far each joint may be from the first point; on a stretched arm up to 9 mm at the tool."""
+"""Largest distance of each joint from the first point; on a stretched arm up to 9 mm at the tool."""
 
 SAME_PLACE_RAD: Final = 1e-9
-"""A first point this near is where the arm is."""
+"""Distance at which the arm is at the first point."""
 
 JUMP_INTERVALS: Final = 10.0
 """Intervals that a joint at its highest speed may need from one point to the next."""
 
 NEAR_SINGULAR: Final = 0.1
-"""A jump between solved poses is blamed on a singularity nearer than this, as sine or in m."""
+"""Distance, as sine or in m, below which a singularity is the cause of a jump between solved poses."""
 
 
 class PointPath:
@@ -168,7 +161,7 @@ def _solved(
                 hint=SINGULAR_HINT,
             )
         if number == request.first:
-            # Before the others, which the arm may not reach from where it is.
+            # Before the others, which the arm may not reach from its present place.
             _check_start(arm, q_start, q, T_flange_tcp, request)
         rows.extend(q)
     return [rows[joint::6].tolist() for joint in range(6)]

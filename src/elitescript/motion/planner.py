@@ -1,8 +1,8 @@
-"""From a request to a segment, or a refusal in plain words.
+"""Plans moves: turns a request into a segment, or refuses it.
 
 A move is checked whole when it is accepted: numbers, joint ranges, reach, singularities. A
-refusal raises `MotionError` and changes nothing. What a request asks beyond the capability of
-the arm is lowered to it (documented) and reported as a note where a user would want to know.
+refusal raises `MotionError` and changes nothing. Values beyond the limits of the arm are
+lowered to them (documented), with a note where that makes a difference.
 
 Laws, with v, a the wanted speed and acceleration and d the length of the path:
 
@@ -15,8 +15,8 @@ Laws, with v, a the wanted speed and acceleration and d the length of the path:
   takes the shortest rotation in step with the path (*assumed*); a pure rotation uses v and a as
   rad/s and rad/s^2 (*assumed*); where a joint would pass its limits, as near singularities, the
   tool is slowed down for as long as needed and stays on its path (*assumed*);
-- with a blend radius r > 0 the last braking uses `APPROACH_SHARE` of a, and a move is planned to stop at its
-  target all the same: the speed in the sphere is one from which the arm can stop there (*assumed*);
+- with a blend radius r > 0 the last braking uses `APPROACH_SHARE` of a, and a move is still planned to stop at its
+  target, so that the arm can stop there from its speed in the sphere (*assumed*);
 - a duration t > 0 replaces v and a (documented) and is kept exactly; when the limits of the arm
   do not allow it the move takes the shortest possible time (*assumed*);
 - a move whose target is where the arm stands takes no time, or t if that is given (*assumed*).
@@ -45,8 +45,8 @@ from elitescript.motion.timing.profile import Law, TimeLaw, resting, trapezoid, 
 from elitescript.motion.timing.retiming import SlowPlace, keeps_limits, retimed
 
 NEAR_WRIST_SINE: Final = 0.2
-"""A slow place with |sin q5| below this is blamed on the wrist singularity: at ordinary tool
-speeds the joints reach their limits there."""
+"""|sin q5| below which the wrist singularity is the cause of a slow place: at ordinary tool speeds
+the joints reach their limits there."""
 
 NEAR_ELBOW_SINE: Final = 0.4
 """The same for |sin q3|."""
@@ -55,26 +55,25 @@ NEAR_SHOULDER_M: Final = 0.12
 """The same for the distance of the wrist centre from passing beside the base axis."""
 
 NOTEWORTHY: Final = 1e-3
-"""A move that lasts longer than wanted by a smaller share than this needs no note."""
-
+"""Share of the wanted duration up to which a longer one needs no note."""
 
 NOTEWORTHY_TURN: Final = pi / 180.0
-"""An end orientation that differs by a smaller angle, rad, from the one that was given needs no note."""
+"""Difference of the end orientation from the given one, rad, up to which it needs no note."""
 
 APPROACH_SHARE: Final = 0.8
-"""Share of the acceleration with which a move with a blend radius brakes. What is left turns the arm: an arm that
-brakes with all of its acceleration could turn into no direction but its own, and would have to stop at a sharp
-corner. With a fifth left a corner of any angle can be passed (back along its own path at a quarter of the speed,
-at a right angle at three quarters of it)."""
+"""Share of the acceleration with which a move with a blend radius brakes. The rest turns the arm: an arm that brakes
+with all of its acceleration could not change its direction, and would have to stop at a sharp corner. With a fifth left
+a corner of any angle can be passed (back along its own path at a quarter of the speed, at a right angle at three
+quarters of it)."""
 
 SURELY_DEGREES: Final = 10.0
-"""A joint angle of this size, in rad, was meant in degrees."""
+"""A joint angle of this size, in rad, is probably meant in degrees."""
 
 DEGREES_HINT: Final = "joint angles are in rad; d2r(90) turns degrees into rad"
 
 
 class MoveNoteKind(StrEnum):
-    """Why a move is not quite what was asked for."""
+    """Difference of a move from its request."""
 
     T_TOO_SHORT = "t_too_short"
     LOWERED_TO_LIMITS = "lowered_to_limits"
@@ -86,12 +85,12 @@ class MoveNoteKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class MoveNote:
-    """Something the author of the program should know about an accepted move."""
+    """Note for the author of a program about an accepted move."""
 
     kind: MoveNoteKind
     text: str
     code: str = ""
-    """Row of `errors.CODES`, where the checker says the same."""
+    """Row of `errors.CODES`, where the checker has the same finding."""
     hint: str = ""
 
 
@@ -100,16 +99,16 @@ _NO_LAW: Final = Law(0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """An accepted move, from standstill to standstill, and what a blend has to know of it."""
+    """An accepted move, from standstill to standstill, and the data for its blends."""
 
     segment: Segment
     notes: tuple[MoveNote, ...] = ()
     law: Law = _NO_LAW
-    """What its time law may use."""
+    """Limits of its time law."""
     tool_acceleration: float = 0.0
     """Greatest acceleration of the TCP that the move may use, m/s^2; 0 for moves that do not guide the TCP."""
     t_s: float = 0.0
-    """Duration that was asked for; 0 when there was none."""
+    """Requested duration; 0 without one."""
     zone: Zone | None = None
     """Where a blend begins."""
 
@@ -127,7 +126,7 @@ def plan_movej(
         T_flange_tcp: TCP offset; only for the poses that the segment reports.
 
     Raises:
-        MotionError: R102 a number without sense, R110 the target is outside the joint ranges.
+        MotionError: R102 an invalid number, R110 the target is outside the joint ranges.
     """
     _check_numbers("q", request.q_target, request.a, request.v, request.t_s, request.r)
     joint = joint_outside(limits, request.q_target)
@@ -173,7 +172,7 @@ def plan_movel(
         is_entered: whether a blend may enter it at speed, so that even a short path may reach v.
 
     Raises:
-        MotionError: R102 a number without sense, R110 a joint would leave its range, R111 a point
+        MotionError: R102 an invalid number, R110 a joint would leave its range, R111 a point
             is out of reach, R112 the line meets a singularity; the text says where on the line.
     """
     _check_numbers("p", request.p_target, request.a, request.v, request.t_s, request.r)
@@ -246,7 +245,7 @@ def _plan_cartesian(
     r: float,
     is_entered: bool,
 ) -> Plan:
-    """Solve the path and find its profile; v_max and a_max are the limits of the tool on it."""
+    """Plan a Cartesian path; v_max and a_max are the limits of the tool on it."""
     if path.length == 0.0:
         return Plan(Segment(follow(arm, limits, path, q_start, 0.0, 0.0), resting(t_s)))
     notes: tuple[MoveNote, ...] = ()
@@ -282,7 +281,7 @@ def _law(v: float, a: float, r: float) -> Law:
 
 
 def _law_of(lasting: TimeLaw, a_max: float) -> Law:
-    """Return what a move of a prescribed duration uses; a blend may use a little more acceleration to turn."""
+    """Return the law of a move of a prescribed duration; a blend may use a little more acceleration to turn."""
     a = lasting.acceleration(0.0)
     return Law(lasting.peak_speed, min(a_max, a / APPROACH_SHARE), a)
 
@@ -292,7 +291,7 @@ def _with_zone(plan: Plan, arm: Arm, T_flange_tcp: Transform, r: float) -> Plan:
     if r == 0.0 or path.length == 0.0:
         return plan
     zone = zone_before(path, r, arm, T_flange_tcp)
-    # Half of a move that was worked out from rounded numbers is a little less than half of it.
+    # The zone of half a move is a little less than half of it by rounding.
     if not zone.is_shortened or zone.radius >= r * (1.0 - NOTEWORTHY):
         return replace(plan, zone=zone)
     note = MoveNote(
@@ -305,7 +304,7 @@ def _with_zone(plan: Plan, arm: Arm, T_flange_tcp: Transform, r: float) -> Plan:
 
 
 def _check_numbers(name: str, numbers: Six, a: float, v: float, t_s: float, r: float) -> None:
-    """Refuse what is not a finite number or has the wrong sign."""
+    """Refuse numbers that are not finite or have the wrong sign."""
     for index, number in enumerate(numbers):
         if not isfinite(number):
             raise MotionError(f"{name}[{index}] is {number}, not a finite number", code="R102", value=number)
@@ -326,7 +325,7 @@ def _check_numbers(name: str, numbers: Six, a: float, v: float, t_s: float, r: f
 
 
 def _check_end(profile: TimeLaw, a: float, v: float) -> None:
-    """Refuse speeds so small that the duration is not a number any more."""
+    """Refuse speeds so small that the duration overflows."""
     if not isfinite(profile.duration_s):
         raise MotionError(
             f"with a = {a} and v = {v} the move would never end", code="R102", value=min(a, v), limit="> 0"
@@ -342,7 +341,7 @@ def _t_too_short(t_s: float, profile: TimeLaw) -> MoveNote:
 
 
 def _lowered(length: float, v: float, v_max: float, a: float, a_max: float, unit: str) -> tuple[MoveNote, ...]:
-    """Return the note for a speed or an acceleration above what the arm can do, if that makes a difference."""
+    """Return the note for a speed or an acceleration above the limits, if that makes a difference."""
     if v <= v_max and a <= a_max:
         return ()
     if (
@@ -359,7 +358,7 @@ def _lowered(length: float, v: float, v_max: float, a: float, a_max: float, unit
 
 
 def _orientation_not_used(T_base_tcp_end: Transform, T_base_tcp_asked: Transform) -> tuple[MoveNote, ...]:
-    """Return the note for an arc that ends in another orientation than its end pose says."""
+    """Return the note for an arc that ends in another orientation than that of its end pose."""
     turn = multiply(transpose(rotation_of(T_base_tcp_end)), rotation_of(T_base_tcp_asked))
     angle = hypot(*rotvec_from_rotation(turn))
     if angle <= NOTEWORTHY_TURN:
@@ -374,7 +373,7 @@ def _orientation_not_used(T_base_tcp_end: Transform, T_base_tcp_asked: Transform
 def _speed_lowered(
     arm: Arm, limits: MotionLimits, track: JointTrack, profile: TimeLaw, wanted: TimeLaw, place: SlowPlace
 ) -> MoveNote:
-    """Return the note for a move that joint limits slow down; names joint, place and numbers."""
+    """Return the note for a move that joint limits slow down, with joint, place and numbers."""
     distance = singularity(arm, track.q(place.s))
     nearness = {
         "wrist": distance.wrist / NEAR_WRIST_SINE,

@@ -1,4 +1,4 @@
-"""Why a Cartesian path is refused: place, number, limit and unit in one sentence each."""
+"""Refusals of Cartesian paths, with place, number, limit and unit."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ RANGE_HINT: Final = "start the move with that joint a full turn away, or use mov
 SINGULAR_HINT: Final = "use movej here, or lead the path past the singularity"
 
 SURELY_MILLIMETRES: Final = 20.0
-"""A path of this length, in m, was meant in millimetres."""
+"""A path of this length, in m, is probably meant in millimetres."""
 
 BORDER_RESOLUTION: Final = 1e-4
-"""How closely the first unreachable point of a path is looked for, m or rad."""
+"""Accuracy of the first unreachable point of a path, m or rad."""
 
 
 def singular(path: FlangePath, s: float, distance: Singularity) -> MotionError:
@@ -40,7 +40,7 @@ def singular(path: FlangePath, s: float, distance: Singularity) -> MotionError:
         what = f"the sine of joint elbow is {distance.elbow:.6f}"
         value, limit, unit = distance.elbow, ELBOW_GIVE_UP_SINE, ""
     else:
-        # A calibrated arm is singular a little beside the place that nominal lengths tell.
+        # A calibrated arm is singular a little beside the place of nominal lengths.
         return MotionError(
             f"the move meets a singularity {path.place(s)}", code="R112", value=s, unit=path.unit, hint=SINGULAR_HINT
         )
@@ -111,7 +111,7 @@ def leaves_reach(arm: Arm, path: FlangePath, branch: int, s_inside: float, s_out
             s_inside = middle
     reason = reason_unreachable(arm, path.flange(s_deeper))
     if reason:
-        # At the border itself next to nothing is missing; a little further the numbers say more.
+        # At the border itself the excess is almost zero; a little further the numbers are meaningful.
         return out_of_reach(path, s_outside, f"at {s_deeper:.4f} {path.unit} it is {reason}")
     return out_of_reach(
         path,

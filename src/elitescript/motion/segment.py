@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
+from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.timing.profile import TimeLaw
 
 
@@ -18,12 +19,12 @@ class Setpoint(NamedTuple):
     """rad/s"""
 
 
-class JointPath(Protocol):
-    """Joint angles over the path position: a straight line in joint space, a followed Cartesian path, or points."""
+class AnyPath(Protocol):
+    """Properties of every path."""
 
     @property
     def kind(self) -> str:
-        """`joint`, `line`, `arc` or `points`."""
+        """`joint`, `line`, `arc`, `blend`, `chain` or `points`."""
 
     @property
     def unit(self) -> str:
@@ -34,16 +35,20 @@ class JointPath(Protocol):
         """Path position at the end."""
 
     @property
+    def T_base_tcp_end(self) -> Transform:
+        """TCP pose at the end."""
+
+
+class JointPath(AnyPath, Protocol):
+    """Joint angles over the path position: a straight line in joint space, a followed Cartesian path, or points."""
+
+    @property
     def q_start(self) -> Six:
         """Joint angles at the start, rad."""
 
     @property
     def q_end(self) -> Six:
         """Joint angles at the end, rad."""
-
-    @property
-    def T_base_tcp_end(self) -> Transform:
-        """TCP pose at the end."""
 
     def q(self, s: float) -> Six:
         """Return the joint angles at a path position, rad; exact at both ends."""
@@ -70,7 +75,7 @@ class Segment:
 
     @property
     def kind(self) -> str:
-        """`joint`, `line`, `arc` or `points`."""
+        """Kind of the path."""
         return self.path.kind
 
     @property
@@ -80,7 +85,7 @@ class Segment:
 
     @property
     def q_end(self) -> Six:
-        """Joint angles at the end, rad; what `sample(duration_s)` returns, to the last bit."""
+        """Joint angles at the end, rad; equal to `sample(duration_s)`."""
         return self.path.q_end
 
     @property
@@ -101,11 +106,11 @@ class Segment:
         return self.setpoint(t_s).qd
 
     def setpoint(self, t_s: float) -> Setpoint:
-        """Return joint angles and speeds at a time; cheaper than asking for them one by one."""
+        """Return joint angles and speeds at a time; cheaper than one by one."""
         if t_s <= 0.0 or self.path.length == 0.0:
-            return Setpoint(self.path.q_start, _REST)
+            return Setpoint(self.path.q_start, ZERO_SIX)
         if t_s >= self.duration_s:
-            return Setpoint(self.path.q_end, _REST)
+            return Setpoint(self.path.q_end, ZERO_SIX)
         return _state(self.path, *self.profile.at(t_s))
 
     def profile_time(self, t_s: float) -> float:
@@ -124,7 +129,7 @@ class Segment:
 
 
 class BlendedSegment(Segment):
-    """A move that is entered by a blend: the path before, the corner, the rest of its own path; immutable.
+    """A move with a blend at its begin: the path before, the corner, the rest of its own path; immutable.
 
     Args:
         before: the path before.
@@ -155,7 +160,7 @@ class BlendedSegment(Segment):
         self.approach_s = approach_s
         self.corner = corner
         self.entered_s = approach_s + corner.length
-        """When the corner is over."""
+        """Time of the end of the corner."""
         self.duration_s = self.entered_s + profile.duration_s
 
     @property
@@ -167,7 +172,7 @@ class BlendedSegment(Segment):
 
     def setpoint(self, t_s: float) -> Setpoint:
         if t_s >= self.duration_s:
-            return Setpoint(self.path.q_end, _REST)
+            return Setpoint(self.path.q_end, ZERO_SIX)
         if t_s >= self.entered_s:
             return _state(self.path, *self.profile.at(t_s - self.entered_s))
         if t_s >= self.approach_s:
@@ -192,7 +197,7 @@ class BlendedSegment(Segment):
 
 
 class RunningSegment(Segment):
-    """A path that is taken up on the way, at the position and the speed with which its profile starts; immutable."""
+    """A path that is entered at the position and the speed with which its profile starts; immutable."""
 
     __slots__ = ()
 
@@ -201,11 +206,8 @@ class RunningSegment(Segment):
 
     def setpoint(self, t_s: float) -> Setpoint:
         if t_s >= self.duration_s:
-            return Setpoint(self.path.q_end, _REST)
+            return Setpoint(self.path.q_end, ZERO_SIX)
         return _state(self.path, *self.profile.at(t_s))
-
-
-_REST: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def _state(path: JointPath, position: float, speed: float) -> Setpoint:

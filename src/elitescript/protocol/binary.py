@@ -1,4 +1,4 @@
-"""Big-endian packing from tables of fields: what the binary ports have in common.
+"""Big-endian packing from tables of fields, for the binary ports.
 
 A field has a name and a `WireType`; a `FieldList` is a table of fields with its compiled layout. Values go in and come
 out one per field: a number for a scalar type, a sequence of numbers for a vector.
@@ -24,7 +24,7 @@ WireValue = Number | tuple[Number, ...]
 
 
 class WireType(NamedTuple):
-    """How a value lies on the wire."""
+    """Encoding of a value."""
 
     name: str
     code: str
@@ -39,7 +39,7 @@ class WireType(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Bytes."""
+        """Size in bytes."""
         return struct.calcsize(">" + self.layout)
 
     @property
@@ -76,11 +76,7 @@ class Field(NamedTuple):
 
 
 class FieldList:
-    """Fields that follow each other without gaps.
-
-    Args:
-        fields: in the order of the wire.
-    """
+    """Consecutive fields, without gaps, in the order of the wire."""
 
     __slots__ = ("_plan", "_struct", "fields", "size")
 
@@ -88,7 +84,7 @@ class FieldList:
         self.fields = fields
         self._struct = struct.Struct(">" + "".join(field.type.layout for field in fields))
         self.size = self._struct.size
-        """Bytes of all fields."""
+        """Size of all fields in bytes."""
         self._plan = tuple(field.type.length for field in fields)
 
     def pack(self, values: Sequence[Number | Sequence[Number]]) -> bytes:
@@ -102,7 +98,7 @@ class FieldList:
         try:
             return self._struct.pack(*_flattened(values))
         except (struct.error, TypeError, OverflowError):
-            self._blame(values)
+            self._raise_unfit(values)
             raise
 
     def unpack(self, data: bytes | memoryview, offset: int = 0) -> tuple[WireValue, ...]:
@@ -124,7 +120,7 @@ class FieldList:
         return tuple(values)
 
     def offsets(self) -> tuple[int, ...]:
-        """Return where each field begins, in bytes from the first."""
+        """Return the offset of each field, in bytes."""
         begins: list[int] = []
         at = 0
         for field in self.fields:
@@ -132,7 +128,7 @@ class FieldList:
             at += field.type.size
         return tuple(begins)
 
-    def _blame(self, values: Sequence[Number | Sequence[Number]]) -> None:
+    def _raise_unfit(self, values: Sequence[Number | Sequence[Number]]) -> None:
         """Raise with the name of the first field whose value does not fit."""
         for field, value in zip(self.fields, values, strict=True):
             parts = (value,) if isinstance(value, int | float) else value

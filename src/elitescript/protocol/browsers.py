@@ -1,15 +1,15 @@
-"""Recognises what a web browser sends first, so that no page can reach a robot through it.
+"""Recognises the first bytes of a web browser, so that no page can reach a robot through it.
 
-A page in a browser of this computer may have it open a connection to any port and send a body of the page's own making;
-what comes before the body is not the page's choice. It is always one of these:
+A page in a browser of this computer can open a connection to any port and send any body, but the bytes before the body
+are those of the browser. They are always one of these:
 
 - the line of an HTTP request (RFC 9112, section 3): a method, which may be any token, a target in one of its four
   forms, and a version. A WebSocket begins with one too, and so does HTTP/2 without TLS;
 - the first record of TLS (RFC 8446, section 5.1);
 - a STUN message (RFC 8489, section 5), from WebRTC over TCP; between peers its length stands before it (RFC 4571).
 
-No script, command or message of a robot's port begins like that: the target's forms tell a request from a comment
-(`# speaks HTTP/1.1`) or a popup (`popup -s HTTP/1.1`).
+No script, command or message of a robot's port begins like that: the forms of the target distinguish a request from a
+comment (`# speaks HTTP/1.1`) or a popup (`popup -s HTTP/1.1`).
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ _METHOD_KEPT: Final = 32
 _TARGET_KEPT: Final = 512
 """Bytes that decide about the form of a target: longer ones begin with a slash or a scheme."""
 _HEAD_MAX: Final = 1024
-"""Bytes that are looked at again when more arrive; of a longer line, its method and target are cut."""
+"""Bytes that are parsed again when more arrive; method and target of a longer line are cut."""
 _TLS: Final = re.compile(rb"\x16\x03[\x01-\x04]")
 _STUN: Final = re.compile(rb"(?:..)?\x00[\x01\x03]..\x21\x12\xa4\x42", re.DOTALL)
 _BINARY_MAX: Final = 10
 
 
 class FirstBytes:
-    """Looks at what a client sends until it is known whether a browser speaks.
+    """Examines the first bytes of a client until it is known whether it is a browser.
 
     Attributes:
-        is_decided: whether nothing more needs to be looked at.
-        found: what a browser has sent, in words; empty if none has, so far.
+        is_decided: whether no more bytes are needed.
+        found: description of what a browser has sent; empty if none has so far.
     """
 
     __slots__ = ("_head", "found", "is_decided")
@@ -53,17 +53,15 @@ class FirstBytes:
         if not self.is_decided:
             self._head += data
             self.found = _binary(self._head) or self._request()
-            if self.found:
-                self.is_decided = True
-            if self.is_decided:
-                self._head = b""
+            if self.found or self.is_decided:
+                self.is_decided, self._head = True, b""
         return self.found
 
     def _request(self) -> str:
-        """Return what the line says if it is that of a request; notes whether it can still become one."""
+        """Return the description of a request line, empty if it is none; set `is_decided` if it cannot become one."""
         if (self._head[:1] < b" " or self._head[2:3] == b"\x00") and len(self._head) < _BINARY_MAX:
             return ""
-        # What servers overlook before a request does not count: blank lines, blanks, a byte order mark.
+        # Servers ignore blank lines, blanks and a byte order mark before a request.
         line = self._head = self._head.lstrip(b"\r\n \t")
         if line.startswith(_BYTE_ORDER_MARK):
             line = self._head = line[len(_BYTE_ORDER_MARK) :].lstrip(b"\r\n \t")
@@ -101,13 +99,13 @@ class FirstBytes:
         return ""
 
     def _keep(self, head: bytes) -> None:
-        """Of a line that is too long, keep what says the same."""
+        """Shorten a line that is too long to `head`, which is parsed alike."""
         if len(self._head) > _HEAD_MAX:
             self._head = head
 
 
 def is_web_request(line: bytes) -> bool:
-    """Return whether a whole line is what a browser sends first."""
+    """Return whether a whole line is the first one of a browser."""
     return bool(FirstBytes().feed(line))
 
 

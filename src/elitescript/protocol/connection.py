@@ -1,22 +1,31 @@
-"""The interface of every connection that the controller serves: bytes in, inputs out; what a tick gives in, bytes out.
+"""The interface of every connection that the controller serves: bytes in, inputs out; output of a tick in, bytes out.
 
-A connection is sans-I/O: it knows no socket and no clock, only ticks. The pump (`services.clients.tcp`) calls
-`receive` with whatever has arrived, hands the inputs to the robot, calls `publish` after every tick, and writes what
-`take` returns with one call each. Buffers are bounded; a client that sends what cannot be meets `ProtocolError`: its
-connection is closed, nobody else's.
+A connection is sans-I/O: it has no socket and no clock, only ticks. The pump (`services.clients.tcp`) calls `receive`
+with received bytes, passes the inputs to the robot, calls `publish` after every tick, and writes each message of `take`
+with one call. Buffers are bounded. Invalid bytes raise `ProtocolError`, which closes that connection only.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import Final
 
+from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 
+RESTARTED: Final = "R132"
+"""Code of the alarm about a robot that was restarted in the place of another."""
+
+
+def is_restarted(output: Output) -> bool:
+    """Return whether the robot was restarted in a tick, and so answers no earlier request."""
+    return any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events)
+
 
 class ProtocolError(Exception):
-    """The peer sent what cannot be; the text says what, where and what was expected."""
+    """The peer sent invalid bytes; the text names what, where and what was expected."""
 
 
 class Connection(ABC):
@@ -27,66 +36,69 @@ class Connection(ABC):
         description: the robot.
     """
 
-    __slots__ = ("_out", "description", "is_over", "origin")
+    __slots__ = ("_count", "_due", "_out", "description", "is_over", "origin")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         self.origin = origin
         self.description = description
         self.is_over = False
-        """Whether the connection is to be closed once what it has to say is sent."""
+        """Whether the connection is to be closed once its messages are sent."""
         self._out: list[bytes] = []
+        self._due: list[Input] = []
+        self._count = 0
 
     @abstractmethod
     def receive(self, data: bytes, output: Output) -> list[Input]:
-        """Take bytes that have arrived; return what they ask for.
+        """Take received bytes, any part of the stream; return their inputs to the robot.
 
         Args:
-            data: any part of the stream.
-            output: of the last tick, for what is answered at once.
+            data: the bytes.
+            output: of the last tick, for requests that are answered at once.
 
         Raises:
-            ProtocolError: the stream makes no sense; the connection is to be closed.
+            ProtocolError: invalid bytes; the connection is to be closed.
         """
 
     def posted(self, tick: int) -> None:
-        """The inputs that `receive` has just returned go in at that tick, or later if many wait."""
+        """Note that the inputs that `receive` has just returned go in at a tick, or later if many wait."""
         return
 
     @abstractmethod
     def publish(self, output: Output) -> None:
-        """Take note of a tick: queue what this client is to hear of it."""
+        """Take the output of a tick: queue the messages to this client about it."""
 
     def reads_snapshot(self, tick: int) -> bool:
-        """Whether it reads more of the snapshot of a tick than the discrete state: joints, poses, forces, times.
+        """Return whether it reads more of the snapshot of a tick than the discrete state: joints, poses, forces, times.
 
-        Asked before the tick runs; what `receive` and `publish` get else may be an older snapshot, of which only the
+        Called before the tick runs. If not, `receive` and `publish` may get an older snapshot, of which only the
         discrete state (levels, modes, tool, task) is that of the tick. See `messages.outputs.Output`.
         """
         return False
 
     @property
     def is_busy(self) -> bool:
-        """Whether it has enough to work on: leave what the peer sends in the socket until this is over."""
+        """Whether further bytes of the peer are to be left in the socket for now."""
         return False
 
     @property
     def is_expecting(self) -> bool:
-        """Whether an answer to what the peer has asked is still to come."""
+        """Whether a request of the peer waits for its reply."""
         return False
 
     def next_tick(self, tick: int) -> int | None:
         """Return the next tick after `tick` that must be published although nothing happens in it; None if none must.
 
-        A tick in which there are events or replies must be published in any case.
+        A tick with events or replies must be published in any case.
         """
         return tick + 1 if self.is_busy or self.is_expecting else None
 
     def due(self) -> list[Input]:
-        """Return what time alone has made of bytes that came before; to be asked after every `publish`."""
-        return []
+        """Return inputs from earlier bytes that are due now; to be called after every `publish`."""
+        due, self._due = self._due, []
+        return due
 
     def read_on(self, output: Output) -> list[Input]:
-        """While no tick comes, answer what needs none and was left for the next; return what it asks for.
+        """Handle requests that were left for the next tick and need none, while no tick comes; return their inputs.
 
         Args:
             output: of the last tick.
@@ -97,13 +109,18 @@ class Connection(ABC):
         return []
 
     def closed(self) -> list[Input]:
-        """The client has gone; return what that means for the robot."""
+        """Handle the end of the client; return the inputs to the robot."""
         return []
 
     def take(self) -> list[bytes]:
-        """Return the messages that are to be sent, in order; each is one write."""
+        """Return the messages to send, in order; each is one write."""
         out, self._out = self._out, []
         return out
+
+    def next_origin(self) -> str:
+        """Return a new origin for one request, such as `query#2/7` for the seventh of `query#2`."""
+        self._count += 1
+        return f"{self.origin}/{self._count}"
 
     def send(self, message: bytes) -> None:
         """Queue one message."""

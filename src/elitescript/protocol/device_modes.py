@@ -1,7 +1,6 @@
-"""The numbers under which ports report what joints and tool are doing.
+"""Modes of joints and tool that ports report.
 
-Evidence: the numbers are *documented* by the vendor's SDK. Which of them goes with which mode of the robot is
-*assumed*.
+Evidence: the numbers are *documented* by the vendor's SDK. Their relation to the modes of the robot is *assumed*.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from elitescript.messages.state import RobotState
 
 
 class DeviceMode(IntEnum):
-    """What the electronics of a joint, or of the tool, are doing."""
+    """State of the electronics of a joint or of the tool."""
 
     RESET = 235
     SHUTTING_DOWN = 236
@@ -47,20 +46,15 @@ _JOINT: Final = {
 _BROKEN: Final = {SafetyMode.VIOLATION: DeviceMode.VIOLATION, SafetyMode.FAULT: DeviceMode.FAULT}
 
 
-def is_powered(mode: RobotMode) -> bool:
-    """Return whether the arm has power in this mode."""
-    return mode in POWERED
-
-
 def joint_mode(robot: RobotState) -> DeviceMode:
-    """Return the mode of every joint; the six of them always agree."""
+    """Return the mode of all six joints."""
     if robot.robot_mode in POWERED and robot.safety_mode in _BROKEN:
         return _BROKEN[robot.safety_mode]
     return _JOINT[robot.robot_mode]
 
 
 def tool_mode(robot: RobotState) -> DeviceMode:
-    """Return the mode of the tool, which knows no brakes: with power it runs."""
+    """Return the mode of the tool, which has no brakes: with power it runs."""
     mode = _JOINT[robot.robot_mode]
     if mode in (DeviceMode.IDLE, DeviceMode.BACK_DRIVE):
         return DeviceMode.RUNNING

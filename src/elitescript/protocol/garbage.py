@@ -1,11 +1,11 @@
-"""Bytes on a script port that cannot be script, such as a message of another protocol: told once for each burst."""
+"""Bytes on a script port that cannot be script, such as a message of another protocol: one report for each burst."""
 
 from __future__ import annotations
 
 from typing import Final
 
 REPORT_TICKS: Final = 250
-"""A burst that does not end is told this often, 1 s. *Assumed.*"""
+"""Interval of the reports about a burst that goes on, 1 s. *Assumed.*"""
 SHOWN_CHARACTERS: Final = 16
 
 _DAMAGED: Final = "\ufffd"
@@ -18,8 +18,8 @@ _OTHER_PROTOCOLS: Final = ("HTTP/1.0", "HTTP/1.1")
 def is_garbage(line: str) -> bool:
     """Return whether a line outside programs cannot be script.
 
-    It has a NUL, or bytes that are not UTF-8 besides control characters, or it begins with one of them. A line of text
-    may be meant as script whatever it says, unless it is the beginning of a request or greeting of another protocol.
+    It contains a NUL, or bytes that are not UTF-8 besides control characters, or begins with one of them. Any line of
+    text may be script, unless it is the beginning of a request or greeting of another protocol.
     """
     found = _NO_TEXT.intersection(line)
     start = line.strip()[:1]
@@ -38,7 +38,7 @@ def is_statement(line: str) -> bool:
 
 
 class GarbageBurst:
-    """Garbage that has come in without a pause."""
+    """Consecutive garbage."""
 
     __slots__ = ("_begin", "_lines", "_next_report_at", "_size")
 
@@ -50,15 +50,15 @@ class GarbageBurst:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is nothing to tell."""
+        """Whether there is nothing to report."""
         return not self._lines
 
     def takes(self, line: str) -> bool:
-        """Return whether a line belongs to it: garbage, and in the middle of garbage also what makes no statement."""
+        """Return whether a line belongs to it: garbage, and within garbage also text that is no statement."""
         return is_garbage(line) or (not self.is_empty and not is_statement(line))
 
     def add(self, line: str, tick: int) -> None:
-        """Another line of it."""
+        """Add a line."""
         if not self._lines:
             self._begin = line[:SHOWN_CHARACTERS]
             self._next_report_at = tick + REPORT_TICKS
@@ -67,15 +67,15 @@ class GarbageBurst:
 
     @property
     def report_tick(self) -> int | None:
-        """The tick in which it is to be told although it goes on; None if there is nothing to tell."""
+        """Tick of the next report while it goes on; None if there is nothing to report."""
         return self._next_report_at if self._lines else None
 
     def is_due(self, tick: int) -> bool:
-        """Return whether it lasts so long that it is to be told before its end."""
+        """Return whether it is to be reported before its end."""
         return bool(self._lines) and tick >= self._next_report_at
 
     def take(self, origin: str) -> str:
-        """Return what to say about it; it begins anew."""
+        """Return the report, and begin a new burst."""
         lines = "1 line" if self._lines == 1 else f"{self._lines} lines"
         characters = "1 character" if self._size == 1 else f"{self._size} characters"
         text = (

@@ -4,15 +4,13 @@ A line that is the header of a function and nothing else begins a *block*: it an
 of a line are one statement, with one reply. One-line functions are *documented*; a sample of the vendor sends several
 lines, and that they are one statement is *assumed*.
 
-The robot numbers and queues the statements; a `Reply` to the origin of a statement or a word has its outcome, whose
-text is made here.
-
-A robot that is started anew in between knows nothing of what it was sent before: lines that had no reply by then are
-answered as if no program had run, and statements that were accepted are gone.
+The robot numbers and queues the statements; a `Reply` to the origin of a statement or a word has its outcome, from
+which the text is made here. When the robot is restarted, lines without a reply are answered as if no program had run,
+and accepted statements are lost.
 
 Evidence: words, reply forms and reasons are *documented* (manual 2.14, interpreter mode; the vendor's article on the
-port). Line ends, `state: 0` for an unknown number, the limit of a line, and that every client gets the replies to its
-own statements and no others, are *assumed*.
+port). Line ends, `state: 0` for an unknown number, the limit of a line, and that every client gets only the replies to
+its own statements, are *assumed*.
 """
 
 from __future__ import annotations
@@ -21,7 +19,6 @@ import re
 from typing import Final, NamedTuple
 
 from elitescript.messages.enums import DiscardReason
-from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Input, Interpret, InterpreterWord
 from elitescript.messages.outcomes import (
     InterpreterOutcome,
@@ -32,7 +29,7 @@ from elitescript.messages.outcomes import (
 )
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.protocol.connection import Connection
+from elitescript.protocol.connection import Connection, is_restarted
 from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
 
 LINE_LIMIT: Final = 65536
@@ -41,15 +38,13 @@ BLOCK_HEADER: Final = re.compile(r"def\b.*:\s*(#.*)?")
 BLOCK_END: Final = re.compile(r"end\s*;?\s*(#.*)?")
 """Whole lines that begin and close a block."""
 LINES_PER_TICK: Final = 20
-"""Of one client; the rest waits for the next tick (*assumed*)."""
+"""Of one client; further ones wait for the next tick (*assumed*)."""
 QUEUE_LIMIT: Final = 8500
-"""Statements that wait to be executed."""
-RESTARTED: Final = "R132"
-"""Code of the alarm that tells of a new robot in the place of the old one."""
+"""Limit of statements that wait to be executed."""
 
 
 class Word(NamedTuple):
-    """A line that does not wait its turn."""
+    """A line that is handled at once, before queued statements."""
 
     name: str
     reply: str
@@ -63,7 +58,7 @@ class Reason(NamedTuple):
 
     reason: DiscardReason
     text: str
-    """As replies say it."""
+    """In replies."""
     summary: str
     evidence: str
 
@@ -98,7 +93,7 @@ _WORDS: Final = (
     Word("state", "state: 0: running: state", "Whether a session is `running` or `stopped`.", "documented"),
 )
 WORDS: Final[dict[str, Word]] = {word.name: word for word in _WORDS}
-"""Every word that does not wait its turn."""
+"""Every word that is handled at once."""
 
 REASONS: Final = (
     Reason(DiscardReason.COMPILE_ERROR, "Compile error", "It does not compile; the reason follows.", "documented"),
@@ -141,31 +136,28 @@ def reply_text(outcome: InterpreterOutcome) -> str:
 class InterpreterConnection(Connection):
     """One client of interpreter mode.
 
-    Each line goes to the robot under an origin of its own, `interpreter#2/7` for the seventh of `interpreter#2`, so
-    that it is known which lines have no reply yet.
+    Each line has its own origin, `interpreter#2/7` for the seventh of `interpreter#2`, so that it is known which lines
+    have no reply yet.
     """
 
-    __slots__ = ("_block", "_block_size", "_count", "_due", "_given_up", "_lines", "_problem", "_start", "_unanswered")
+    __slots__ = ("_block", "_block_size", "_given_up", "_lines", "_problem", "_start", "_unanswered")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
         self._lines = PacedLines(LINE_LIMIT, LINES_PER_TICK)
-        self._due: list[Input] = []
         self._block: list[str] = []
         """Lines of the block that is open."""
         self._block_size = 0
         """In bytes; lines beyond `LINE_LIMIT` are not kept."""
         self._problem = ""
         """Why the block cannot be a statement."""
-        self._count = 0
         self._start = f"{origin}/"
         self._unanswered: dict[str, InterpreterOutcome] = {}
-        """For each line by origin, the outcome if the robot ends before it answers."""
+        """For each line by origin, the outcome if the robot ends before its reply."""
         self._given_up: set[str] = set()
-        """Lines that got that reply; what a new robot answers to them is not sent."""
+        """Lines that got that reply; later replies to them are not sent."""
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
-        """See `Connection.receive`."""
         self._lines.feed(data)
         return self._inputs(self._lines.take(output.tick))
 
@@ -181,14 +173,14 @@ class InterpreterConnection(Connection):
             if line.problem or text not in WORDS:
                 inputs.append(self._statement(text, line.problem))
             else:
-                origin = self._origin()
+                origin = self.next_origin()
                 inputs.append(InterpreterWord(origin, text))
                 if WORDS[text].reply:
                     self._unanswered[origin] = SessionState(False) if text == "state" else StatementNumber(text, 0)
         return inputs
 
     def _in_block(self, line: TextLine) -> list[Input]:
-        """Return one more line of a block; what it asks for once it is whole."""
+        """Add a line to the block; return the input of the block once it is complete."""
         self._block_size += len(line.text.encode()) + 1
         if line.problem:
             self._problem = self._problem or f"line {len(self._block) + 1}, column 1, {line.problem}"
@@ -206,7 +198,7 @@ class InterpreterConnection(Connection):
         return self._statement(text, problem)
 
     def _statement(self, text: str, problem: str) -> Input:
-        origin = self._origin()
+        origin = self.next_origin()
         if problem:
             text = shown(one_line(text))
             self._unanswered[origin] = StatementDiscarded(DiscardReason.COMPILE_ERROR, text, problem)
@@ -214,22 +206,16 @@ class InterpreterConnection(Connection):
         self._unanswered[origin] = StatementDiscarded(DiscardReason.INVALID_STATE, text)
         return Interpret(origin, text)
 
-    def _origin(self) -> str:
-        self._count += 1
-        return f"{self._start}{self._count}"
-
     @property
     def is_busy(self) -> bool:
-        """See `Connection.is_busy`."""
         return self._lines.is_waiting
 
     @property
     def is_expecting(self) -> bool:
-        """See `Connection.is_expecting`: also a statement that was accepted may be discarded later."""
+        """See `Connection.is_expecting`: an accepted statement may be discarded later."""
         return True
 
     def publish(self, output: Output) -> None:
-        """See `Connection.publish`."""
         for reply in output.replies:
             if not reply.origin.startswith(self._start):
                 continue
@@ -238,26 +224,21 @@ class InterpreterConnection(Connection):
                 continue
             if isinstance(reply.outcome, InterpreterOutcome):
                 self._unanswered.pop(reply.origin, None)
-                self._say(reply.outcome)
-        if self._unanswered and any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
+                self._send_reply(reply.outcome)
+        if self._unanswered and is_restarted(output):
             for outcome in self._unanswered.values():
-                self._say(outcome)
+                self._send_reply(outcome)
             self._given_up = set(self._unanswered)
             self._unanswered.clear()
         self._due += self._inputs(self._lines.take(output.tick))
 
-    def due(self) -> list[Input]:
-        """See `Connection.due`."""
-        due, self._due = self._due, []
-        return due
-
     def closed(self) -> list[Input]:
-        """See `Connection.closed`: what the client has sent still counts; a function without its end is discarded."""
+        """See `Connection.closed`: received lines are still handled; a function without its end is discarded."""
         inputs = self.due() + self._inputs(self._lines.rest())
         if self._block:
             self._problem = self._problem or "line 1, column 1, the function has no `end` at the start of a line"
             inputs.append(self._close_block())
         return inputs
 
-    def _say(self, outcome: InterpreterOutcome) -> None:
+    def _send_reply(self, outcome: InterpreterOutcome) -> None:
         self.send(one_line(reply_text(outcome)).encode() + b"\n")

@@ -1,4 +1,4 @@
-"""Cuts a byte stream into lines, for the ports that speak text."""
+"""Cuts a byte stream into lines, for the text ports."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ class TextLine:
     """One line without its end."""
 
     text: str
-    """UTF-8; what is not comes as the replacement character. Of a line that is too long, its beginning."""
+    """Decoded as UTF-8, invalid bytes as the replacement character; of a line that is too long, its beginning."""
     problem: str = ""
-    """Why the line cannot be taken as it is; empty if it can."""
+    """Why the line is invalid; empty if it is not."""
 
 
 class LineSplitter:
     """Collects bytes until a line feed; a carriage return before it is tolerated.
 
-    A line over the limit is reported once, as soon as it is over; the rest of it is thrown away unkept. What the peer
-    has sent since the last line feed is not a line.
+    A line over the limit is reported once, as soon as it is; its rest is dropped. Bytes after the last line feed are
+    not a line.
 
     Args:
         limit: of a line, in bytes, without its end.
@@ -38,7 +38,7 @@ class LineSplitter:
 
     @property
     def held(self) -> int:
-        """Bytes of the line that has begun, at most the limit and a carriage return."""
+        """Number of bytes of the line that has begun, at most the limit and a carriage return."""
         return len(self._buffer)
 
     def feed(self, data: bytes) -> list[TextLine]:
@@ -53,7 +53,7 @@ class LineSplitter:
 
     def _add(self, part: bytes, lines: list[TextLine], *, is_whole: bool) -> None:
         if not self._is_skipping:
-            # One byte more than the limit may be the carriage return, and one more than that shows that it is not.
+            # One byte above the limit may be the carriage return; a second one shows that it is not.
             self._buffer += part[: self.limit + 2 - len(self._buffer)]
             content = self._buffer.removesuffix(b"\r")
             if len(content) > self.limit:
@@ -69,11 +69,11 @@ class LineSplitter:
 
 
 class PacedLines:
-    """The lines of a client, so many in a tick: one that floods takes no more of it. The bytes behind them wait.
+    """The lines of a client, with a limit for each tick; the bytes behind them wait.
 
     Args:
         limit: of a line, in bytes, without its end.
-        per_tick: lines.
+        per_tick: lines in a tick.
     """
 
     __slots__ = ("_left", "_per_tick", "_raw", "_splitter", "_tick")
@@ -86,7 +86,7 @@ class PacedLines:
 
     @property
     def is_waiting(self) -> bool:
-        """Whether bytes wait for the next tick; whoever reads them from the client should stop for so long."""
+        """Whether bytes wait for the next tick, so that no more should be read from the client."""
         return bool(self._raw)
 
     def feed(self, data: bytes) -> None:
@@ -94,7 +94,7 @@ class PacedLines:
         self._raw += data
 
     def take(self, tick: int) -> list[TextLine]:
-        """Return the lines that may be read in a tick and were not yet."""
+        """Return further lines, as many as the tick allows."""
         if tick != self._tick:
             self._tick, self._left = tick, self._per_tick
         end = 0
@@ -104,7 +104,7 @@ class PacedLines:
         return self._cut(end)
 
     def renew(self) -> None:
-        """As many lines again may be read in this tick."""
+        """Allow as many lines again in this tick."""
         self._left = self._per_tick
 
     def rest(self) -> list[TextLine]:
@@ -118,7 +118,7 @@ class PacedLines:
 
 
 def shown(text: str) -> str:
-    """Return a peer's text as an answer may repeat it: short, and printable."""
+    """Return a peer's text for an answer: shortened and printable."""
     clean = "".join(char if char.isprintable() else "?" for char in text[:SHOWN])
     return clean if len(text) <= SHOWN else clean + "..."
 

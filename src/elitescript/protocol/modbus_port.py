@@ -1,16 +1,16 @@
 """The controller's own Modbus TCP server, port 502: registers and coils that mirror the robot and may be written.
 
-What stands behind an address is the table of `modbus.port_map`. Reads are answered at once, from the snapshot of the
-last tick. A write is a request to the robot and is answered when the robot has taken it, one at a time for each client;
-what the client has sent behind it waits. So a client reads what it wrote, and so does everybody who asks after its
-answer. A coil is set by itself, not by writing back its neighbours, so that no client undoes what another one does.
+`modbus.port_map` is the table of addresses. Reads are answered at once, from the snapshot of the last tick. A write is
+a request to the robot and is answered when the robot has handled it, one at a time for each client; later requests of
+the client wait. So every read after the answer sees the written value. A coil is set by itself, without its neighbours,
+so that no client undoes the writes of another.
 
-As at the RTSI port, remote and local control make no difference, and an output that is tied to the task keeps what was
-written until the task lets it have it.
+As at the RTSI port, remote and local control make no difference, and an output that is tied to the task keeps the
+written value until the task releases it.
 
 Evidence: port and table are *documented*, that clients use functions 1, 3, 5, 6 and 16 is *observed*. *Assumed*: the
-other functions, that any unit is answered, and the exceptions: 2 for addresses that are not there or that nobody
-writes, 3 for values that the robot refuses, 4 if the robot was started anew in between.
+other functions, that any unit is answered, and the exceptions: 2 for unknown or read-only addresses, 3 for values that
+the robot refuses, 4 if the robot was restarted in between.
 """
 
 from __future__ import annotations
@@ -20,18 +20,16 @@ from collections.abc import Callable
 from typing import Final, NamedTuple
 
 from elitescript.errors import ArgumentRangeError, ScriptError
-from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Do, Input
 from elitescript.messages.machine import MachineRequest, WritePortCoils, WritePortRegisters
 from elitescript.messages.outcomes import Done, Outcome, Refused, RegistersRead
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.modbus.frames.pdu import (
+    BIT_READS,
     DEVICE_FAILURE,
     ILLEGAL_ADDRESS,
     ILLEGAL_VALUE,
-    READ_COILS,
-    READ_DISCRETE_INPUTS,
     READ_WRITE_REGISTERS,
     WRITE_COIL,
     WRITE_COILS,
@@ -48,31 +46,29 @@ from elitescript.modbus.frames.pdu import (
 from elitescript.modbus.frames.tcp import LENGTH_MAX, TcpFrame, TcpSplitter, tcp_frame
 from elitescript.modbus.port_image import PortImage, check_writable_coils, check_writable_registers
 from elitescript.modbus.port_map import View
-from elitescript.protocol.connection import Connection, ProtocolError
-from elitescript.protocol.query import RESTARTED
+from elitescript.protocol.connection import Connection, ProtocolError, is_restarted
 
 NUMBER: Final = 502
 SPARE_NUMBER: Final = 5020
-"""For whoever may not have the other one."""
+"""Used where the system does not let this user have the other one."""
 REQUESTS_PER_TICK: Final = 20
-"""Of one client; the rest waits for the next tick."""
+"""Of one client; further ones wait for the next tick."""
 REQUESTS_OF_ALL: Final = 200
-"""Of all clients of a robot in a tick, about 2 ms of work; many of them share it."""
+"""Of all clients of a robot in a tick, about 2 ms of work; many clients share it."""
 REQUESTS_MIN: Final = 2
 """Of each client, however many there are."""
 
-_BIT_READS: Final = frozenset({READ_COILS, READ_DISCRETE_INPUTS})
 _WRITES: Final = frozenset({WRITE_COIL, WRITE_COILS, WRITE_REGISTER, WRITE_REGISTERS, READ_WRITE_REGISTERS})
 
 
 class ModbusPort:
-    """What the clients of one robot share: registers, coils and answers of the last tick, worked out once; and time.
+    """State that the clients of one robot share: registers, coils and replies of the last tick, computed once.
 
     Args:
         description: the robot.
 
     Attributes:
-        clients: how many there are.
+        clients: their number.
     """
 
     __slots__ = ("_image", "_outcomes", "_output", "_version", "clients")
@@ -86,18 +82,18 @@ class ModbusPort:
 
     @property
     def share(self) -> int:
-        """Requests that each client may make in a tick."""
+        """Limit of requests of each client in a tick."""
         return max(REQUESTS_MIN, min(REQUESTS_PER_TICK, REQUESTS_OF_ALL // max(1, self.clients)))
 
     def image(self, output: Output) -> PortImage:
         """Return registers and coils of a tick."""
         image = self._image
-        if image is None or image.view.picture is not output.snapshot:
+        if image is None or image.view.snapshot is not output.snapshot:
             image = self._image = PortImage(View(output.snapshot, self._version))
         return image
 
     def outcome(self, output: Output, origin: str) -> Outcome | None:
-        """Return what became of the request of an origin in a tick; None if that is not known yet."""
+        """Return the outcome of the request of an origin in a tick; None without a reply."""
         if output is not self._output:
             self._output = output
             self._outcomes = {reply.origin: reply.outcome for reply in output.replies}
@@ -115,16 +111,16 @@ class _Write(NamedTuple):
 class ModbusConnection(Connection):
     """One client.
 
-    Each write goes to the robot under an origin of its own, `modbus#2/7` for the seventh of `modbus#2`, so that no
-    answer is taken for that of another.
+    Each write has its own origin, `modbus#2/7` for the seventh of `modbus#2`, so that no reply is taken for that of
+    another.
 
     Args:
         origin: see `Connection`.
         description: the robot.
-        port: what it shares with the others.
+        port: shared with the other clients.
     """
 
-    __slots__ = ("_count", "_due", "_frames", "_left", "_port", "_splitter", "_tick", "_ticks", "_write")
+    __slots__ = ("_frames", "_left", "_port", "_splitter", "_tick", "_ticks", "_write")
 
     def __init__(self, origin: str, description: RobotDescription, port: ModbusPort) -> None:
         super().__init__(origin, description)
@@ -132,16 +128,13 @@ class ModbusConnection(Connection):
         self._splitter = TcpSplitter()
         self._frames: deque[TcpFrame] = deque()
         self._write: _Write | None = None
-        self._due: list[Input] = []
-        self._count = 0
         self._tick = -1
         self._left = 0
         self._ticks = 0
-        """That it has been given."""
+        """Number of published ticks."""
         port.clients += 1
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
-        """See `Connection.receive`."""
         self._frames += self._splitter.feed(data)
         inputs = self._go_on(output)
         self._check_stream()
@@ -149,12 +142,10 @@ class ModbusConnection(Connection):
 
     @property
     def is_busy(self) -> bool:
-        """See `Connection.is_busy`."""
         return bool(self._frames) or self._write is not None
 
     @property
     def is_expecting(self) -> bool:
-        """See `Connection.is_expecting`."""
         return self.is_busy
 
     def reads_snapshot(self, tick: int) -> bool:
@@ -162,7 +153,6 @@ class ModbusConnection(Connection):
         return True
 
     def publish(self, output: Output) -> None:
-        """See `Connection.publish`."""
         self._ticks += 1
         if self._write is not None:
             self._settle(self._write, output)
@@ -170,23 +160,16 @@ class ModbusConnection(Connection):
             self._due += self._go_on(output)
         self._check_stream()
 
-    def due(self) -> list[Input]:
-        """See `Connection.due`."""
-        due, self._due = self._due, []
-        return due
-
     def read_on(self, output: Output) -> list[Input]:
-        """See `Connection.read_on`."""
         self._left = self._port.share
         return self._go_on(output)
 
     def closed(self) -> list[Input]:
-        """See `Connection.closed`."""
         self._port.clients -= 1
         return []
 
     def _check_stream(self) -> None:
-        """Close a connection that sends something else, once what came before is answered."""
+        """Close a connection with invalid bytes, once earlier requests are answered."""
         if self._splitter.is_lost and not self.is_busy and not self.is_over:
             self.is_over = True
             raise ProtocolError(f"this is no Modbus TCP: the length in a header must be 2 to {LENGTH_MAX}")
@@ -196,7 +179,7 @@ class ModbusConnection(Connection):
     def _go_on(self, output: Output) -> list[Input]:
         """Take requests in their order, up to the first write or as many as a tick allows."""
         if self._ticks < 2 and not output.is_fresh:
-            # It came after the last tick, or while that was under way: the next one is asked for its snapshot.
+            # Connected after the last tick, or during it: the next tick has a snapshot for it.
             return []
         if output.tick != self._tick:
             self._tick, self._left = output.tick, self._port.share
@@ -220,24 +203,23 @@ class ModbusConnection(Connection):
     def _begin(self, frame: TcpFrame, request: ModbusRequest, output: Output) -> list[Input]:
         change = _change(request)
         if request.function == READ_WRITE_REGISTERS:
-            # What is to be read afterwards must be there before anything is written.
+            # Registers to read must exist before anything is written.
             self._values(request, output)
-        self._count += 1
-        self._write = _Write(f"{self.origin}/{self._count}", frame, request)
+        self._write = _Write(self.next_origin(), frame, request)
         return [Do(self._write.origin, change, is_answered=True)]
 
     def _settle(self, write: _Write, output: Output) -> None:
-        """Look for the robot's answer to a write, and pass it on."""
+        """Answer a write if the robot has replied to it, or was restarted."""
         outcome = self._port.outcome(output, write.origin)
         if outcome is not None:
             self._write = None
             self._pass_on(write, outcome)
-        elif any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
+        elif is_restarted(output):
             self._write = None
             self._refuse(write.frame, DEVICE_FAILURE)
 
     def _pass_on(self, write: _Write, outcome: Outcome) -> None:
-        """Answer a write; function 23 with the registers that the robot has read right after it wrote."""
+        """Answer a write; function 23 with the registers that the robot has read right after the write."""
         is_mixed = write.request.function == READ_WRITE_REGISTERS
         match outcome:
             case Refused():
@@ -253,7 +235,7 @@ class ModbusConnection(Connection):
     def _values(self, request: ModbusRequest, output: Output) -> bytes:
         image, function = self._port.image(output), request.function
         read: Callable[[int, int], list[int] | list[bool]]
-        answer, read = (bits_read, image.coils) if function in _BIT_READS else (registers_read, image.registers)
+        answer, read = (bits_read, image.coils) if function in BIT_READS else (registers_read, image.registers)
         try:
             return answer(function, read(request.address, request.quantity))
         except ArgumentRangeError as error:
@@ -267,10 +249,10 @@ class ModbusConnection(Connection):
 
 
 def _change(request: ModbusRequest) -> MachineRequest:
-    """Return what a write asks of the machine.
+    """Return the request to the machine of a write.
 
     Raises:
-        DeviceError: an address that is not there, or that nobody writes.
+        ExceptionResponse: an unknown or read-only address.
     """
     try:
         if request.function in (WRITE_COIL, WRITE_COILS):

@@ -1,4 +1,4 @@
-"""Outcomes as texts of ports."""
+"""Texts of outcomes, for ports."""
 
 from __future__ import annotations
 
@@ -16,5 +16,5 @@ def refusal_of(outcome: Outcome) -> str | None:
 
 
 def value_text(outcome: Outcome) -> str:
-    """Return the value that was asked for, empty if none was."""
+    """Return the value of an outcome, empty if it has none."""
     return outcome.text if isinstance(outcome, ShownValue) else ""

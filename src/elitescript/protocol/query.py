@@ -1,9 +1,7 @@
 """The query port, 40011: one function call a line, its value in the reply.
 
 `req ID STATEMENT` is answered by `ID success : VALUE` or `ID failure : WHY`. The statement follows the rules of
-secondary programs; the robot evaluates it.
-
-A robot that is started anew in between answers nothing that it was asked before: those requests fail.
+secondary programs; the robot evaluates it. When the robot is restarted, requests without a reply fail.
 
 Evidence: the forms are *documented* (the vendor's article on the port); that the blank behind the id may be missing is
 *observed* in one of its samples. Line end and limits are *assumed*, and so is that a request too many fails to execute.
@@ -13,27 +11,23 @@ from __future__ import annotations
 
 from typing import Final
 
-from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Input, Query
 from elitescript.messages.outcomes import Outcome, QueryFailed, ShownValue
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.protocol.connection import Connection
+from elitescript.protocol.connection import Connection, is_restarted
 from elitescript.protocol.lines import PacedLines, TextLine, one_line
 
 LINE_LIMIT: Final = 16384
-"""Bytes of a request."""
+"""Limit of a request in bytes."""
 WAITING_LIMIT: Final = 256
-"""Requests of a client that wait for their answer."""
+"""Limit of requests of a client that wait for their reply."""
 LINES_PER_TICK: Final = 20
-"""Of one client; the rest waits for the next tick."""
-RESTARTED: Final = "R132"
-"""Code of the alarm that tells of a new robot in the place of the old one."""
+"""Of one client; further ones wait for the next tick."""
 ID_DIGITS: Final = 18
-"""Digits of an id."""
+"""Limit of the digits of an id."""
 UNREADABLE_ID: Final = "-1"
-"""Id in the answer to a request whose own cannot be read."""
-
+"""Id in the answer to a request without a valid one."""
 
 NOT_PARSED: Final = QueryFailed(is_compiled=False)
 NOT_EXECUTED: Final = QueryFailed(is_compiled=True)
@@ -52,21 +46,18 @@ def reply_text(ident: str, outcome: Outcome) -> str:
 class QueryConnection(Connection):
     """One client of the query port.
 
-    Each request goes to the robot under an origin of its own, `query#2/7` for the seventh of `query#2`, so that no
-    answer is taken for that of another request.
+    Each request has its own origin, `query#2/7` for the seventh of `query#2`, so that no reply is taken for that of
+    another request.
     """
 
-    __slots__ = ("_count", "_due", "_lines", "_waiting")
+    __slots__ = ("_lines", "_waiting")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
         self._lines = PacedLines(LINE_LIMIT, LINES_PER_TICK)
-        self._due: list[Input] = []
-        self._count = 0
         self._waiting: dict[str, str] = {}
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
-        """See `Connection.receive`."""
         self._lines.feed(data)
         return self._inputs(self._lines.take(output.tick))
 
@@ -77,48 +68,39 @@ class QueryConnection(Connection):
                 continue
             ident, statement = read_request(line)
             if not statement:
-                self._say(ident, NOT_PARSED)
+                self._send_reply(ident, NOT_PARSED)
             elif len(self._waiting) >= WAITING_LIMIT:
-                self._say(ident, NOT_EXECUTED)
+                self._send_reply(ident, NOT_EXECUTED)
             else:
-                self._count += 1
-                origin = f"{self.origin}/{self._count}"
+                origin = self.next_origin()
                 self._waiting[origin] = ident
                 inputs.append(Query(origin, statement))
         return inputs
 
     @property
     def is_busy(self) -> bool:
-        """See `Connection.is_busy`."""
         return self._lines.is_waiting
 
     @property
     def is_expecting(self) -> bool:
-        """See `Connection.is_expecting`."""
         return bool(self._waiting) or self._lines.is_waiting
 
     def publish(self, output: Output) -> None:
-        """See `Connection.publish`."""
         for reply in output.replies:
             if (ident := self._waiting.pop(reply.origin, None)) is not None:
-                self._say(ident, reply.outcome)
-        if self._waiting and any(isinstance(event, Alarm) and event.code == RESTARTED for event in output.events):
+                self._send_reply(ident, reply.outcome)
+        if self._waiting and is_restarted(output):
             for ident in self._waiting.values():
-                self._say(ident, NOT_EXECUTED)
+                self._send_reply(ident, NOT_EXECUTED)
             self._waiting.clear()
         self._due += self._inputs(self._lines.take(output.tick))
 
-    def due(self) -> list[Input]:
-        """See `Connection.due`."""
-        due, self._due = self._due, []
-        return due
-
-    def _say(self, ident: str, outcome: Outcome) -> None:
+    def _send_reply(self, ident: str, outcome: Outcome) -> None:
         self.send(one_line(reply_text(ident, outcome)).encode() + b"\n")
 
 
 def read_request(line: TextLine) -> tuple[str, str]:
-    """Return the Id and statement of a request; -1 if the Id cannot be read, no statement if there is none."""
+    """Return the id and statement of a request: id -1 if it is invalid, an empty statement if there is none."""
     word, _, rest = line.text.strip().partition(" ")
     rest = rest.lstrip()
     digits = next((index for index, char in enumerate(rest) if char not in "0123456789"), len(rest))

@@ -1,7 +1,7 @@
-"""The table of ports: every TCP port that clients find at a robot, one row each.
+"""The table of the TCP ports of a robot, one row each.
 
 A robot in memory opens its connections from it (`Kernel.connect`), a served robot its listeners; options, the reference
-page and the `ready` line are derived from it.
+page and the `ready` line derive from it.
 """
 
 from __future__ import annotations
@@ -32,19 +32,19 @@ class Service(NamedTuple):
     """One port."""
 
     name: str
-    """What `--port` and `VirtualRobot.connect` call it; origins begin with it."""
+    """Name for `--port` and `VirtualRobot.connect`; origins begin with it."""
     number: int
     """Of instance 0."""
     summary: str
     evidence: str
     open: Callable[[RobotDescription], Connect]
-    """Called once for each robot: makes what its clients share."""
-    is_sample: Callable[[bytes], bool]
-    """Whether a message is one of a stream, which a client that reads too slowly may miss."""
-    outlives_silence: bool
+    """Called once for each robot: makes the state that its clients share."""
+    is_sample: Callable[[bytes], bool] = lambda _message: False
+    """Returns whether a message is one of a stream, which may be dropped for a client that reads too slowly."""
+    outlives_silence: bool = False
     """Whether a client that has ended its own half of the connection still gets the stream."""
     since: Release = (0, 0)
-    """Firmware that brought it; an older one leaves the port closed (*assumed*)."""
+    """First firmware with the port; on older ones it is closed (*assumed*)."""
     spare_number: int | None = None
     """Of instance 0, where the system does not let this user have the other one."""
 
@@ -68,21 +68,17 @@ def _open_plain(kind: Callable[[str, RobotDescription], Connection], description
     return lambda origin: kind(origin, description)
 
 
-def _is_robot_state(message: bytes) -> bool:
-    return message[4] == ROBOT_STATE
-
-
-def _is_data_package(message: bytes) -> bool:
-    return message[2] == DATA_PACKAGE
-
-
-def _is_never_a_sample(_message: bytes) -> bool:
-    return False
-
-
 def _primary_row(port: PrimaryPort) -> Service:
     opener = partial(_open_primary, port)
-    return Service(port.name, port.number, port.summary, port.evidence, opener, _is_robot_state, outlives_silence=True)
+    return Service(
+        port.name,
+        port.number,
+        port.summary,
+        port.evidence,
+        opener,
+        lambda message: message[4] == ROBOT_STATE,
+        outlives_silence=True,
+    )
 
 
 def _plain_row(
@@ -94,7 +90,7 @@ def _plain_row(
     since: Release = (0, 0),
 ) -> Service:
     opener = partial(_open_plain, kind)
-    return Service(name, number, summary, evidence, opener, _is_never_a_sample, outlives_silence=False, since=since)
+    return Service(name, number, summary, evidence, opener, since=since)
 
 
 SERVICES: Final[tuple[Service, ...]] = (
@@ -112,19 +108,16 @@ SERVICES: Final[tuple[Service, ...]] = (
         "typed variables both ways, up to 250 times a second",
         "vendor's client; documented",
         _open_rtsi,
-        _is_data_package,
-        outlives_silence=False,
+        lambda message: message[2] == DATA_PACKAGE,
     ),
     _plain_row("interpreter", 30020, "statements one at a time", "documented", InterpreterConnection, (2, 11)),
     _plain_row("query", 40011, "single function calls and their values", "observed", QueryConnection, (2, 11)),
     Service(
         "modbus",
         modbus_port.NUMBER,
-        f"Modbus TCP server; {modbus_port.SPARE_NUMBER} where ports below 1024 are not for everybody",
+        f"Modbus TCP server; {modbus_port.SPARE_NUMBER} where ports below 1024 need privileges",
         "documented",
         _open_modbus,
-        _is_never_a_sample,
-        outlives_silence=False,
         spare_number=modbus_port.SPARE_NUMBER,
     ),
 )

@@ -1,7 +1,7 @@
 """Bytes between one client and its connection without a socket, in ticks.
 
-What a client sends is taken in before a tick, what it gets is there after one. A client that sends faster than its
-connection can work on it waits, as one does whose socket is not read.
+Bytes of the client are taken in before a tick, those for it are there after one. While the connection is busy, bytes of
+the client wait, as in a socket that is not read.
 """
 
 from __future__ import annotations
@@ -13,21 +13,20 @@ from elitescript.messages.outputs import Output
 from elitescript.protocol.connection import Connection, ProtocolError
 
 READ_MAX: Final = 65_536
-"""Bytes that a connection gets at once."""
+"""Limit of bytes that a connection gets at once."""
 
 
 class MemoryTransport:
-    """The way between one client and its connection.
+    """Buffers between one client and its connection.
 
     Args:
         connection: the robot's side.
 
     Attributes:
-        connection: see above.
-        is_open: whether both sides know each other still.
+        is_open: whether neither side has ended the connection.
         is_closing: whether the client has closed.
-        received: what has come for the client.
-        error: why the robot has closed; empty if it has not, or if the client asked for it.
+        received: bytes for the client.
+        error: why the robot has closed; empty if it has not, or at the request of the client.
     """
 
     __slots__ = ("_unread", "connection", "error", "is_closing", "is_open", "received")
@@ -44,34 +43,34 @@ class MemoryTransport:
     # ---------------------------------------------------------------- the client's side
 
     def send(self, data: bytes) -> None:
-        """Send bytes; the connection has them in the next tick, or later if it is busy."""
+        """Send bytes, which the connection takes in the next tick, or later if it is busy."""
         self._unread += data
 
     def receive(self, size: int | None = None) -> bytes:
-        """Return what has come and was not returned yet, `size` bytes at most."""
+        """Return received bytes that were not returned yet, `size` at most."""
         data = bytes(self.received if size is None else self.received[:size])
         del self.received[: len(data)]
         return data
 
     def close(self) -> None:
-        """Close, once the connection has what was sent."""
+        """Close, once the connection has taken the sent bytes."""
         self.is_closing = True
 
     # ---------------------------------------------------------------- the robot's side
 
     @property
     def has_sent(self) -> bool:
-        """Whether the client has sent or closed something that the connection does not know yet."""
+        """Whether the connection has not taken bytes or the end of the client yet."""
         return self.is_open and (bool(self._unread) or self.is_closing)
 
     def next_tick(self, tick: int) -> int | None:
-        """Return the next tick after `tick` that matters to the client although nothing happens in it."""
+        """Return the next tick after `tick` that must run for the client although nothing happens in it."""
         if not self.is_open:
             return None
         return tick + 1 if self.has_sent else self.connection.next_tick(tick)
 
     def take_in(self, tick: int, output: Output) -> list[Input]:
-        """Give the connection what the client has sent; return what it asks for in a tick.
+        """Pass the bytes of the client to the connection; return the inputs for a tick.
 
         Args:
             tick: the one that is about to run.
@@ -90,7 +89,7 @@ class MemoryTransport:
         return inputs + self._settled()
 
     def publish(self, output: Output) -> list[Input]:
-        """Give the client a tick; return what the connection asks for in the next one."""
+        """Publish a tick to the client; return the inputs for the next one."""
         try:
             self.connection.publish(output)
         except ProtocolError as error:
@@ -98,7 +97,7 @@ class MemoryTransport:
         return self.connection.due() + self._settled()
 
     def end(self) -> list[Input]:
-        """Close at once, whatever has been sent; return what that means for the robot."""
+        """Close at once, without the bytes that wait; return the inputs to the robot."""
         if not self.is_open:
             return []
         self._collect()

@@ -1,1 +1,1 @@
-"""What commands print: text, JSON lines, tables, status line."""
+"""Output of commands: text, JSON lines, tables, status line."""

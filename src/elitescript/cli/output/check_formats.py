@@ -1,4 +1,4 @@
-"""How `elitescript check` reports: for people, as JSON lines, as GitHub workflow commands, as SARIF 2.1.0."""
+"""Formats of the report of `elitescript check`: text, JSON lines, GitHub workflow commands, SARIF 2.1.0."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from elitescript.lint.fixing import Repair
 
 
 class CheckedFile(NamedTuple):
-    """What was found in one text.
+    """The findings in one text.
 
     Attributes:
         name: of the text.
         source: the text, after repairs.
         problems: in the order of its lines.
-        repairs: what `--fix` has done.
+        repairs: those of `--fix`.
     """
 
     name: str
@@ -33,7 +33,7 @@ class CheckedFile(NamedTuple):
 
 
 class CheckReport:
-    """Writes problems for people."""
+    """Writes problems as text."""
 
     def __init__(self, out: Writable) -> None:
         self._out = out
@@ -59,11 +59,11 @@ class CheckReport:
         self._line(rendered(problem, checked.source, palette_of(self._out)))
 
     def end(self) -> None:
-        """All texts are reported."""
+        """End the report, after all texts."""
 
     @property
     def summary(self) -> str:
-        """Numbers of files, errors, warnings and repairs, as a line for people."""
+        """Numbers of files, errors, warnings and repairs, as one line."""
         repaired = f", {_count(self._repairs, 'repair')}" if self._repairs else ""
         found = f"{_count(self._errors, 'error')}, {_count(self._warnings, 'warning')}"
         return f"{_count(self._files, 'file')} checked: {found}{repaired}"
@@ -84,7 +84,7 @@ class JsonCheckReport(CheckReport):
 
 
 class GithubReport(CheckReport):
-    """Writes workflow commands, which GitHub shows beside the lines of a change."""
+    """Writes workflow commands, which GitHub shows at the lines of a change."""
 
     def repair(self, checked: CheckedFile, repair: Repair) -> None:
         place = f"file={_property(_relative(checked.name))},line={repair.line}"
@@ -102,7 +102,7 @@ class GithubReport(CheckReport):
 
 
 class SarifReport(CheckReport):
-    """Writes one SARIF 2.1.0 log, when all texts are checked."""
+    """Writes one SARIF 2.1.0 log after all texts."""
 
     def __init__(self, out: Writable) -> None:
         super().__init__(out)
@@ -110,7 +110,7 @@ class SarifReport(CheckReport):
         self._codes: list[str] = []
 
     def repair(self, checked: CheckedFile, repair: Repair) -> None:
-        """A log has problems only: what is repaired is none any more."""
+        """Leave repairs out: a log has problems only."""
 
     def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
         if problem.code not in self._codes:
@@ -130,11 +130,7 @@ class SarifReport(CheckReport):
         self._results.append(result)
 
     def end(self) -> None:
-        driver = {
-            "name": "elitescript",
-            "version": __version__,
-            "rules": [_sarif_rule(code) for code in self._codes],
-        }
+        driver = {"name": "elitescript", "version": __version__, "rules": [_sarif_rule(code) for code in self._codes]}
         run = {
             "tool": {"driver": driver},
             "columnKind": "unicodeCodePoints",
@@ -162,12 +158,12 @@ def _count(number: int, noun: str) -> str:
 
 
 def _message(text: str) -> str:
-    """Return data of a workflow command."""
+    """Return escaped data of a workflow command."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 
 def _property(text: str) -> str:
-    """Return a property of a workflow command."""
+    """Return an escaped property of a workflow command."""
     return _message(text).replace(":", "%3A").replace(",", "%2C")
 
 

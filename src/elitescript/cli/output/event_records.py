@@ -1,4 +1,4 @@
-"""Events as records of `--json`: one table for `run`, `serve` and `replay`."""
+"""Records of events for `--json`: one table for `run`, `serve` and `replay`."""
 
 from __future__ import annotations
 
@@ -18,19 +18,13 @@ def record_of(event: Event) -> Record | None:
     return None if make is None else make(event)
 
 
-def _log(event: events.TextMessage) -> Record:
-    return {
-        "type": "log",
-        "t": seconds(event.tick),
-        "level": event.level,
-        "text": event.text,
-        "thread": event.thread,
-        "line": event.line,
-    }
+def _fields(kind: str, *names: str) -> Callable[[Event], Record]:
+    """Return a maker of records with these fields of an event."""
 
+    def record(event: Event) -> Record:
+        return {"type": kind, "t": seconds(event.tick)} | {name: getattr(event, name) for name in names}
 
-def _print(event: events.Printed) -> Record:
-    return {"type": "print", "t": seconds(event.tick), "text": event.text, "thread": event.thread, "line": event.line}
+    return record
 
 
 def _popup(event: events.Popup) -> Record:
@@ -48,14 +42,8 @@ def _popup(event: events.Popup) -> Record:
 
 
 def _warning(event: events.Warned) -> Record:
-    record = {
-        "type": "warning",
-        "t": seconds(event.tick),
-        "text": event.text,
-        "thread": event.thread,
-        "line": event.line,
-    }
-    record |= {name: value for name in ("code", "hint", "column") if (value := getattr(event, name))}
+    given = (name for name in ("code", "hint", "column") if getattr(event, name))
+    record = _fields("warning", "text", "thread", "line", *given)(event)
     return record | {"severity": event.severity} if event.code else record
 
 
@@ -82,40 +70,16 @@ def _safety(event: events.SafetyModeChanged) -> Record:
     return {"type": "safety", "t": seconds(event.tick), "mode": event.mode.name, "text": event.reason}
 
 
-def _signal(event: events.SignalChanged) -> Record:
-    return {
-        "type": "signal",
-        "t": seconds(event.tick),
-        "name": event.name,
-        "value": event.value,
-        "by": event.by,
-        "line": event.line,
-    }
-
-
-def _channel(event: events.ChannelActivity) -> Record:
-    return {
-        "type": "channel",
-        "t": seconds(event.tick),
-        "channel": event.channel,
-        "kind": event.kind,
-        "what": event.what,
-        "data": event.data,
-        "line": event.line,
-        "thread": event.thread,
-    }
-
-
 RECORDS: Final[dict[type, Callable[[Any], Record] | None]] = {
-    events.TextMessage: _log,
-    events.Printed: _print,
+    events.TextMessage: _fields("log", "level", "text", "thread", "line"),
+    events.Printed: _fields("print", "text", "thread", "line"),
     events.Popup: _popup,
     events.Warned: _warning,
     events.DeviceNoted: _device,
     events.Alarm: _alarm,
     events.SafetyModeChanged: _safety,
-    events.SignalChanged: _signal,
-    events.ChannelActivity: _channel,
+    events.SignalChanged: _fields("signal", "name", "value", "by", "line"),
+    events.ChannelActivity: _fields("channel", "channel", "kind", "what", "data", "line", "thread"),
     events.MotionStarted: None,
     events.MotionEnded: None,
     events.TrackingStarted: None,
@@ -126,4 +90,4 @@ RECORDS: Final[dict[type, Callable[[Any], Record] | None]] = {
     events.LineMarked: None,
     events.YieldingChanged: None,
 }
-"""What makes the record of every kind of event; None for those that only `run.events` has."""
+"""Maker of the record of every kind of event; None for those that only `run.events` has."""

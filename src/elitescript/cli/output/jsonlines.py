@@ -9,10 +9,10 @@ from typing import Any, Final
 from elitescript.runtime.alarms import without_addresses
 
 _VALUES_MAX: Final = 100_000
-"""Values of one record; what comes after them is cut off, because a list can contain itself many times over."""
+"""Limit of the values of one record, because a list can contain itself many times over."""
 
 _DIGITS_MAX: Final = 4000
-"""Digits of an integer that Python writes without being asked twice."""
+"""Digits of an integer that Python converts to text by default."""
 
 _CUT_OFF: Final = {"repr": "..."}
 
@@ -32,7 +32,7 @@ def plain(value: Any) -> Any:
 
 
 class _Plain:
-    """Turns one value; counts what it has written, and knows the containers that it is in."""
+    """Converts one value; counts its parts, and tracks the containers around the present one."""
 
     def __init__(self) -> None:
         self._left = _VALUES_MAX
@@ -69,7 +69,7 @@ class _Plain:
 
 
 def _shown(value: Any) -> dict[str, str]:
-    # The repr of a script's own object is script code: it may raise anything, the end of its thread included.
+    # The repr of an object of the script is script code: it may raise anything, the end of its thread included.
     try:
         return {"repr": without_addresses(repr(value))}
     except KeyboardInterrupt:

@@ -1,4 +1,4 @@
-"""What helps against a refusal, in the words of `elitescript ctl`: for people beside a served robot."""
+"""Adds the verbs of `elitescript ctl` to the advice in refusals of a served robot."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ VERBS_OF: Final = {
     "(unlock_protective_stop)": "unlock",
     "(restart_safety)": "restart",
 }
-"""What the machine says, and the verb of `ctl` that does it."""
+"""Advice of the machine, and the verb of `ctl` that does it."""
 
 
 def with_verbs(text: str) -> str:
-    """Return a text of the machine with the call of `ctl` behind each thing to do."""
+    """Return a text of the machine with the call of `ctl` behind each piece of advice."""
     for words, verb in VERBS_OF.items():
         how = f"(`elitescript ctl {verb}`)"
         text = text.replace(words, how if words.startswith("(") else f"{words} {how}")
@@ -26,7 +26,7 @@ def with_verbs(text: str) -> str:
 
 
 def served(event: Event) -> Event:
-    """Return an event of a served robot as it is shown: what it advises names the verbs of `ctl`."""
+    """Return an event of a served robot with the verbs of `ctl` in its advice."""
     if isinstance(event, Warned):
         return replace(event, text=with_verbs(event.text), hint=with_verbs(event.hint))
     if isinstance(event, Alarm):

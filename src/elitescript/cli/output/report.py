@@ -1,4 +1,4 @@
-"""What a run prints: lines for people, or one JSON object per line for programs."""
+"""Reports of a run: lines of text, or one JSON object per line."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Collection, Iterable
-from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from elitescript.cli.output import jsonlines
 from elitescript.cli.output.event_records import record_of
@@ -34,7 +33,7 @@ from elitescript.robot import VirtualRobot
 from elitescript.run import Run
 
 LOGS: Final = ("signals", "channels")
-"""What lines for people leave out unless `--log` asks for it."""
+"""Events that lines of text leave out unless `--log` names them."""
 
 
 def parse_logs(text: str | None) -> frozenset[str]:
@@ -49,41 +48,13 @@ def parse_logs(text: str | None) -> frozenset[str]:
     return names
 
 
-class RunReport(Protocol):
-    """Where a run's words go."""
-
-    def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
-        """What was found before the run."""
-
-    def goes_on(self, errors: int) -> None:
-        """Say that the program starts though `errors` of its problems are errors."""
-
-    def start(self, robot: VirtualRobot, path: Path) -> None:
-        """The run begins."""
-
-    def event(self, event: Event) -> None:
-        """Something happened."""
-
-    def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
-        """The run takes long."""
-
-    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None) -> None:
-        """The run is over.
-
-        Args:
-            run: its record.
-            is_interrupted: Ctrl-C ended it.
-            overruns: ticks that began late, if it was paced.
-        """
-
-
 class JsonRunReport:
-    """One JSON object per line; hints for people go to standard error."""
+    """Prints one JSON object per line; hints go to standard error. `TextRunReport` documents the methods."""
 
     def __init__(self, out: Writable) -> None:
         self._out = out
-        self._said: set[tuple[str, int]] = set()
-        """Code and line of what was found before the run, which the run need not repeat."""
+        self._reported: set[tuple[str, int]] = set()
+        """Code and line of each problem found before the run, whose warnings are not repeated."""
 
     def _write(self, record: dict[str, Any]) -> None:
         self._out.write(jsonlines.line(record) + "\n")
@@ -91,18 +62,18 @@ class JsonRunReport:
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         for problem in problems:
-            self._said.add((problem.code, problem.line))
+            self._reported.add((problem.code, problem.line))
             self._write(to_json(problem))
 
     def goes_on(self, errors: int) -> None:
         print(_why_it_runs(errors), file=sys.stderr)
 
-    def start(self, robot: VirtualRobot, path: Path) -> None:
+    def start(self) -> None:
         pass
 
     def event(self, event: Event) -> None:
-        is_said = isinstance(event, Warned) and (event.code, event.line) in self._said
-        record = None if is_said else record_of(event)
+        is_reported = isinstance(event, Warned) and (event.code, event.line) in self._reported
+        record = None if is_reported else record_of(event)
         if record is not None:
             self._write(record)
 
@@ -133,12 +104,12 @@ class JsonRunReport:
 
 
 class TextRunReport:
-    """Lines for people: messages on standard output, everything about mistakes on standard error.
+    """Prints lines of text: messages on standard output, problems on standard error.
 
     Args:
         out: for messages.
-        err: for mistakes.
-        logs: what is printed besides, of `LOGS`.
+        err: for problems.
+        logs: further events to print, of `LOGS`.
     """
 
     def __init__(self, out: Writable, err: Writable, logs: Collection[str] = ()) -> None:
@@ -147,13 +118,14 @@ class TextRunReport:
         self._err = err
         self._palette = palette_of(err)
         self._start_s = 0.0
-        self._said: set[tuple[str, int]] = set()
-        """Code and line of what was found before the run, which the run need not repeat."""
+        self._reported: set[tuple[str, int]] = set()
+        """Code and line of each problem found before the run, whose warnings are not repeated."""
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
+        """Report the findings before the run."""
         counts: Counter[str] = Counter()
         for problem in problems:
-            self._said.add((problem.code, problem.line))
+            self._reported.add((problem.code, problem.line))
             counts[problem.code] += not problem.is_error
             if counts[problem.code] <= MOST:
                 print(rendered(problem, source, self._palette), file=self._err)
@@ -162,12 +134,15 @@ class TextRunReport:
                 print(f"… {count - MOST:,} more {code}: `elitescript check` shows all of them", file=self._err)
 
     def goes_on(self, errors: int) -> None:
+        """Report that the program starts although `errors` of its problems are errors."""
         print(_why_it_runs(errors), file=self._err)
 
-    def start(self, robot: VirtualRobot, path: Path) -> None:
+    def start(self) -> None:
+        """Note the begin of the run."""
         self._start_s = time.perf_counter()
 
     def event(self, event: Event) -> None:
+        """Report an event."""
         if isinstance(event, TextMessage):
             self._line(event.tick, event.text)
         elif isinstance(event, Printed):
@@ -196,7 +171,7 @@ class TextRunReport:
             self._line(event.tick, f"[{event.kind} {event.channel!r}] {event.what}{data}{where}")
 
     def _warned(self, event: Warned) -> None:
-        if (event.code, event.line) in self._said:
+        if (event.code, event.line) in self._reported:
             return
         role = "error" if event.severity == "error" else "warning"
         kind = self._palette.paint(role, f"{event.severity} {event.code}".rstrip())
@@ -229,10 +204,12 @@ class TextRunReport:
             print(paint("hint", f"{'':14}try: {hint}"), file=self._err)
 
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
+        """Report the place of a long run."""
         self._out.flush()
         print(_where(robot, wall_s), file=self._err)
 
     def end(self, run: Run, *, is_interrupted: bool, overruns: int | None) -> None:
+        """Report the end of a run; `overruns` are ticks that began late, None if it was not paced."""
         wall_s = time.perf_counter() - self._start_s
         words = {
             "finished": "finished",
@@ -249,6 +226,9 @@ class TextRunReport:
         role = {"finished": "finished", "alarm": "alarm"}.get(run.state, "warning")
         state = palette_of(self._out).paint(role, words[run.state])
         print(f"{run.time_s:10.3f} s  {state} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
+
+
+RunReport = JsonRunReport | TextRunReport
 
 
 def _why_it_runs(errors: int) -> str:

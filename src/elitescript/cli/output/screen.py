@@ -1,7 +1,7 @@
-"""What a terminal gets besides text: colours, and a status line that every printed line replaces.
+"""Output for terminals: colours, and a status line that every printed line replaces.
 
-Reports print as they would into a file. On a terminal the standard streams are wrapped while a command runs: the
-wrapper erases the status line before anything is printed, and carries the palette that reports paint with.
+Reports print as into a file. On a terminal the standard streams are wrapped while a command runs: the wrapper erases
+the status line before anything is printed, and has the palette of reports.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ COLORS: Final = ("auto", "always", "never")
 """Values of `--color`."""
 
 FIRST_AFTER_S: Final = 1.0
-"""Wall time after which a command that goes on has a status line."""
+"""Wall time after which a command has a status line."""
 
 INTERVAL_S: Final = 0.1
-"""Least wall time from one status line to the next."""
+"""Least wall time between two status lines."""
 
 CALLS: Final = 8
-"""The clock is read at every so many calls of `Progress`: most ticks cost a subtraction."""
+"""Calls of `Progress` for each reading of the clock, so that most ticks cost a subtraction."""
 
 ERASE: Final = "\r\x1b[2K"
 
@@ -64,12 +64,12 @@ PLAIN: Final = Palette(False)
 
 
 def palette_of(stream: object) -> Palette:
-    """Return what reports paint with on a stream; no colours unless `on_screen` has wrapped it."""
+    """Return the palette of a stream; without colours unless `on_screen` has wrapped it."""
     return stream.palette if isinstance(stream, ScreenStream) else PLAIN
 
 
 def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -> str:
-    """Return a finding as people read it: severity, code, caret and hint in colours."""
+    """Return a finding as text: severity, code, caret and hint in colours."""
     text = str(problem) if source is None else render(problem, source.name, source.line(problem.line))
     if not palette.is_colored:
         return text
@@ -87,7 +87,7 @@ def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -
 
 
 class StatusLine:
-    """The last line of a terminal, which shows where a command is until something is printed.
+    """The last line of a terminal, which shows the progress of a command until something is printed.
 
     Args:
         err: standard error, a terminal.
@@ -101,24 +101,24 @@ class StatusLine:
         self._palette = palette
         self._shown = ""
         self.is_at_line_start = True
-        """Whether what was printed last has ended with a line end; otherwise nothing is shown."""
+        """Whether the last printed text ended with a line end; otherwise nothing is shown."""
 
     def show(self, text: str) -> None:
-        """Put a text in the place of the line that is shown."""
+        """Replace the shown line."""
         if not self.is_at_line_start:
             return
         try:
             columns = os.get_terminal_size(self._err.fileno()).columns or 80
         except OSError:
             columns = 80
-        # A character in the last column would make some terminals go on to the next line.
+        # Some terminals wrap after a character in the last column.
         shown = "".join(letter if letter.isprintable() else "?" for letter in text)[: columns - 1]
         self._err.write(ERASE + self._palette.paint("status", shown))
         self._err.flush()
         self._shown = shown
 
     def erase(self) -> None:
-        """Leave the line as if nothing had been shown."""
+        """Erase the shown line."""
         if self._shown:
             self._shown = ""
             self._err.write(ERASE)
@@ -130,7 +130,7 @@ class ScreenStream:
 
     Args:
         target: the stream.
-        palette: what reports paint with.
+        palette: of reports.
         status: the line on the same terminal; None if there is none.
     """
 
@@ -140,14 +140,14 @@ class ScreenStream:
         self.status = status
 
     def write(self, text: str) -> int:
-        """Write a text in the place of the status line."""
+        """Erase the status line, then write a text."""
         if self.status is not None and text:
             self.status.erase()
             self.status.is_at_line_start = text.endswith("\n")
         return self._target.write(text)
 
     def flush(self) -> None:
-        """Have what was written appear."""
+        """Flush the stream."""
         self._target.flush()
 
     def __getattr__(self, name: str) -> Any:
@@ -156,7 +156,7 @@ class ScreenStream:
 
 @contextmanager
 def on_screen(color: str) -> Iterator[None]:
-    """Wrap the standard streams as the terminal allows it, while the body runs.
+    """Wrap the standard streams as far as they are terminals, while the body runs.
 
     Args:
         color: of `COLORS`; `auto` means colours on a terminal that has them, unless `NO_COLOR` is set.
@@ -187,7 +187,7 @@ def is_colored(color: str, stream: TextIO, environment: Mapping[str, str], syste
 
     Args:
         color: of `COLORS`.
-        stream: where they go.
+        stream: the target.
         environment: variables of the process.
         system: as `os.name`.
     """
@@ -197,7 +197,7 @@ def is_colored(color: str, stream: TextIO, environment: Mapping[str, str], syste
 
 
 def understands_escapes(environment: Mapping[str, str], system: str) -> bool:
-    """Return whether the terminal is known to understand escape codes; an old Windows console would print them."""
+    """Return whether the terminal is known to support escape codes; an old Windows console would print them."""
     terminal = environment.get("TERM", "")
     if terminal == "dumb":
         return False
@@ -207,10 +207,10 @@ def understands_escapes(environment: Mapping[str, str], system: str) -> bool:
 
 
 class Progress:
-    """Shows robot time, line and speed of a run that lasts, in the status line.
+    """Shows robot time, line and speed of a long run in the status line.
 
     Args:
-        status: where it is shown.
+        status: the status line.
         start_s: robot time at the start, s.
     """
 
@@ -224,7 +224,7 @@ class Progress:
         self._robot_s = start_s
 
     def update(self, time_s: float, line: int) -> None:
-        """Show where the robot is, if it is time to; cheap enough for every tick."""
+        """Show the progress of a run, at most once per `INTERVAL_S`; cheap enough for every tick."""
         self._calls -= 1
         if self._calls > 0:
             return
@@ -236,7 +236,7 @@ class Progress:
     def _show(self, now_s: float, time_s: float, line: int) -> None:
         speed = (time_s - self._robot_s) / max(now_s - self._wall_s, 1e-9)
         if now_s - self._wall_s >= _WINDOW_S:
-            # From here on the speed is that of what comes, beginning with half of what was.
+            # Half of the past counts on, so that the speed follows the recent one.
             self._wall_s += 0.5 * (now_s - self._wall_s)
             self._robot_s += 0.5 * (time_s - self._robot_s)
         where = f"line {line}" if line else "no program line"
@@ -244,7 +244,7 @@ class Progress:
         self._next_s = now_s + INTERVAL_S
 
     def note(self, text: str) -> None:
-        """Show a text instead, if it is time to."""
+        """Show a text instead, at most once per `INTERVAL_S`."""
         now_s = time.monotonic()
         if now_s >= self._next_s:
             self._status.show(text)
@@ -256,7 +256,7 @@ _WINDOW_S: Final = 4.0
 
 
 def progress_on(stream: Writable, start_s: float = 0.0) -> Progress | None:
-    """Return what shows where a command is; None where the stream has no status line."""
+    """Return the progress display of a stream; None without a status line."""
     status = stream.status if isinstance(stream, ScreenStream) else None
     return None if status is None else Progress(status, start_s)
 

@@ -1,4 +1,4 @@
-"""A stream that never holds its writer up: a slow terminal must not delay a robot."""
+"""A stream that never blocks its writer, so that a slow terminal does not delay a robot."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from typing import Final
 from elitescript.cli.output.writable import Writable
 
 WAITING_MAX: Final = 50_000
-"""Texts that may wait; what comes after them is left out, and counted."""
+"""Limit of texts that wait; further ones are dropped and counted."""
 CLOSE_TIMEOUT_S: Final = 2.0
 
 
-def told_to_people(count: int) -> str:
-    """Return the line in the place of texts that were left out."""
+def missing_line(count: int) -> str:
+    """Return the line in the place of dropped texts."""
     return f"({count} texts are missing here: they came faster than they could be printed)\n"
 
 
-class PatientStream:
-    """Hands texts to a thread that writes them, in their order.
+class QueuedStream:
+    """Passes texts to a thread that writes them in order.
 
     Args:
-        target: where they go.
-        tell_missing: makes the text that stands in the place of so many others.
+        target: the stream.
+        missing_text: returns the text in the place of a number of dropped ones.
     """
 
-    def __init__(self, target: Writable, tell_missing: Callable[[int], str] = told_to_people) -> None:
+    def __init__(self, target: Writable, missing_text: Callable[[int], str] = missing_line) -> None:
         self._target = target
-        self._tell_missing = tell_missing
+        self._missing_text = missing_text
         self._texts: deque[str] = deque()
         self._news = threading.Event()
         self._missing = 0
@@ -39,26 +39,27 @@ class PatientStream:
         self._thread.start()
 
     def write(self, text: str) -> int:
-        """Take a text."""
+        """Queue a text."""
         if len(self._texts) >= WAITING_MAX:
             self._missing += 1
             return len(text)
-        if self._missing:
-            self._texts.append(self._tell_missing(self._missing))
-            self._missing = 0
+        self._note_missing()
         self._texts.append(text)
         return len(text)
 
+    def _note_missing(self) -> None:
+        if self._missing:
+            self._texts.append(self._missing_text(self._missing))
+            self._missing = 0
+
     def flush(self) -> None:
-        """Have what was written appear soon."""
+        """Let the thread write the queued texts."""
         if self._texts:
             self._news.set()
 
     def close(self) -> None:
-        """Write what is left, for a limited time."""
-        if self._missing:
-            self._texts.append(self._tell_missing(self._missing))
-            self._missing = 0
+        """Write the queued texts, for a limited time."""
+        self._note_missing()
         self._is_closing = True
         self._news.set()
         self._thread.join(CLOSE_TIMEOUT_S)
@@ -78,17 +79,17 @@ class PatientStream:
                 self._target.write(text)
                 self._target.flush()
             except (OSError, ValueError):
-                # The reader has gone. The robot goes on.
+                # The reader has closed the stream; the robot goes on.
                 self._is_broken = True
 
 
 class TaggedStream:
-    """Begins every line in a way of its own.
+    """Begins every line with a tag.
 
     Args:
-        target: where lines go.
-        begin: how a line begins, or "".
-        tag: what stands in the place of that.
+        target: the stream.
+        begin: begin of a line that the tag replaces, or "".
+        tag: the new begin.
     """
 
     def __init__(self, target: Writable, begin: str, tag: str) -> None:
@@ -98,12 +99,12 @@ class TaggedStream:
         self._rest = ""
 
     def write(self, text: str) -> int:
-        """Take a text; only whole lines go on."""
+        """Take a text; only whole lines are written."""
         *lines, self._rest = (self._rest + text).split("\n")
         for line in lines:
             self._target.write(f"{self._tag}{line.removeprefix(self._begin)}\n")
         return len(text)
 
     def flush(self) -> None:
-        """Have the whole lines appear."""
+        """Flush the stream."""
         self._target.flush()

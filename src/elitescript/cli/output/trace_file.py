@@ -1,4 +1,4 @@
-"""Traces as files: CSV for a spreadsheet, JSON lines for a program. Floats keep every digit."""
+"""Trace files: CSV or JSON lines. Floats keep every digit."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from elitescript.paths import why_no_file
 
 
 class TraceFile(AbstractContextManager["TraceFile"]):
-    """A trace on its way to a file; `write` takes one row.
+    """Writes a trace to a file; `write` takes one row.
 
     Args:
         path: ends in `.csv` or `.jsonl`.

@@ -1,4 +1,4 @@
-"""Where reports write."""
+"""The streams that reports write to."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import Protocol
 
 
 class Writable(Protocol):
-    """What a report needs of a stream."""
+    """A stream for reports."""
 
     def write(self, text: str, /) -> object:
-        """Take a text."""
+        """Write a text."""
 
     def flush(self) -> object:
-        """Have what was written appear."""
+        """Flush the stream."""

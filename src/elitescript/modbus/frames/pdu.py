@@ -1,4 +1,4 @@
-"""Requests and answers of MODBUS as bytes: a function code and what belongs to it, without what a line puts around.
+"""Requests and answers of MODBUS as bytes: function code and data, without the frame of TCP or RTU.
 
 Numbers are big-endian, bits fill bytes from the lowest one on. Source: MODBUS Application Protocol Specification
 V1.1b3, chapters 4, 6 and 7.
@@ -63,10 +63,10 @@ PDU_MAX: Final = 253
 
 COIL_ON: Final = 0xFF00
 
-_BITS_READS: Final = (READ_COILS, READ_DISCRETE_INPUTS)
-_REGISTER_READS: Final = (READ_HOLDING_REGISTERS, READ_INPUT_REGISTERS)
-READS: Final = (*_BITS_READS, *_REGISTER_READS, READ_WRITE_REGISTERS)
-"""Function codes whose answers bring values."""
+BIT_READS: Final = (READ_COILS, READ_DISCRETE_INPUTS)
+REGISTER_READS: Final = (READ_HOLDING_REGISTERS, READ_INPUT_REGISTERS)
+READS: Final = (*BIT_READS, *REGISTER_READS, READ_WRITE_REGISTERS)
+"""Function codes whose answers carry values."""
 
 _THREE: Final = Struct(">BHH")
 _FOUR: Final = Struct(">BHHB")
@@ -78,7 +78,7 @@ class ExceptionResponse(PeerError):
 
     Args:
         code: its exception code, a key of `EXCEPTIONS` if it keeps to the specification.
-        function: code of the function that was asked for.
+        function: code of the requested function.
     """
 
     def __init__(self, code: int, function: int = 0) -> None:
@@ -88,13 +88,13 @@ class ExceptionResponse(PeerError):
 
 
 class AnswerError(PeerError):
-    """An answer does not belong to its request, or is none."""
+    """An answer does not belong to its request, or is malformed."""
 
 
 class ModbusRequest(NamedTuple):
-    """A request that was taken apart.
+    """A parsed request.
 
-    For one that only writes, `address` and `quantity` say where; a coil's value is 0 or 1.
+    One that only writes has its range in `address` and `quantity`; the value of a coil is 0 or 1.
     """
 
     function: int
@@ -117,11 +117,11 @@ def read(function: int, address: int, count: int) -> bytes:
         count: how many.
 
     Raises:
-        UsageError: another function, or outside the limits of MODBUS.
+        UsageError: another function, or a range outside the limits of MODBUS.
     """
-    if function in _BITS_READS:
+    if function in BIT_READS:
         _check_range(address, count, READ_BITS_MAX)
-    elif function in _REGISTER_READS:
+    elif function in REGISTER_READS:
         _check_range(address, count, READ_REGISTERS_MAX)
     else:
         raise UsageError(f"function {function} does not read; functions 1 to 4 do")
@@ -153,7 +153,7 @@ def write_coils(address: int, values: Sequence[bool | int]) -> bytes:
     """Return a request that sets coils, upwards from an address.
 
     Raises:
-        UsageError: outside the limits of MODBUS.
+        UsageError: a range outside the limits of MODBUS.
     """
     _check_range(address, len(values), WRITE_BITS_MAX)
     data = packed_bits(values)
@@ -164,7 +164,7 @@ def write_registers(address: int, values: Sequence[int]) -> bytes:
     """Return a request that sets registers, upwards from an address.
 
     Raises:
-        UsageError: outside the limits of MODBUS, or a value outside 0 to 65535.
+        UsageError: a range outside the limits of MODBUS, or a value outside 0 to 65535.
     """
     count = len(values)
     _check_range(address, count, WRITE_REGISTERS_MAX)
@@ -176,7 +176,7 @@ def read_write_registers(read_address: int, read_count: int, write_address: int,
     """Return a request that sets registers, and reads registers afterwards.
 
     Raises:
-        UsageError: outside the limits of MODBUS, or a value outside 0 to 65535.
+        UsageError: a range outside the limits of MODBUS, or a value outside 0 to 65535.
     """
     count = len(values)
     _check_range(read_address, read_count, READ_REGISTERS_MAX)
@@ -187,7 +187,7 @@ def read_write_registers(read_address: int, read_count: int, write_address: int,
 
 
 def custom(function: int, data: bytes) -> bytes:
-    """Return a request with a function code and bytes of one's own.
+    """Return a request with any function code and bytes.
 
     Raises:
         UsageError: no function code, or too many bytes.
@@ -228,20 +228,20 @@ def written(request: bytes) -> bytes:
 
 
 def request_of(pdu: bytes) -> ModbusRequest:
-    """Take a request apart.
+    """Parse a request.
 
     Raises:
-        DeviceError: `ILLEGAL_FUNCTION` for a function that is not known here, `ILLEGAL_VALUE` if it is malformed or
-            outside the limits of MODBUS, `ILLEGAL_ADDRESS` if it goes beyond the last address.
+        ExceptionResponse: `ILLEGAL_FUNCTION` for an unknown function, `ILLEGAL_VALUE` if it is malformed or outside
+            the limits of MODBUS, `ILLEGAL_ADDRESS` if it goes beyond the last address.
     """
     if not pdu:
         raise ExceptionResponse(ILLEGAL_FUNCTION)
     function, size = pdu[0], len(pdu)
-    if function in _REGISTER_READS or function in _BITS_READS:
+    if function in REGISTER_READS or function in BIT_READS:
         if size != 5:
             raise ExceptionResponse(ILLEGAL_VALUE, function)
         _, address, count = _THREE.unpack(pdu)
-        if not 1 <= count <= (READ_REGISTERS_MAX if function in _REGISTER_READS else READ_BITS_MAX):
+        if not 1 <= count <= (READ_REGISTERS_MAX if function in REGISTER_READS else READ_BITS_MAX):
             raise ExceptionResponse(ILLEGAL_VALUE, function)
         if address + count > ADDRESSES:
             raise ExceptionResponse(ILLEGAL_ADDRESS, function)
@@ -294,15 +294,15 @@ def _read_write_of(pdu: bytes) -> ModbusRequest:
 
 
 def values_of(request: bytes, answer: bytes) -> tuple[int, ...]:
-    """Return what an answer says: the values that were read; nothing for a request that wrote, or for a custom one.
+    """Return the values of an answer; none for a request that wrote, or for a custom one.
 
     Args:
         request: the request, as the functions above build it.
-        answer: what has come.
+        answer: the bytes of the device.
 
     Raises:
-        DeviceError: the device refused.
-        AnswerError: the answer does not belong to the request, or is none.
+        ExceptionResponse: the device refused.
+        AnswerError: the answer does not belong to the request, or is malformed.
     """
     function = request[0]
     if len(answer) < 2 or answer[0] != function:
@@ -310,12 +310,12 @@ def values_of(request: bytes, answer: bytes) -> tuple[int, ...]:
             raise ExceptionResponse(answer[1], function)
         raise AnswerError(f"function {function} was asked for, and {answer[:2].hex() or 'nothing'} has come")
     size = answer[1]
-    if function in _REGISTER_READS or function == READ_WRITE_REGISTERS:
+    if function in REGISTER_READS or function == READ_WRITE_REGISTERS:
         count = request[3] << 8 | request[4]
         if size != 2 * count or len(answer) != 2 + size:
             raise AnswerError(f"{count} registers were asked for, and an answer of {len(answer)} bytes has come")
         return registers_in(answer, 2, count)
-    if function in _BITS_READS:
+    if function in BIT_READS:
         count = request[3] << 8 | request[4]
         if size != (count + 7) // 8 or len(answer) != 2 + size:
             raise AnswerError(f"{count} bits were asked for, and an answer of {len(answer)} bytes has come")
@@ -329,7 +329,7 @@ def values_of(request: bytes, answer: bytes) -> tuple[int, ...]:
 
 
 def packed_bits(values: Sequence[bool | int]) -> bytes:
-    """Return bits in bytes, the first one lowest; the rest of the last byte is 0."""
+    """Return bits packed into bytes, the first one lowest; the rest of the last byte is 0."""
     number = 0
     for index, value in enumerate(values):
         if value:
@@ -338,13 +338,13 @@ def packed_bits(values: Sequence[bool | int]) -> bytes:
 
 
 def unpacked_bits(data: bytes, count: int) -> tuple[int, ...]:
-    """Return the first bits of bytes, each 0 or 1; there must be as many."""
+    """Return the first `count` bits of bytes, each 0 or 1."""
     number = int.from_bytes(data, "little")
     return tuple([number >> index & 1 for index in range(count)])
 
 
 def registers_in(data: bytes, offset: int, count: int) -> tuple[int, ...]:
-    """Return registers, 0 to 65535, from an offset on; there must be as many."""
+    """Return `count` registers, 0 to 65535, from an offset on."""
     return unpack_from(f">{count}H", data, offset)
 
 

@@ -1,7 +1,7 @@
-"""MODBUS RTU on the wire: the number of the slave, the request or answer, and a checksum (CRC-16).
+"""Frames of MODBUS RTU: number of the slave, request or answer, checksum (CRC-16).
 
-A line marks the end of a frame by silence. Where bytes come through drivers and networks, silence says little, so
-frames are found by the length that their function code implies, and by their checksum. Source: MODBUS over Serial Line
+A line marks the end of a frame by silence. Behind drivers and networks silence is unreliable, so frames are found by
+the length that their function code implies, and by their checksum. Source: MODBUS over Serial Line
 Specification and Implementation Guide V1.02, chapter 2.5.1 and appendix B.
 """
 
@@ -10,13 +10,11 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 from elitescript.modbus.frames.pdu import (
+    BIT_READS,
     EXCEPTION_BIT,
     PDU_MAX,
-    READ_COILS,
-    READ_DISCRETE_INPUTS,
-    READ_HOLDING_REGISTERS,
-    READ_INPUT_REGISTERS,
     READ_WRITE_REGISTERS,
+    REGISTER_READS,
     WRITE_COIL,
     WRITE_COILS,
     WRITE_REGISTER,
@@ -28,10 +26,10 @@ FRAME_MAX: Final = PDU_MAX + 3
 FRAME_MIN: Final = 4
 
 UNKNOWN: Final = -1
-"""The length of a frame whose function code implies none."""
+"""Length of a frame whose function code implies none."""
 
 _POLYNOMIAL: Final = 0xA001
-_READS: Final = (READ_COILS, READ_DISCRETE_INPUTS, READ_HOLDING_REGISTERS, READ_INPUT_REGISTERS)
+_READS: Final = (*BIT_READS, *REGISTER_READS)
 _SINGLE_WRITES: Final = (WRITE_COIL, WRITE_REGISTER)
 _WRITES: Final = (WRITE_COILS, WRITE_REGISTERS)
 
@@ -50,7 +48,7 @@ _TABLE: Final = _table()
 
 
 class RtuFrame(NamedTuple):
-    """A frame that has arrived, its checksum being right."""
+    """A received frame with a correct checksum."""
 
     unit: int
     pdu: bytes
@@ -71,10 +69,10 @@ def rtu_frame(unit: int, pdu: bytes) -> bytes:
 
 
 def request_length(head: bytes | bytearray | memoryview) -> int | None:
-    """Return the number of bytes of the request frame that begins so.
+    """Return the length of the request frame that begins with these bytes.
 
     Returns:
-        The length, `UNKNOWN` for a function that is not known here, None if more bytes are needed to say.
+        The length, `UNKNOWN` for an unknown function, None if more bytes are needed.
     """
     if len(head) < 2:
         return None
@@ -89,7 +87,7 @@ def request_length(head: bytes | bytearray | memoryview) -> int | None:
 
 
 def answer_length(head: bytes | bytearray | memoryview) -> int | None:
-    """Return the number of bytes of the answer frame that begins so; see `request_length`."""
+    """Return the length of the answer frame that begins with these bytes; see `request_length`."""
     if len(head) < 2:
         return None
     function = head[1]
@@ -103,15 +101,15 @@ def answer_length(head: bytes | bytearray | memoryview) -> int | None:
 
 
 class RtuSplitter:
-    """Cuts a stream into frames whose checksum is right; what lies between them is dropped.
+    """Cuts a stream into frames with a correct checksum; the bytes between them are dropped.
 
-    A frame of an unknown function is found by `silence` alone.
+    A frame of an unknown function is found by `silence` only.
 
     Args:
-        is_slave: whether requests arrive here, not answers.
+        is_slave: whether the frames are requests, not answers.
 
     Attributes:
-        dropped: bytes that belonged to no frame so far.
+        dropped: number of bytes that belonged to no frame.
     """
 
     __slots__ = ("_buffer", "_length", "dropped")
@@ -123,11 +121,11 @@ class RtuSplitter:
 
     @property
     def waiting(self) -> int:
-        """Bytes that may become a frame."""
+        """Number of bytes that may become a frame."""
         return len(self._buffer)
 
     def feed(self, data: bytes) -> list[RtuFrame]:
-        """Take bytes; return the frames that are complete by now, in order."""
+        """Take bytes; return the frames that are complete now, in order."""
         frames: list[RtuFrame] = []
         buffer = self._buffer
         buffer += data
@@ -149,7 +147,7 @@ class RtuSplitter:
         return frames
 
     def silence(self) -> list[RtuFrame]:
-        """The line was silent for the time that ends a frame: what waits is a frame now or never."""
+        """End the frame, after the silence that ends one: return what is a frame, drop the rest."""
         frames: list[RtuFrame] = []
         buffer = self._buffer
         while buffer:
@@ -161,7 +159,7 @@ class RtuSplitter:
         return frames
 
     def _take(self, length: int, frames: list[RtuFrame]) -> bool:
-        """Take the first bytes as a frame, if their checksum is right."""
+        """Take the first bytes as a frame, if their checksum is correct."""
         buffer = self._buffer
         if crc16(buffer[: length - 2]) != buffer[length - 2] | buffer[length - 1] << 8:
             return False

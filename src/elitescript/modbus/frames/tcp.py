@@ -1,4 +1,4 @@
-"""MODBUS TCP on the wire: a header of seven bytes (MBAP) before each request or answer.
+"""Frames of MODBUS TCP: a header of seven bytes (MBAP) before each request or answer.
 
 Source: MODBUS Messaging on TCP/IP Implementation Guide V1.0b, chapter 3.
 """
@@ -20,7 +20,7 @@ _HEADER_SIZE: Final = 7
 
 
 class TcpFrame(NamedTuple):
-    """A frame that has arrived."""
+    """A received frame."""
 
     transaction: int
     unit: int
@@ -31,7 +31,7 @@ def tcp_frame(transaction: int, unit: int, pdu: bytes) -> bytes:
     """Return a request or an answer with its header.
 
     Args:
-        transaction: number that an answer repeats, 0 to 65535.
+        transaction: number that the answer repeats, 0 to 65535.
         unit: number of the slave, 0 to 255.
         pdu: the request or answer.
     """
@@ -39,14 +39,14 @@ def tcp_frame(transaction: int, unit: int, pdu: bytes) -> bytes:
 
 
 class TcpSplitter:
-    """Cuts a stream into frames, however it is chopped.
+    """Cuts a stream into frames.
 
-    A frame of another protocol is left out. A length that cannot be means that nobody knows where the next frame
-    begins: `is_lost` is True from then on, everything else is dropped, and the connection should be closed.
+    A frame of another protocol is left out. After an invalid length the begin of the next frame is unknown: `is_lost`
+    is True from then on, all further bytes are dropped, and the connection should be closed.
 
     Attributes:
-        is_lost: whether the stream has no frames any more.
-        foreign: frames of another protocol so far.
+        is_lost: whether an invalid length was received.
+        foreign: number of frames of another protocol.
     """
 
     __slots__ = ("_rest", "foreign", "is_lost")
@@ -58,11 +58,11 @@ class TcpSplitter:
 
     @property
     def waiting(self) -> int:
-        """Bytes of a frame that is not complete."""
+        """Number of bytes of an incomplete frame."""
         return len(self._rest)
 
     def feed(self, data: bytes) -> list[TcpFrame]:
-        """Take bytes; return the frames that are complete by now, in order."""
+        """Take bytes; return the frames that are complete now, in order."""
         frames: list[TcpFrame] = []
         if self.is_lost:
             return frames

@@ -1,7 +1,7 @@
 """The connection of a MODBUS TCP master to one address and port, shared by the signals there.
 
-It is made when somebody wants it, and made anew when it breaks: at once if it was good for something, else after
-pauses that grow. Requests leave once in a tick, in one piece; see `exchange`.
+It is opened when a signal or a request needs it, and reopened when it breaks: at once if the device has answered, else
+with a growing backoff. Requests leave once in a tick, in one piece; see `exchange`.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from elitescript.modbus.master.exchange import Exchange
 from elitescript.modbus.master.signals import CONNECTING, NO_ERROR, NOT_CONNECTED, ModbusSignal
 
 CONNECT_TICKS: Final = 2 * TICKS_PER_S
-"""How long an attempt to connect may take (*assumed*, as for sockets)."""
+"""Timeout of an attempt to connect (*assumed*, as for sockets)."""
 RETRY_TICKS: Final = (TICKS_PER_S // 2, TICKS_PER_S, 2 * TICKS_PER_S, 4 * TICKS_PER_S)
-"""Pauses between attempts to connect that fail one after the other; the last one stays (*assumed*)."""
+"""Backoff after failed attempts to connect, one after the other; the last one stays (*assumed*)."""
 
 _TIMED_OUT: Final = "connection timed out"
 _CLOSED_BY_DEVICE: Final = "the device has closed the connection"
@@ -35,19 +35,17 @@ _OPEN: Final = "open"
 
 
 class MasterChannels(Protocol):
-    """What carries the bytes: the TCP part of `runtime.environment.MasterChannels`."""
+    """TCP channels of the environment."""
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
-        """Try to connect; return the channel, or 0 if there is nothing to connect to."""
+        """Try to connect; return the channel, or 0 without a network."""
 
-    def send(self, channel: int, data: bytes) -> None:
-        """Send bytes."""
+    def send(self, channel: int, data: bytes) -> None: ...
 
     def credit(self, channel: int, size: int) -> None:
         """Let the peer send so many bytes more."""
 
-    def close(self, channel: int) -> None:
-        """Close."""
+    def close(self, channel: int) -> None: ...
 
 
 class MasterConnection:
@@ -57,22 +55,22 @@ class MasterConnection:
         address: of the device.
         port: of the device.
         channels: carry the bytes.
-        listen: tells who listens to a channel, or with None that nobody does.
-        warn: records a warning, with a code if it has one; asked for each event, those that repeat are its business.
-        note: records what passes: name of the signal or of the connection, what, data.
+        listen: sets the listener of a channel; None removes it.
+        warn: records a warning, with a code if it has one; called for every event, also repeated ones.
+        note: records traffic: name of the signal or of the connection, what, data.
         tick: the present one.
         is_single: whether the device is known to take one request at a time.
 
     Attributes:
         signals: by their frequency in Hz, in the order in which they were added.
         exchange: requests and answers.
-        connection_code: why it does not stand, an error number of TCP/IP.
-        retry_tick: when to try to connect; None if that makes no sense.
+        channel: number of the channel; 0 without one.
+        connection_code: why it is not open, an errno.
+        retry_tick: when to try to connect; None without a network.
     """
 
     __slots__ = (
         "_attempts",
-        "_channel",
         "_channels",
         "_inbox",
         "_is_reset",
@@ -85,6 +83,7 @@ class MasterConnection:
         "_taken",
         "_warn",
         "address",
+        "channel",
         "connection_code",
         "exchange",
         "port",
@@ -107,7 +106,7 @@ class MasterConnection:
         self.address = address
         self.port = port
         self.signals: dict[int, list[ModbusSignal]] = {}
-        self.exchange = Exchange(self._complain, self._note_of, self._give_up, is_single=is_single)
+        self.exchange = Exchange(self._report, self._note_of, self._give_up, is_single=is_single)
         self.connection_code = NO_ERROR
         self.retry_tick: int | None = tick + 1
         self._channels = channels
@@ -115,16 +114,16 @@ class MasterConnection:
         self._warn = warn
         self._note = note
         self._state = _CLOSED
-        self._channel = 0
+        self.channel = 0
         self._inbox: list[ChannelEvent] = []
         self._last_tick = tick
         self._open_end = 0
         self._room = CHANNEL_WINDOW
         self._taken = 0
         self._attempts = 0
-        """Attempts to connect that have come to nothing since it was good for something."""
+        """Failed attempts to connect since the last answer."""
         self._is_reset = False
-        """Whether a program wants it anew, signals or not."""
+        """Whether a program has asked for a new connection, with or without signals."""
 
     # ---------------------------------------------------------------- reading
 
@@ -135,26 +134,21 @@ class MasterConnection:
 
     @property
     def is_open(self) -> bool:
-        """Whether the connection stands."""
+        """Whether the connection is open."""
         return self._state is _OPEN
 
     @property
-    def channel(self) -> int:
-        """Number of the channel; 0 without one."""
-        return self._channel
-
-    @property
     def is_settled(self) -> bool:
-        """Whether the attempt to connect that was asked for is over."""
+        """Whether the requested attempt to connect has ended."""
         return not self._is_reset
 
     @property
     def is_unused(self) -> bool:
-        """Whether nobody needs it."""
+        """Whether no signal or request needs it."""
         return not self.signals and self.exchange.is_idle
 
     def codes(self, signal: ModbusSignal) -> tuple[int, int]:
-        """Return what is wrong with a signal: code of the device, code of the connection."""
+        """Return the errors of a signal: code of the device, code of the connection."""
         if self._state is _OPEN:
             return signal.device_code, signal.connection_code
         return CONNECTING if self._state is _OPENING else NOT_CONNECTED, self.connection_code
@@ -162,18 +156,18 @@ class MasterConnection:
     # ---------------------------------------------------------------- signals
 
     def add(self, signal: ModbusSignal) -> None:
-        """Ask for a signal from the next tick on."""
+        """Add a signal, requested from the next tick on."""
         self.signals.setdefault(signal.frequency_hz, []).append(signal)
         self.exchange.ask(signal)
 
     def remove(self, signal: ModbusSignal) -> None:
-        """Ask for it no more."""
+        """Remove a signal at once."""
         signal.is_removed = True
         self.exchange.forget(signal)
         self._forget(signal)
 
     def part(self, signal: ModbusSignal) -> None:
-        """Ask for it no more, except once for what is owed."""
+        """Remove a signal, once its output is written."""
         if signal.is_owed and self._state is _CLOSED and self._attempts:
             self._give_up(signal, "not sent, the device cannot be reached")
         if not signal.is_owed:
@@ -185,7 +179,7 @@ class MasterConnection:
         self._forget(signal)
 
     def retime(self, signal: ModbusSignal, frequency_hz: int) -> None:
-        """Change how often it is asked for."""
+        """Change how often a signal is requested."""
         self._forget(signal)
         signal.frequency_hz = frequency_hz
         self.signals.setdefault(frequency_hz, []).append(signal)
@@ -196,22 +190,22 @@ class MasterConnection:
         if not row:
             del self.signals[signal.frequency_hz]
 
-    def _complain(self, signal: ModbusSignal, trouble: str, *, is_late: bool = False) -> None:
+    def _report(self, signal: ModbusSignal, problem: str, *, is_late: bool = False) -> None:
         if not signal.is_removed:
-            self._note_of(signal, "timeout" if is_late else "refused", trouble)
-            self._warn(f"{self.title(signal)}: {trouble}")
+            self._note_of(signal, "timeout" if is_late else "refused", problem)
+            self._warn(f"{self.title(signal)}: {problem}")
 
-    def _give_up(self, signal: ModbusSignal, trouble: str) -> None:
+    def _give_up(self, signal: ModbusSignal, problem: str) -> None:
         signal.is_owed = False
-        self._warn(f"{self.title(signal)}: {trouble}", UNDELIVERED)
+        self._warn(f"{self.title(signal)}: {problem}", UNDELIVERED)
 
     def title(self, signal: ModbusSignal) -> str:
-        """Return a signal or request in words."""
+        """Return the name of a signal or request for messages."""
         what = f"MODBUS signal {signal.name!r}" if signal.name else "a MODBUS request"
         return f"{what} to {self.name}, slave {signal.unit}"
 
     def _note_of(self, signal: ModbusSignal, what: str, data: str) -> None:
-        """Record what has come of a signal, unless it is the same as before."""
+        """Record the traffic of a signal, unless it is the same as before."""
         if signal.is_removed or (not signal.is_once and signal.noted == (what, data)):
             return
         signal.noted = what, data
@@ -220,15 +214,15 @@ class MasterConnection:
     # ---------------------------------------------------------------- time
 
     def take(self, event: ChannelEvent) -> None:
-        """Something has happened on the channel; the next `tick` looks at it."""
+        """Queue an event of the channel for the next `tick`."""
         self._inbox.append(event)
 
     def tick(self, tick: int) -> None:
-        """Do what is due in a tick."""
+        """Handle events and do what is due in a tick."""
         if self._inbox:
             events, self._inbox = self._inbox, []
             for event in events:
-                self._happened(event, tick)
+                self._handle(event, tick)
         self._collect(tick)
         if self._state is _OPEN:
             if self.exchange.look_at_time(tick):
@@ -241,7 +235,7 @@ class MasterConnection:
             self._send(tick)
 
     def next_tick(self, tick: int) -> int | None:
-        """Return the earliest tick after `tick` at which something is due without anything arriving."""
+        """Return the earliest tick after `tick` at which something is due without an event."""
         if self._state is _CLOSED and self.retry_tick is None:
             return None
         last = self._last_tick
@@ -261,7 +255,7 @@ class MasterConnection:
         return self._is_reset or self.exchange.has_waiting or any(self.signals)
 
     def _collect(self, tick: int) -> None:
-        """Queue the signals whose turn it is, by a grid of their frequency."""
+        """Queue the signals that are due, by a grid of their frequency."""
         last, self._last_tick = self._last_tick, tick
         exchange = self.exchange
         due: list[ModbusSignal] = []
@@ -275,8 +269,8 @@ class MasterConnection:
                 else:
                     due.append(signal)
         if exchange.has_waiting or len(due) > exchange.room:
-            # There is not time for all of them: it is the turn of those that were asked for longest ago.
-            due.sort(key=_turn)
+            # There is no time for all of them: those that were requested longest ago come first.
+            due.sort(key=lambda signal: signal.turn)
         for signal in due:
             exchange.ask(signal)
 
@@ -284,12 +278,12 @@ class MasterConnection:
         data = self.exchange.outgoing(tick, self._room)
         if data:
             self._room -= len(data)
-            self._channels.send(self._channel, data)
+            self._channels.send(self.channel, data)
 
     # ---------------------------------------------------------------- the connection
 
-    def _happened(self, event: ChannelEvent, tick: int) -> None:
-        if event.channel != self._channel:
+    def _handle(self, event: ChannelEvent, tick: int) -> None:
+        if event.channel != self.channel:
             return
         if isinstance(event, ChannelData):
             self._taken += len(event.data)
@@ -299,7 +293,7 @@ class MasterConnection:
             if self.exchange.is_lost:
                 self._lose(tick, _NO_MODBUS, ChannelError.OTHER)
             elif self._taken >= _CREDIT_SIZE:
-                self._channels.credit(self._channel, self._taken)
+                self._channels.credit(self.channel, self._taken)
                 self._taken = 0
         elif isinstance(event, ChannelCredit):
             self._room += event.size
@@ -318,18 +312,18 @@ class MasterConnection:
 
     def _connect(self, tick: int) -> None:
         self._room, self._taken = CHANNEL_WINDOW, 0
-        self._channel = self._channels.open(self.address, self.port, seconds(CONNECT_TICKS))
-        if self._channel:
+        self.channel = self._channels.open(self.address, self.port, seconds(CONNECT_TICKS))
+        if self.channel:
             self._state = _OPENING
             self._open_end = tick + CONNECT_TICKS
-            self._listen(self._channel, self)
+            self._listen(self.channel, self)
         else:
             self._note(self.name, "refused", _NO_NETWORK)
             self._fail(tick, ChannelError.NETWORK_UNREACHABLE, _NO_NETWORK)
             self.retry_tick = None
 
     def _lose(self, tick: int, reason: str, error: ChannelError) -> None:
-        """The connection does not come about, or stands no longer."""
+        """Handle a failed attempt to connect, or a broken connection."""
         was_useful = self._state is _OPEN and self.exchange.has_heard
         if self._state is _OPEN:
             self._note(self.name, "closed", reason or "by the other side")
@@ -338,7 +332,7 @@ class MasterConnection:
         self._state = _CLOSED
         self._hang_up()
         if self.exchange.is_probing:
-            # It was the burst that it has not survived.
+            # The device has closed because of the burst.
             self.exchange.fall_back()
             self.retry_tick = tick
             return
@@ -354,7 +348,7 @@ class MasterConnection:
         self.exchange.drop_once(reason)
 
     def _interrupt(self, tick: int) -> None:
-        """What was under way is lost, and no signal works."""
+        """Give up what is under way and mark every signal as failed."""
         self.exchange.end()
         for signals in self.signals.values():
             for signal in signals:
@@ -363,14 +357,14 @@ class MasterConnection:
     def _hang_up(self) -> None:
         if self._state is _OPEN:
             self._note(self.name, "closed", "")
-        if self._channel:
-            self._channels.close(self._channel)
-            self._listen(self._channel, None)
-        self._channel = 0
+        if self.channel:
+            self._channels.close(self.channel)
+            self._listen(self.channel, None)
+        self.channel = 0
         self._state = _CLOSED
 
     def reset(self, tick: int) -> None:
-        """Close the connection and make it anew in the next tick."""
+        """Close the connection and reopen it in the next tick."""
         self._hang_up()
         self._interrupt(tick)
         self._attempts = 0
@@ -382,14 +376,10 @@ class MasterConnection:
         """Close the connection for good.
 
         Args:
-            last: signals whose requests leave before; their answers are not waited for.
+            last: signals whose requests are sent before; their answers are not awaited.
         """
         if self._state is _OPEN:
             for number, signal in enumerate(last):
-                self._channels.send(self._channel, tcp_frame(number, signal.unit, signal.request))
+                self._channels.send(self.channel, tcp_frame(number, signal.unit, signal.request))
         self._hang_up()
         self._is_reset = False
-
-
-def _turn(signal: ModbusSignal) -> int:
-    return signal.turn

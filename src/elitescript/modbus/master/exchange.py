@@ -1,17 +1,17 @@
-"""Requests and answers on one open connection of a master: who waits, what is under way, how much of it at a time.
+"""Requests and answers on one open connection of a master: queue, requests under way, window.
 
-No more than a window of requests waits for answers. The window is 1 until signals miss their turns. Then it is tried
-out: a burst of twice as many, and if each is answered, that is the window from now on. It stays there if the burst
-took much longer than a single request: more would wait in the device, and not come sooner. A device that does not
-answer all of a burst gets one request at a time for good, and what it has left out is asked for again as if nothing
-had happened. If it has answered none, the next single request tells whether it was the burst or the device.
+No more than a window of requests waits for answers. The window is 1 until signals miss their turns. Then a burst of
+twice as many is tried; if each is answered, that is the new window. It stays there if the burst took much longer than
+a single request, since more would only wait in the device. A device that does not answer all of a burst gets one
+request at a time from then on, and the unanswered ones are repeated. If it has answered none, the next single request
+shows whether the burst or the device is the cause.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Final
 
 from elitescript.messages.enums import ChannelError
 from elitescript.messages.timing import TICKS_PER_S, seconds
@@ -20,49 +20,41 @@ from elitescript.modbus.frames.tcp import TcpSplitter
 from elitescript.modbus.master.signals import BROADCAST, NO_ERROR, UNDEFINED_ERROR, ModbusSignal
 
 WINDOW_MAX: Final = 256
-"""The largest window: all 200 signals in each tick, where answers come in the next one or a little later."""
+"""Largest window: all 200 signals in each tick, with answers in the next tick or a little later."""
 REPLY_TICKS: Final = TICKS_PER_S
-"""How long an answer may take (*assumed*)."""
+"""Timeout of an answer (*assumed*)."""
 SILENCE_TICKS: Final = 3 * REPLY_TICKS
-"""After so long without any answer to requests, the connection is made anew (*assumed*)."""
+"""Time without any answer to requests after which the connection is reopened (*assumed*)."""
 PROBE_TICKS: Final = TICKS_PER_S // 10
-"""How long the answers to a burst may take at least; more if the device is slow."""
+"""Timeout of the answers to a burst; more if the device is slow."""
 PROBE_ROUNDS: Final = 4
-PATIENCE_ROUNDS: Final = 2
-PATIENCE_TICKS: Final = 2
+SLOW_ROUNDS: Final = 2
+SLOW_TICKS: Final = 2
 """A burst that takes longer than so many round trips and ticks is the last one."""
 
 TIMED_OUT: Final = int(ChannelError.TIMED_OUT)
 
 
-class Complain(Protocol):
-    """Takes what is wrong with a signal, and whether it was not answered in time."""
-
-    def __call__(self, signal: ModbusSignal, trouble: str, *, is_late: bool = False) -> None: ...
-
-
 class Exchange:
-    """What waits to be asked, and what was asked.
+    """Queue of signals to request, and the requests under way.
 
     Args:
-        complain: tells what is wrong with a signal.
-        note: records what has come of it: signal, what, data.
-        lose: tells why a request that is sent once is given up.
+        report: reports the problem of a signal; keyword `is_late` if it was not answered in time.
+        note: records traffic: signal, what, data.
+        lose: reports why a request that is sent once is given up.
         is_single: whether the device is known to take one request at a time.
 
     Attributes:
         window: how many requests may wait for an answer.
         is_single: whether the device takes one request at a time.
-        answered: good answers so far.
-        strays: answers that nobody waited for, so far.
-        broadcasts: what was sent to all slaves, which nobody answers, since the connection last had taken everything.
-        is_lost: whether what comes is no MODBUS any more.
+        answered: number of good answers.
+        strays: number of answers without a request.
+        broadcasts: signals sent to all slaves, without answer, since the connection last had taken everything.
         has_heard: whether the connection has brought an answer.
     """
 
     __slots__ = (
         "_chained",
-        "_complain",
         "_flight",
         "_heard_tick",
         "_is_pressed",
@@ -76,6 +68,7 @@ class Exchange:
         "_proven",
         "_queue",
         "_quickest_ticks",
+        "_report",
         "_slowest_ticks",
         "_splitter",
         "_transaction",
@@ -90,7 +83,7 @@ class Exchange:
 
     def __init__(
         self,
-        complain: Complain,
+        report: Callable[..., None],
         note: Callable[[ModbusSignal, str, str], None],
         lose: Callable[[ModbusSignal, str], None],
         *,
@@ -102,7 +95,7 @@ class Exchange:
         self.strays = 0
         self.has_heard = False
         self.broadcasts: list[ModbusSignal] = []
-        self._complain = complain
+        self._report = report
         self._note = note
         self._lose = lose
         self._queue: deque[ModbusSignal] = deque()
@@ -110,7 +103,7 @@ class Exchange:
         """Signal, request and tick of sending, by transaction; the oldest one first."""
         self._splitter = TcpSplitter()
         self._chained: ModbusSignal | None = None
-        """The sequential signal that is under way."""
+        """Sequential signal that is under way."""
         self._transaction = 0
         self._turns = 0
         self._heard_tick = 0
@@ -118,26 +111,26 @@ class Exchange:
         self._quickest_ticks = REPLY_TICKS
         self._is_pressed = False
         self._is_suspect = False
-        """Whether no request of a burst was answered, and none since."""
+        """Whether no request of the last burst was answered, and none since."""
         self._proven = 1
-        """The largest window that was answered."""
+        """Largest window that was answered."""
         self._probe_size = 0
         """Requests of the burst that is under way."""
         self._probe_begin = 0
         self._probe_end = 0
         self._probe_ticks = 0
-        """How long the last burst took."""
+        """Duration of the last burst."""
 
     # ---------------------------------------------------------------- reading
 
     @property
     def is_lost(self) -> bool:
-        """Whether what the device sends is no MODBUS any more."""
+        """Whether the device sends no MODBUS any more."""
         return self._splitter.is_lost
 
     @property
     def has_waiting(self) -> bool:
-        """Whether a signal waits to be asked for."""
+        """Whether a signal waits to be requested."""
         return bool(self._queue)
 
     @property
@@ -147,31 +140,31 @@ class Exchange:
 
     @property
     def is_probing(self) -> bool:
-        """Whether a burst is under way that is larger than what was answered before."""
+        """Whether a burst is under way that is larger than any answered one."""
         return self._probe_size > 0
 
     @property
     def room(self) -> int:
-        """How many requests could be sent now."""
+        """Number of requests that could be sent now."""
         return self.window - len(self._flight)
 
     @property
     def single_requests(self) -> int:
-        """Requests that wait to be sent once."""
+        """Number of requests that wait to be sent once."""
         return sum(signal.is_once for signal in self._queue)
 
     @property
     def owed(self) -> list[ModbusSignal]:
-        """Signals that wait, are under way or were sent to all slaves, and are owed."""
+        """Signals with outputs to write: queued, under way or sent to all slaves."""
         under_way = [signal for signal, _, _ in self._flight.values()]
         return [signal for signal in (*self._queue, *under_way, *self.broadcasts) if signal.is_owed]
 
     def is_under_way(self, signal: ModbusSignal) -> bool:
-        """Return whether an answer to the present request of a signal is waited for."""
+        """Return whether the present request of a signal waits for its answer."""
         return any(one is signal and request is signal.request for one, request, _ in self._flight.values())
 
     def next_tick(self, tick: int) -> int | None:
-        """Return the earliest tick after `tick` at which something is due without anything arriving."""
+        """Return the earliest tick after `tick` at which something is due without an event."""
         if self._probe_size:
             return self._probe_end
         if self._queue and len(self._flight) < self.window:
@@ -183,23 +176,23 @@ class Exchange:
     # ---------------------------------------------------------------- turns
 
     def ask(self, signal: ModbusSignal) -> None:
-        """Have a signal asked for once, as soon as it is its turn."""
+        """Queue one request of a signal."""
         if not signal.is_waiting:
             signal.is_waiting = True
             self._queue.append(signal)
 
     def forget(self, signal: ModbusSignal) -> None:
-        """Have a signal asked for no more; an answer to it that is under way is waited for."""
+        """Take a signal out of the queue; a request under way still waits for its answer."""
         if signal.is_waiting:
             signal.is_waiting = False
             self._queue.remove(signal)
 
     def press(self) -> None:
-        """A signal has missed its turn: try whether the device copes with more."""
+        """Note that a signal has missed its turn, so that a larger window is tried."""
         self._is_pressed = True
 
     def drop_once(self, reason: str) -> None:
-        """Forget what is sent once: it does not wait for another connection."""
+        """Give up queued requests that are sent once: they do not wait for another connection."""
         for signal in [signal for signal in self._queue if signal.is_once]:
             self._lose(signal, f"not sent, {reason}")
             self._queue.remove(signal)
@@ -207,13 +200,13 @@ class Exchange:
     # ---------------------------------------------------------------- the connection
 
     def begin(self, tick: int) -> None:
-        """A connection stands."""
+        """Begin on a new connection."""
         self._splitter = TcpSplitter()
         self._heard_tick = tick
         self._is_pressed = self.has_heard = False
 
     def end(self) -> None:
-        """It stands no longer; what was under way is lost."""
+        """Give up what is under way, after the end of the connection."""
         for signal, _, _ in self._flight.values():
             if signal.is_once:
                 self._lose(signal, "the connection was lost before the answer")
@@ -223,10 +216,10 @@ class Exchange:
         self._probe_size = 0
 
     def fall_back(self, *, is_certain: bool = True) -> None:
-        """Back to one request at a time, and again what was not answered.
+        """Return to one request at a time, and repeat what was not answered.
 
         Args:
-            is_certain: whether the device does not cope with more, for all that is known.
+            is_certain: whether it is known that the device takes no more.
         """
         self.is_single = self.is_single or is_certain
         self._is_suspect = not is_certain
@@ -241,7 +234,7 @@ class Exchange:
                 self._queue.appendleft(signal)
 
     def look_at_time(self, tick: int) -> bool:
-        """Give up answers that do not come; whether the connection seems dead."""
+        """Give up late answers; return whether the connection seems dead."""
         flight = self._flight
         if not flight:
             return False
@@ -256,17 +249,17 @@ class Exchange:
             if signal is self._chained:
                 self._chained = None
             signal.fail(tick, NO_ERROR, TIMED_OUT)
-            trouble = f"no answer within {seconds(REPLY_TICKS):g} s"
+            problem = f"no answer within {seconds(REPLY_TICKS):g} s"
             if signal.is_once:
-                self._lose(signal, trouble)
+                self._lose(signal, problem)
             else:
-                self._complain(signal, trouble, is_late=True)
+                self._report(signal, problem, is_late=True)
         return bool(late) and tick - self._heard_tick >= SILENCE_TICKS
 
     # ---------------------------------------------------------------- bytes
 
     def outgoing(self, tick: int, room: int) -> bytes:
-        """As many requests as the window has room for, in one piece; a burst that is under way is waited for.
+        """Return as many requests as the window has room for, in one piece; none while a burst is under way.
 
         Args:
             tick: the present one.
@@ -290,7 +283,7 @@ class Exchange:
                 held.append(signal)
                 continue
             if signal.unit == BROADCAST and signal.is_asking:
-                # Nobody would answer.
+                # A read request to all slaves has no answer.
                 signal.is_waiting = False
                 signal.work(tick)
                 continue
@@ -327,9 +320,9 @@ class Exchange:
         if self.window == self._proven and not self._is_pressed:
             return self.window
         flight = self._flight
-        # Turns that are missed because the device is silent are no reason to ask it for more.
+        # Turns missed because the device is silent are no reason for a larger window.
         is_prompt = not flight or tick - next(iter(flight.values()))[2] < self._slowest_ticks
-        is_quick = self._probe_ticks <= PATIENCE_ROUNDS * self._quickest_ticks + PATIENCE_TICKS
+        is_quick = self._probe_ticks <= SLOW_ROUNDS * self._quickest_ticks + SLOW_TICKS
         is_tame = self.is_single or self._is_suspect or not self.has_heard
         if self._is_pressed and is_prompt and is_quick and not is_tame and self.window == self._proven:
             self.window = min(WINDOW_MAX, 2 * self.window)
@@ -339,7 +332,7 @@ class Exchange:
         return self.window
 
     def incoming(self, data: bytes, tick: int) -> None:
-        """Take what the device has sent."""
+        """Take received bytes."""
         flight = self._flight
         for transaction, unit, pdu in self._splitter.feed(data):
             entry = flight.pop(transaction, None)
@@ -361,12 +354,12 @@ class Exchange:
                 self._is_suspect, self.is_single = False, True
             if unit != signal.unit:
                 signal.fail(tick, UNDEFINED_ERROR, NO_ERROR)
-                self._complain(signal, f"slave {unit} has answered instead of {signal.unit}")
+                self._report(signal, f"slave {unit} has answered instead of {signal.unit}")
             elif pdu == signal.answer and request is signal.request:
                 self.answered += 1
                 signal.ok_tick = tick
-            elif trouble := signal.take(request, pdu, tick):
-                self._complain(signal, trouble)
+            elif problem := signal.take(request, pdu, tick):
+                self._report(signal, problem)
             else:
                 self.answered += 1
                 if signal.custom:

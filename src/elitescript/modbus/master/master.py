@@ -1,7 +1,7 @@
-"""The MODBUS TCP master of the controller: signals by name, each read or written again and again.
+"""The MODBUS TCP master of the controller: signals by name, each read or written periodically.
 
-It does not know a clock: `tick` is called in every tick that is run, `next_tick` says which tick must be one, and what
-happens on its channels comes as events. Signals of one address and port share a connection.
+It has no clock: `tick` is called in every tick that is run, `next_tick` returns a tick that must be run, and channels
+deliver events. Signals of one address and port share a connection.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from elitescript.modbus.master.signals import ModbusSignal, SignalKind
 SIGNALS_MAX: Final = 200
 WATCHDOG_TICKS: Final = 5 * TICKS_PER_S
 REQUESTS_MAX: Final = 64
-"""Single requests of programs that may wait at a time (*assumed*)."""
+"""Limit of single requests that wait at a time (*assumed*)."""
 SINGLES_MAX: Final = 1024
-"""Addresses of which is remembered that they take one request at a time."""
+"""Limit of addresses that are known to take one request at a time."""
 WARNINGS_MAX: Final = 100
-"""Different warnings that one program can get."""
+"""Limit of different warnings for one program."""
 
 
 class Master:
@@ -29,9 +29,9 @@ class Master:
 
     Args:
         channels: carry the bytes.
-        listeners: who is told what happens on which channel.
+        listeners: takers of events, by channel.
         warn: records a warning, with a code if it has one.
-        note: records what passes: name of the signal or of the connection, what, data
+        note: records traffic: name of the signal or of the connection, what, data
             (`runtime.connections.traffic`).
         tick: the present one.
 
@@ -101,11 +101,11 @@ class Master:
             address: of the device.
             port: of the device.
             name: of the signal.
-            kind: what it is.
+            kind: of the signal.
             unit: number of the slave.
             first: first coil or register; of those that are read, if it reads and writes.
             count: how many.
-            is_sequential: whether it waits for its turn among the sequential signals of its connection.
+            is_sequential: whether it waits for the other sequential signals of its connection.
             write_first: first register that it writes, if it reads and writes.
             write_count: how many.
 
@@ -144,7 +144,7 @@ class Master:
             )
 
     def delete(self, name: str) -> None:
-        """Forget a signal.
+        """Delete a signal.
 
         Raises:
             InvalidValueError: there is none of that name.
@@ -172,7 +172,7 @@ class Master:
         return signal
 
     def set(self, name: str, values: Sequence[int]) -> None:
-        """Set an output; from now on it is written. One without a frequency is written once."""
+        """Set an output, which is written from now on; one without a frequency is written once."""
         signal = self.find(name)
         signal.set(values)
         self._prepare(signal, is_running=self._is_running)
@@ -187,28 +187,28 @@ class Master:
         self._prepare(signal, is_running=self._is_running)
 
     def _prepare(self, signal: ModbusSignal, *, is_running: bool) -> None:
-        """Work out its request, and record what it writes from now on if that is something else."""
+        """Update the request of a signal, and record the values it writes from now on if they change."""
         before = signal.request
         signal.prepare(is_running=is_running)
         if signal.request is not before and (values := signal.written(is_running=is_running)):
             self._note(signal.name, "sent", signal.shown(values))
 
     def retime(self, name: str, frequency_hz: int) -> None:
-        """Change how often a signal is asked for."""
+        """Change how often a signal is requested."""
         signal = self.find(name)
         self.links[self.where[name]].retime(signal, frequency_hz)
 
     def codes(self, name: str) -> tuple[int, int]:
-        """Return what is wrong with a signal: code of the device, code of the connection."""
+        """Return the errors of a signal: code of the device, code of the connection."""
         signal = self.find(name)
         return self.links[self.where[name]].codes(signal)
 
     # ---------------------------------------------------------------- requests and connections
 
     def request(self, address: str, port: int, unit: int, pdu: bytes, *, is_once: bool) -> None:
-        """Send a request of one's own, once or again and again, at the usual frequency of a signal.
+        """Send a custom request, once or periodically, at the default frequency of a signal.
 
-        Again and again means until the program ends, or asks for another one of the same function there (*assumed*).
+        A periodic one ends with the program, or with another one of the same function there (*assumed*).
 
         Raises:
             ScriptStateError: too many wait, or there are too many signals.
@@ -287,7 +287,7 @@ class Master:
 
         Args:
             tick: the present one.
-            is_running: whether a program runs; a paused one does (*assumed*).
+            is_running: whether a program runs, paused ones included (*assumed*).
         """
         self.now = tick
         self.set_running(is_running)
@@ -297,7 +297,7 @@ class Master:
                 self._part(place, link)
 
     def set_running(self, is_running: bool) -> None:
-        """A program begins or ends: repeated requests end with it, outputs that are tied to that follow."""
+        """Follow the begin or end of a program: periodic requests end with it, tied outputs change."""
         if is_running == self._is_running:
             return
         self._is_running = is_running
@@ -317,15 +317,15 @@ class Master:
 
     @property
     def channels(self) -> list[int]:
-        """Open channels."""
+        """Numbers of the open channels."""
         return [link.channel for link in self.links.values() if link.channel]
 
     def pending(self) -> tuple[str, ...]:
-        """Return outputs that were set and not written yet, and single requests without an answer; a text for each."""
+        """Return a text for each output that is set and not written yet, and each single request without answer."""
         return tuple(link.title(signal) for link, signal in self._owed())
 
     def give_up(self) -> tuple[str, ...]:
-        """Wait for that no more, and return it; signals go on to be written."""
+        """Stop waiting for what `pending` names, and return it; signals are still written."""
         given_up = []
         for link, signal in self._owed():
             given_up.append(link.title(signal))
@@ -351,16 +351,16 @@ class Master:
         del self.links[place]
 
     def next_tick(self, tick: int, *, is_running: bool) -> int | None:
-        """Return the earliest tick after `tick` at which something is due without anything arriving."""
+        """Return the earliest tick after `tick` at which something is due without an event."""
         if is_running != self._is_running:
             return tick + 1
         due = [at for link in self.links.values() if (at := link.next_tick(tick)) is not None]
         return min(due, default=None)
 
     def close(self) -> None:
-        """Forget every signal and close every connection.
+        """Delete every signal and close every connection.
 
-        Outputs that are tied to the end of a program are written before; answers are not waited for.
+        Outputs that are tied to the end of a program are written before; answers are not awaited.
         """
         for place, link in self.links.items():
             tied = []

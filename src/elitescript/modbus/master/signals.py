@@ -1,7 +1,4 @@
-"""A signal of the controller: what it asks a device for, and what is known of it.
-
-Which function codes belong to which signal: table 6-1 of manual 2.14.
-"""
+"""A MODBUS signal of the controller: its request and last known state. Function codes: table 6-1 of manual 2.14."""
 
 from __future__ import annotations
 
@@ -35,13 +32,13 @@ NOT_CONNECTED: Final = -2
 CONNECTING: Final = -1
 NO_ERROR: Final = 0
 UNDEFINED_ERROR: Final = 9
-"""An answer of the wrong slave, of another function or length, or an exception that is not in the table (*assumed*)."""
+"""An answer of the wrong slave, function or length, or an unknown exception (*assumed*)."""
 
 DEVICE_CODE_MAX: Final = 11
 
 
 class SignalKind(IntEnum):
-    """What a signal is; the first four are the numbers of `modbus_add_signal`."""
+    """Kind of a signal; the first four are the numbers of `modbus_add_signal`."""
 
     DIGITAL_INPUT = 0
     DIGITAL_OUTPUT = 1
@@ -49,7 +46,7 @@ class SignalKind(IntEnum):
     REGISTER_OUTPUT = 3
     READ_WRITE = 4
     CUSTOM = 5
-    """A request with a function code of one's own."""
+    """A request with any function code."""
 
 
 _READS: Final = {
@@ -62,15 +59,15 @@ _READS: Final = {
 
 
 class ModbusSignal:
-    """Coils or registers of a device, which the controller keeps reading or writing.
+    """Coils or registers of a device, which the controller reads or writes periodically.
 
     Args:
         name: of the signal; empty for a custom request.
-        kind: what it is.
+        kind: of the signal.
         unit: number of the slave.
         address: first coil or register; of those that are read, if it reads and writes.
         count: how many.
-        is_sequential: never asked for while another sequential one of its connection waits for an answer.
+        is_sequential: never requested while another sequential one of its connection waits for an answer.
         tick: the present one.
         write_address: first register that it writes, if it reads and writes.
         write_count: how many.
@@ -78,24 +75,24 @@ class ModbusSignal:
         is_once: whether that is sent once.
 
     Attributes:
-        frequency_hz: requests per second; 0 for none by themselves.
+        frequency_hz: requests per second; 0 for none.
         watchdog_ticks: how long it may be faulty before using it is an alarm.
-        choice: what an output does without a program, see `forced`.
-        outputs: what the program has set, from the first coil or register on; None before.
-        inputs: what was read last; zeros before.
-        request: what the device is asked.
+        choice: level of an output without a program, see `forced`.
+        outputs: values that the program has set, from the first coil or register on; None before.
+        inputs: values that were read last; zeros before.
+        request: the present request.
         tail: the frame of the request behind its transaction number.
         answer: the last good answer to that request; empty if there is none.
         ok_tick: when it last worked, or began.
         fault_tick: since when it does not work; None while it does.
-        device_code: what the device has to say against it.
-        connection_code: an error number of TCP/IP.
+        device_code: exception code of the device.
+        connection_code: an errno.
         is_waiting: whether it is due and not sent.
-        is_owed: whether what a program has set is not written yet; an answer ends that, whatever it says.
-        is_removed: whether nobody wants to know any more.
-        noted: the last entry of the record about it, what and which data; None if the next one is news in any case.
+        is_owed: whether the values of the program are not written yet; any answer ends that.
+        is_removed: whether it was removed, so that its answers are not reported.
+        noted: what and data of its last recorded entry; None if the next one is recorded in any case.
         missed: how often it was due again while it still waited.
-        turn: counts what was sent on its connection, when it was sent last.
+        turn: number of its last request on its connection.
     """
 
     __slots__ = (
@@ -174,7 +171,7 @@ class ModbusSignal:
         self.turn = 0
         self.prepare(is_running=True)
 
-    # ---------------------------------------------------------------- what it asks
+    # ---------------------------------------------------------------- requests
 
     @property
     def is_output(self) -> bool:
@@ -183,21 +180,21 @@ class ModbusSignal:
 
     @property
     def is_asking(self) -> bool:
-        """Whether its request does nothing but read."""
+        """Whether its request only reads."""
         return self.request[0] <= READ_INPUT_REGISTERS and self.kind is not SignalKind.CUSTOM
 
     @property
     def writable(self) -> int:
-        """How many coils or registers programs can set."""
+        """Number of coils or registers that programs can set."""
         return self.write_count if self.kind is SignalKind.READ_WRITE else self.count
 
     def set(self, values: Sequence[int]) -> None:
-        """Take what the program sets; coils or registers behind those that it has ever set are not written."""
+        """Take the values that the program sets; coils or registers behind those it has ever set are not written."""
         known = self.outputs or ()
         self.outputs = (*values, *known[len(values) :])
 
     def forced(self, is_running: bool) -> int | None:
-        """Return the level that an output has whatever the program sets, by `choice`.
+        """Return the level of an output that overrides the values of the program, by `choice`; None for none.
 
         0: none; 1: low without a program; 2: high without a program; 3: low without a program, high with one.
         """
@@ -208,7 +205,7 @@ class ModbusSignal:
         return self.choice - 1
 
     def prepare(self, *, is_running: bool) -> None:
-        """Work out what to ask the device for from now on."""
+        """Update the request."""
         request = self.custom or self._request(is_running)
         if request != self.request:
             self.request = request
@@ -229,30 +226,30 @@ class ModbusSignal:
 
     @property
     def is_digital(self) -> bool:
-        """Whether it stands for coils or discrete inputs."""
+        """Whether it has coils or discrete inputs."""
         return self.kind in (SignalKind.DIGITAL_INPUT, SignalKind.DIGITAL_OUTPUT)
 
-    # ---------------------------------------------------------------- what came of it
+    # ---------------------------------------------------------------- answers
 
     @property
     def values(self) -> tuple[int, ...]:
-        """What it stands at: what the program has set, else what was read last."""
+        """Present values: those that the program has set, else those read last."""
         if self.outputs is None or self.kind is SignalKind.READ_WRITE:
             return self.inputs
         return (*self.outputs, *self.inputs[len(self.outputs) :])
 
     def written(self, *, is_running: bool) -> tuple[int, ...]:
-        """Return levels or values that an output writes; none if it only reads."""
+        """Return the levels or values that an output writes; none if it only reads."""
         forced = self.forced(is_running)
         return self.outputs or () if forced is None else (forced,) * self.count
 
     def shown(self, values: Sequence[int]) -> str:
-        """Return values as text, in the words of programs."""
+        """Return values as text, as programs write them."""
         levels = [str(bool(value)) if self.is_digital else str(value) for value in values]
         return levels[0] if len(levels) == 1 else f"[{', '.join(levels)}]"
 
     def take(self, request: bytes, answer: bytes, tick: int) -> str:
-        """Take the answer to a request; return what is wrong with it, empty if nothing is."""
+        """Take the answer to a request; return its problem, empty if there is none."""
         try:
             values = values_of(request, answer)
         except ExceptionResponse as error:
@@ -269,18 +266,18 @@ class ModbusSignal:
         return ""
 
     def work(self, tick: int) -> None:
-        """It works."""
+        """Note that it works."""
         self.ok_tick = tick
         self.fault_tick = None
         self.device_code = self.connection_code = NO_ERROR
 
     def fail(self, tick: int, device_code: int, connection_code: int) -> None:
-        """It does not work."""
+        """Note that it does not work."""
         if self.fault_tick is None:
             self.fault_tick = tick
         self.device_code, self.connection_code = device_code, connection_code
         self.answer = b""
 
     def is_overdue(self, tick: int) -> bool:
-        """Return whether it has been faulty for longer than its watchdog lets it."""
+        """Return whether it has been faulty for longer than its watchdog allows."""
         return self.fault_tick is not None and tick - self.fault_tick > self.watchdog_ticks

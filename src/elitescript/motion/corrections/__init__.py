@@ -1,1 +1,1 @@
-"""What changes a nominal motion while it runs: conveyors, path offsets, force."""
+"""Corrections of a nominal motion while it runs: conveyors, path offsets, force."""

@@ -1,15 +1,15 @@
-"""How fast force control lets the TCP yield, and in which frame: the laws of `force_mode`.
+"""Laws of `force_mode`: speed with which the TCP yields, and the force frame.
 
 The speed along each selected axis goes towards gain * (target - exerted), the admittance. A surface of stiffness k
 answers with a force that grows by k times the way, so the force settles at the target whatever k is, with the time
 constant 1 / (gain * k). One control period is the delay of the loop; from it follows that the loop is stable as long
 as gain * k * period stays below 2. The unit of the gain is chosen so that gain scaling 1 is the limit for a hard
-surface (1e5 N/m), which is what the manual warns of, and the initial 0.2 leaves a factor of five.
+surface (1e5 N/m), of which the manual warns, and the initial 0.2 leaves a factor of five.
 
-Damping is what slows the axis down when nothing touches it: with 0 it goes on at its speed, with 1 it stops within some
-periods. In contact the surface itself is enough to do so.
+Damping slows an axis without contact down: with 0 it keeps its speed, with 1 it stops within some periods. In contact
+the surface does so.
 
-The laws and their numbers are *assumed*; the manual describes only what scaling and damping do to a program.
+The laws and their numbers are *assumed*; the manual describes only the effect of scaling and damping on a program.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from math import hypot
 from typing import Final, NamedTuple
 
-from elitescript.kinematics.rotations import Rotation, Vector3, rotate, transpose
+from elitescript.kinematics.rotations import Rotation, Vector3, cross, from_columns, rotate, transpose
 from elitescript.kinematics.transforms import Transform, position_of, rotation_of
 from elitescript.messages.motion import Six
 
@@ -29,18 +29,18 @@ FOLLOWING: Final = 0.8
 """Share of a wanted change of speed that is made in one control period. *Assumed.*"""
 
 FIRM: Final[Six] = (1.0, 1.0, 1.0, 0.1, 0.1, 0.1)
-"""From this force or torque on a contact counts in full: N, N m. *Assumed.*"""
+"""Force or torque from which on a contact damps in full: N, N m. *Assumed.*"""
 
 TRAVEL_MIN: Final = 1e-6
-"""A TCP that is slower than this, m/s, has no direction of travel."""
+"""Speed of the TCP, m/s, below which it has no direction of travel."""
 
 
 class ForceLaw(NamedTuple):
-    """What the axes under force control want; six elements, along and about the axes of the force frame."""
+    """Law of the axes under force control; six elements, along and about the axes of the force frame."""
 
     selection: tuple[bool, ...]
     target: Six
-    """Wrench that the arm is to exert on what it touches: N, N m."""
+    """Wrench that the arm is to exert: N, N m."""
     speed_limits: Six
     """m/s, rad/s; all >= 0."""
     gain_scaling: float
@@ -70,23 +70,23 @@ class ForceLaw(NamedTuple):
 
 
 class ForceFrame(NamedTuple):
-    """How the force frame follows the arm; see `force_mode` (manual 2.14, 4.1)."""
+    """Force frame and the mode in which it follows the arm; see `force_mode` (manual 2.14, 4.1)."""
 
     mode: int
     """0 fixed, 1 point, 2 motion, 3 TCP."""
     T_base_reference: Transform
 
     def at_start(self) -> Rotation:
-        """Return the axes that hold until the arm says something else."""
+        """Return the axes at the start."""
         return rotation_of(self.T_base_reference)
 
     def axes(self, T_base_tcp: Transform, velocity: Sequence[float], before: Rotation) -> Rotation:
         """Return the axes of the force frame in the base frame.
 
         Args:
-            T_base_tcp: where the TCP is.
-            velocity: with which it travels, m/s, base frame.
-            before: the axes of the period before; they stay where position or travel say nothing.
+            T_base_tcp: pose of the TCP.
+            velocity: of the TCP, m/s, base frame.
+            before: the axes of the period before; they stay where position or velocity define no direction.
         """
         if self.mode == 1:
             return self._towards_point(T_base_tcp, before)
@@ -95,16 +95,16 @@ class ForceFrame(NamedTuple):
         return rotation_of(T_base_tcp if self.mode == 3 else self.T_base_reference)
 
     def _towards_point(self, T_base_tcp: Transform, before: Rotation) -> Rotation:
-        """The y axis is given; x stays as near as possible to the x axis of the period before (*assumed*)."""
+        """Return axes with y towards the point, and x as near as possible to that of the period before (*assumed*)."""
         (x, y, z), (ox, oy, oz) = position_of(T_base_tcp), position_of(self.T_base_reference)
         y_axis = (ox - x, oy - y, oz - z)
         if hypot(*y_axis) < TRAVEL_MIN:
             return before
         y_axis = _unit(y_axis)
         x_axis, z_axis = _column(before, 0), _column(before, 2)
-        across = _cross(x_axis, y_axis)
-        z_axis = _unit(across) if hypot(*across) > 1e-3 else _unit(_cross(_cross(y_axis, z_axis), y_axis))
-        return _from_columns(_cross(y_axis, z_axis), y_axis, z_axis)
+        across = cross(x_axis, y_axis)
+        z_axis = _unit(across) if hypot(*across) > 1e-3 else _unit(cross(cross(y_axis, z_axis), y_axis))
+        return from_columns(cross(y_axis, z_axis), y_axis, z_axis)
 
     def _along_travel(self, velocity: Sequence[float], before: Rotation) -> Rotation:
         R = rotation_of(self.T_base_reference)
@@ -113,7 +113,7 @@ class ForceFrame(NamedTuple):
             return before
         x_axis = rotate(R, _unit((vx, vy, 0.0)))
         z_axis = _column(R, 2)
-        return _from_columns(x_axis, _cross(z_axis, x_axis), z_axis)
+        return from_columns(x_axis, cross(z_axis, x_axis), z_axis)
 
 
 def along_axes(R: Rotation, six: Sequence[float]) -> Six:
@@ -137,14 +137,6 @@ def selected(R: Rotation, selection: Sequence[bool], six: Sequence[float]) -> Si
 
 def _column(R: Rotation, index: int) -> Vector3:
     return R[index], R[index + 3], R[index + 6]
-
-
-def _from_columns(x: Vector3, y: Vector3, z: Vector3) -> Rotation:
-    return x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]
-
-
-def _cross(a: Vector3, b: Vector3) -> Vector3:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def _unit(v: Vector3) -> Vector3:

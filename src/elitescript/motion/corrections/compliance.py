@@ -1,9 +1,8 @@
-"""An arm of which a part of the tool's motion is given and the rest yields, one control period at a time.
+"""Motion with a given part and a part that yields, one control period at a time: force control, hand guiding.
 
-The given part (`bound`) is kept exactly: the pose that belongs to it is found by Newton's method in every period, so
-that nothing adds up. The part that yields changes its speed towards a wanted one, as far as the limits of joint
-speed and acceleration leave it room. Where even the given part is more than the joints can do, they keep their limits
-and the tool gives way. Force control and hand guiding both move like this.
+The given part (`bound`) is kept exactly: its pose is solved by Newton's method in every period, so that no error
+accumulates. The part that yields changes its speed towards a wanted one, within the limits of joint speed and
+acceleration. Where even the given part exceeds them, the joints keep their limits and the tool deviates.
 """
 
 from __future__ import annotations
@@ -36,15 +35,15 @@ class Yielded(NamedTuple):
     free: Six
     """Velocity of the part that yields, m/s and rad/s, base frame."""
     is_bound_kept: bool
-    """Whether the joints could do what the given part asked for."""
+    """Whether the joints could follow the given part."""
 
 
 class Compliance(NamedTuple):
-    """What stays the same from one period to the next."""
+    """Constants of a yielding motion."""
 
     tool: ToolMotion
     what: str
-    """Name of the command, for people."""
+    """Name of the command, for messages."""
 
     def next(
         self,
@@ -57,7 +56,7 @@ class Compliance(NamedTuple):
         deceleration: float | None = None,
         is_last_resort: bool = False,
     ) -> Yielded | Obstacle:
-        """Return the state one period later, or why there is none from which the arm could still stop.
+        """Return the state one period later, or the obstacle if the arm could not stop from any.
 
         Args:
             now: joints of the present tick.
@@ -67,11 +66,11 @@ class Compliance(NamedTuple):
             wanted: velocity that it is to have.
             deceleration: of the joint that has to change most on the way there, rad/s^2; None for as quickly as the
                 joints can.
-            is_last_resort: do not ask whether the arm could still stop, because it brakes as hard as it can.
+            is_last_resort: leave out the check that the arm can still stop, because it brakes as hard as it can.
         """
         tool = self.tool
         arm, limits, T_flange_tcp = tool.arm, tool.limits, tool.T_flange_tcp
-        q_ahead = _moved(now.q, now.qd, PERIOD_S)
+        q_ahead = _sum(now.q, now.qd, PERIOD_S)
         blocked = singularity(arm, q_ahead).blocked
         kept = None if blocked else joint_speeds(arm, q_ahead, _sum(bound, free), T_flange_tcp)
         if kept is None:
@@ -91,10 +90,10 @@ class Compliance(NamedTuple):
             if way == ZERO_SIX:
                 q = now.q
             else:
-                guess = _moved(now.q, _sum(now.qd, qd), 0.5 * PERIOD_S)
+                guess = _sum(now.q, _sum(now.qd, qd), 0.5 * PERIOD_S)
                 q = solved_near(arm, T_flange_tcp, after_way(arm.forward_tcp(now.q, T_flange_tcp), way), guess)
-        # A stop changes all joints in proportion, so that is how far the arm goes on at the most.
-        q_stop = q if is_last_resort else _moved(q, qd, 0.5 * max(map(abs, qd)) / tool.deceleration)
+        # A stop changes all joints in proportion, so this is the longest way to standstill.
+        q_stop = q if is_last_resort else _sum(q, qd, 0.5 * max(map(abs, qd)) / tool.deceleration)
         joint = joint_outside(limits, q_stop)
         if joint is not None:
             return range_obstacle(limits, joint, now.q, self.what)
@@ -117,10 +116,7 @@ class Compliance(NamedTuple):
         return Setpoint(_six(places), _six(speeds))
 
     def nearer(self, q: Six, free: Six, wanted: Six, deceleration: float) -> Six:
-        """Return a velocity on the way to the wanted one.
-
-        All joints arrive within the time that the one takes which has to change most, as in every other stop.
-        """
+        """Return a velocity on the way to the wanted one; all joints arrive with the one that has to change most."""
         change = _sum(wanted, free, -1.0)
         qd = joint_speeds(self.tool.arm, q, change, self.tool.T_flange_tcp)
         top = 0.0 if qd is None else max(map(abs, qd))
@@ -149,7 +145,7 @@ class Compliance(NamedTuple):
             low, high = max(-top, w - a_top * PERIOD_S), min(top, w + a_top * PERIOD_S)
             speeds.append(max(low, min(high, w_wanted)))
         qd = _six(speeds)
-        return Setpoint(_moved(now.q, _sum(now.qd, qd), 0.5 * PERIOD_S), qd)
+        return Setpoint(_sum(now.q, _sum(now.qd, qd), 0.5 * PERIOD_S), qd)
 
 
 def after_way(T_base_tcp: Transform, way: Six) -> Transform:
@@ -167,17 +163,13 @@ def way_between(T_base_from: Transform, T_base_to: Transform) -> Six:
 
 
 def solved_near(arm: Arm, T_flange_tcp: Transform, T_base_tcp: Transform, q: Six) -> Six:
-    """Return the joint angles of a pose that is very near to that of q, by Newton's method."""
+    """Return the joint angles of a pose very near to that of q, by Newton's method."""
     for _ in range(_NEWTON_STEPS):
         step = joint_speeds(arm, q, way_between(arm.forward_tcp(q, T_flange_tcp), T_base_tcp), T_flange_tcp)
         if step is None:
             return q
         q = _sum(q, step)
     return q
-
-
-def _moved(q: Six, qd: Six, time_s: float) -> Six:
-    return _sum(q, qd, time_s)
 
 
 def _sum(one: Sequence[float], other: Sequence[float], factor: float = 1.0) -> Six:

@@ -1,7 +1,7 @@
-"""How a conveyor carries the tool: along a straight line, or about the axis of a turntable.
+"""Motion of the tool with a conveyor: along a straight line, or about the axis of a turntable.
 
-A *way* of the conveyor (m, or rad of a turntable) moves a pose that was commanded as if the conveyor stood still to
-where the part has gone in the meantime. Poses and twists are those of the TCP in the base frame.
+A *way* of the conveyor (m, or rad of a turntable) carries a pose, commanded for a conveyor at rest, along with the
+part. Poses and twists are those of the TCP in the base frame.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Conveyor(Protocol):
     """m or rad for a count of its encoder."""
 
     def carried(self, T_base_tcp: Transform, way: float) -> Transform:
-        """Return where a pose is after the conveyor has gone a way."""
+        """Return a pose after the conveyor has gone a way."""
 
     def carried_twist(self, twist: Six, T_base_carried: Transform, way: float, speed: float) -> Six:
         """Return the twist of a pose that moves with `twist` relative to the conveyor, which itself has a speed.
@@ -34,16 +34,16 @@ class Conveyor(Protocol):
         """
 
     def lever(self, T_base_tcp: Transform, equivalent_radius_m: float) -> float:
-        """Return what a unit of way moves the tool, m.
+        """Return the way of the tool, m, for a unit of way of the conveyor.
 
         Args:
-            T_base_tcp: where the tool is.
-            equivalent_radius_m: what a radian of rotation counts for, m.
+            T_base_tcp: pose of the tool.
+            equivalent_radius_m: way that a radian of rotation counts for, m.
         """
 
 
 class StraightConveyor:
-    """A belt.
+    """A belt. A `Conveyor`.
 
     Args:
         direction: of travel, base frame; its length does not count.
@@ -59,24 +59,21 @@ class StraightConveyor:
         self.way_per_count = 1.0 / counts_per_m
 
     def carried(self, T_base_tcp: Transform, way: float) -> Transform:
-        """Return where a pose is after the conveyor has gone a way."""
         r11, r12, r13, r21, r22, r23, r31, r32, r33, x, y, z = T_base_tcp
         u, v, w = self._direction
         return r11, r12, r13, r21, r22, r23, r31, r32, r33, x + way * u, y + way * v, z + way * w
 
     def carried_twist(self, twist: Six, T_base_carried: Transform, way: float, speed: float) -> Six:
-        """Return the twist of a pose that moves relative to the conveyor."""
         vx, vy, vz, wx, wy, wz = twist
         u, v, w = self._direction
         return vx + speed * u, vy + speed * v, vz + speed * w, wx, wy, wz
 
     def lever(self, T_base_tcp: Transform, equivalent_radius_m: float) -> float:
-        """Return what a unit of way moves the tool, m."""
         return 1.0
 
 
 class Turntable:
-    """A conveyor that turns about the z axis of its centre's frame.
+    """A conveyor that turns about the z axis of its centre's frame. A `Conveyor`.
 
     Args:
         center: pose of the centre, base frame; positive counts turn about its z axis by the right-hand rule.
@@ -94,7 +91,6 @@ class Turntable:
         self.way_per_count = 2.0 * pi / counts_per_turn
 
     def carried(self, T_base_tcp: Transform, way: float) -> Transform:
-        """Return where a pose is after the conveyor has gone a way."""
         kx, ky, kz = self._axis
         R = rotation_from_rotvec((kx * way, ky * way, kz * way))
         dx, dy, dz = rotate(R, self._arm_of(position_of(T_base_tcp)))
@@ -103,7 +99,6 @@ class Turntable:
         return (*(multiply(R, rotation) if self._turns_tool else rotation), cx + dx, cy + dy, cz + dz)
 
     def carried_twist(self, twist: Six, T_base_carried: Transform, way: float, speed: float) -> Six:
-        """Return the twist of a pose that moves relative to the conveyor."""
         kx, ky, kz = self._axis
         R = rotation_from_rotvec((kx * way, ky * way, kz * way))
         vx, vy, vz = rotate(R, twist[:3])
@@ -122,7 +117,7 @@ class Turntable:
         )
 
     def lever(self, T_base_tcp: Transform, equivalent_radius_m: float) -> float:
-        """Return what a unit of way moves the tool, m: its distance from the axis, or the rotation if that is more."""
+        """See `Conveyor.lever`: the distance from the axis, or the rotation if that is more."""
         kx, ky, kz = self._axis
         dx, dy, dz = self._arm_of(position_of(T_base_tcp))
         distance = hypot(ky * dz - kz * dy, kz * dx - kx * dz, kx * dy - ky * dx)

@@ -1,7 +1,7 @@
-"""Path offsets: in which frame they count, how they are smoothed, and how the arm follows them.
+"""Laws of path offsets: frames, smoothing, and how the arm follows them.
 
-A *deviation* is where the TCP is beside its nominal pose: a translation and a rotation along and about the axes of the
-base frame, as a transform, so that `compliance.after_way` applies it. All laws here are *assumed*, after those of
+A *deviation* is the difference of the TCP from its nominal pose: a translation and a rotation along and about the axes
+of the base frame, as a transform, so that `compliance.after_way` applies it. All laws are *assumed*, after those of
 URScript, whose commands have the same names.
 """
 
@@ -11,27 +11,25 @@ from collections.abc import Sequence
 from math import hypot, sqrt
 from typing import Final, NamedTuple
 
-from elitescript.kinematics.rotations import Rotation, Vector3, multiply, rotate, transpose
+from elitescript.kinematics.rotations import Rotation, Vector3, cross, from_columns, multiply, rotate, transpose
 from elitescript.kinematics.transforms import IDENTITY, Transform, position_of, rotation_of
 from elitescript.messages.motion import Six
 from elitescript.messages.path_offset import OffsetFrame
 from elitescript.messages.timing import PERIOD_S
+from elitescript.motion.corrections.admittance import TRAVEL_MIN
 from elitescript.motion.corrections.compliance import after_way, way_between
 
-TRAVEL_MIN: Final = 1e-6
-"""A TCP that is slower than this, m/s, has no direction of travel."""
-
 _PARALLEL: Final = 1e-3
-"""Sine of the angle between path and tool axis below which they say nothing about the direction across."""
+"""Sine of the angle between path and tool axis below which they define no direction across."""
 
 _ARRIVED: Final = 1e-9
-"""m and rad: a filter that has come so near has arrived."""
+"""Distance, m and rad, at which a filter has arrived."""
 
 SHARE: Final = 0.5
 """Share of the joints' speed and acceleration that a lagging offset may use; the rest is for the move itself."""
 
 BRAKING_SHARE: Final = 0.35
-"""Share of the acceleration with which making up for a lag is planned to end, so that there is some to spare."""
+"""Share of the acceleration for braking at the end of a lag, below `SHARE` as a reserve."""
 
 
 def travel_axes(velocity: Sequence[float], T_base_tcp: Transform, before: Rotation | None) -> Rotation:
@@ -39,8 +37,8 @@ def travel_axes(velocity: Sequence[float], T_base_tcp: Transform, before: Rotati
 
     Args:
         velocity: of the TCP on its nominal path, m/s, base frame.
-        T_base_tcp: where the TCP is on it.
-        before: the axes until now, which stay where the arm stands, turns on the spot or moves along the tool's z
+        T_base_tcp: pose of the TCP on it.
+        before: the axes until now, which stay while the arm stands, turns on the spot or moves along the tool's z
             axis; None takes the tool's x axis for the direction of travel then.
     """
     tool = rotation_of(T_base_tcp)
@@ -49,20 +47,20 @@ def travel_axes(velocity: Sequence[float], T_base_tcp: Transform, before: Rotati
     if speed >= TRAVEL_MIN:
         vx, vy, vz = velocity
         x: Vector3 = (vx / speed, vy / speed, vz / speed)
-        across = _cross(x, z_tool)
+        across = cross(x, z_tool)
         width = hypot(*across)
         if width > _PARALLEL:
             y: Vector3 = (across[0] / width, across[1] / width, across[2] / width)
-            return _from_columns(x, y, _cross(x, y))
+            return from_columns(x, y, cross(x, y))
     if before is not None:
         return before
     x = (tool[0], tool[3], tool[6])
-    y = _cross(x, z_tool)
-    return _from_columns(x, y, _cross(x, y))
+    y = cross(x, z_tool)
+    return from_columns(x, y, cross(x, y))
 
 
 def in_base(axes: Rotation, offset: Transform) -> Transform:
-    """Return the deviation that an offset along and about axes is."""
+    """Return the deviation of an offset along and about axes."""
     if offset == IDENTITY:
         return IDENTITY
     return (
@@ -72,12 +70,12 @@ def in_base(axes: Rotation, offset: Transform) -> Transform:
 
 
 def along_axes(axes: Rotation, deviation: Transform) -> Transform:
-    """Return the offset along and about axes that a deviation is."""
+    """Return the offset along and about axes of a deviation."""
     return in_base(transpose(axes), deviation)
 
 
 def smoothed(present: Transform, wanted: Transform, alpha: float) -> Transform:
-    """Return the offset of the next period: a share of the way to the wanted one further."""
+    """Return the offset of the next period, a share of the way nearer to the wanted one."""
     way = way_between(present, wanted)
     if alpha == 1.0 or max(map(abs, way)) < _ARRIVED:
         return wanted
@@ -86,14 +84,14 @@ def smoothed(present: Transform, wanted: Transform, alpha: float) -> Transform:
 
 
 class FollowingRate(NamedTuple):
-    """How much faster the arm gets along a lag, for a unit of it: 1/s and 1/s^2."""
+    """Bounds of speed and acceleration along a lag, per unit of it: 1/s and 1/s^2."""
 
     speed: float
     acceleration: float
 
 
 def pace(lag_qd: Six, qd_max: Six, qdd_max: Six) -> FollowingRate:
-    """Return how quickly joints may make up for a lag.
+    """Return the bounds with which joints may make up for a lag.
 
     Args:
         lag_qd: how far each joint has to turn for it, rad.
@@ -110,8 +108,7 @@ def pace(lag_qd: Six, qd_max: Six, qdd_max: Six) -> FollowingRate:
 def closing_rate(limits: FollowingRate) -> float | None:
     """Return the share of a lag to make up for in a second, so that it ends at rest; None for all of it in one period.
 
-    It is the discrete form of braking with a constant deceleration: the speed from which the rest of the way can
-    just be braked, one period at a time.
+    It is the discrete form of braking with a constant deceleration.
     """
     a = limits.acceleration * PERIOD_S * PERIOD_S
     if a >= 1.0 and limits.speed * PERIOD_S >= 1.0:
@@ -154,11 +151,3 @@ def axes_of(frame: OffsetFrame, T_base_tcp: Transform, motion: Rotation) -> Rota
     if frame is OffsetFrame.BASE:
         return rotation_of(IDENTITY)
     return rotation_of(T_base_tcp) if frame is OffsetFrame.TCP else motion
-
-
-def _cross(a: Vector3, b: Vector3) -> Vector3:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def _from_columns(x: Vector3, y: Vector3, z: Vector3) -> Rotation:
-    return x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]

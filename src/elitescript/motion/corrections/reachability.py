@@ -1,6 +1,6 @@
-"""Whether the arm can reach the next target of a correction, and stop after it.
+"""Checks that the arm can reach the next target of a correction, and stop after it.
 
-The nominal motion is planned so that it can; beside it the joints may have to be quicker, or the path may end.
+The nominal motion is planned so that it can; with a correction the joints may have to be faster, or the path may end.
 """
 
 from __future__ import annotations
@@ -15,25 +15,24 @@ from elitescript.motion.streaming.twist import ToolMotion, singular_obstacle
 
 _ROUNDING: Final = 1.0 + 1e-9
 
-
 TOO_QUICK: Final = "R118"
 """Code of an obstacle that less speed would avoid."""
 
 
 class Passage(NamedTuple):
-    """What stays the same from one period to the next."""
+    """Constants of a correction."""
 
     tool: ToolMotion
     what: str
-    """Name of the correction, for people."""
+    """Name of the correction, for messages."""
     beside: str
-    """How it leads past a singularity that the nominal motion passes through."""
+    """Words for its way past a singularity that the nominal motion passes through."""
     jump_share: float = 0.25
     """Greatest difference between the way of a joint and the mean of its speeds, in accelerations times the squared
     period; 0.25 is what a change of the acceleration within a period makes, at most."""
 
     def obstacle(self, before: Setpoint, target: Setpoint) -> Obstacle | None:
-        """Return why the arm cannot go on to a target, one period after a state; None if it can."""
+        """Return the obstacle to a target one period after a state; None if there is none."""
         tool = self.tool
         limits = tool.limits
         for joint, (q, q_before, w, w_before) in enumerate(zip(target.q, before.q, target.qd, before.qd, strict=True)):

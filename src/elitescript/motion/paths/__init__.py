@@ -1,1 +1,1 @@
-"""Geometry: where the arm goes, over the length of a path."""
+"""Geometry of paths, over the path position."""

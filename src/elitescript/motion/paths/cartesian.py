@@ -7,7 +7,7 @@ that point to the flange (Rodrigues' formula),
     Exp(phi k) x = k (k.x) + cos(phi) (x - k (k.x)) + sin(phi) (k x x)
 
 The three vectors on the right are computed once, so that a pose costs one sine and one cosine.
-Paths give the pose of the flange, which is what the inverse kinematics wants.
+Paths give the pose of the flange, for the inverse kinematics.
 
 The path position is measured in metres along the way of the TCP. A pure rotation is measured in
 radians (documented for speed and acceleration: they then are rad/s and rad/s^2).
@@ -24,6 +24,7 @@ from elitescript.errors import MotionError
 from elitescript.kinematics.rotations import (
     Rotation,
     Vector3,
+    cross,
     multiply,
     rotate,
     rotation_from_rotvec,
@@ -32,6 +33,7 @@ from elitescript.kinematics.rotations import (
 )
 from elitescript.kinematics.transforms import Transform, position_of, rotation_of
 from elitescript.messages.motion import Six
+from elitescript.motion.segment import AnyPath
 
 ROTATION_LEADS_BELOW: Final = 1e-3
 """A move is a pure rotation when its translation is shorter than this share of the rotation
@@ -46,20 +48,8 @@ ARC_HEIGHT_MIN_M: Final = 1e-6
 decimals can tell; they have no circle."""
 
 
-class FlangePath(Protocol):
+class FlangePath(AnyPath, Protocol):
     """Pose of the flange over a path position: a line, an arc, or the corner of a blend."""
-
-    @property
-    def kind(self) -> str:
-        """`line`, `arc` or `blend`."""
-
-    @property
-    def unit(self) -> str:
-        """Unit of the path position."""
-
-    @property
-    def length(self) -> float:
-        """Path position at the end."""
 
     @property
     def way(self) -> float:
@@ -72,10 +62,6 @@ class FlangePath(Protocol):
     @property
     def turn(self) -> float:
         """Angle by which the tool turns, rad."""
-
-    @property
-    def T_base_tcp_end(self) -> Transform:
-        """TCP pose at the end."""
 
     @property
     def tool_rates(self) -> tuple[float, float]:
@@ -92,7 +78,7 @@ class FlangePath(Protocol):
 
 
 class CartesianPath(ABC):
-    """Pose of the flange over the path position; immutable. Made by `line` and `arc`."""
+    """Pose of the flange over the path position; immutable. A `FlangePath`, made by `line` and `arc`."""
 
     __slots__ = (
         "T_base_tcp_end",
@@ -151,17 +137,14 @@ class CartesianPath(ABC):
 
     @property
     def tool_rates(self) -> tuple[float, float]:
-        """Way (m) and rotation (rad) of the tool per unit of path position."""
         return (1.0 if self.unit == "m" else 0.0), self._turn_rate
 
     @property
     def way(self) -> float:
-        """Way of the TCP over the path, m; 0 for a pure rotation."""
         return self.length if self.unit == "m" else 0.0
 
     @property
     def sweep(self) -> float:
-        """Largest angle, rad, by which tool or direction of travel turns over the path."""
         return self.turn
 
     @property
@@ -170,7 +153,6 @@ class CartesianPath(ABC):
         return _scaled(self._axis, self._turn_rate)
 
     def place(self, s: float) -> str:
-        """Return in words where on the move a path position is."""
         if s <= 0.0:
             return "at the start"
         what = "rotation" if self.unit == "rad" else self.kind
@@ -187,7 +169,6 @@ class CartesianPath(ABC):
         """Return the derivative of the guided point by the path position."""
 
     def flange(self, s: float) -> Transform:
-        """Return `T_base_flange` at a path position."""
         x, y, z = self.point(s)
         if self._turn_rate == 0.0:
             lever_x, lever_y, lever_z = self._lever
@@ -202,7 +183,6 @@ class CartesianPath(ABC):
         return r11, r12, r13, r21, r22, r23, r31, r32, r33, x + lever_x, y + lever_y, z + lever_z
 
     def flange_slope(self, s: float, T_base_flange: Transform) -> Six:
-        """Return the twist of the flange per unit of path position, given its pose there."""
         vx, vy, vz = self.point_slope(s)
         rate = self._turn_rate
         if rate == 0.0:
@@ -277,7 +257,7 @@ class ArcPath(CartesianPath):
         self._centre = centre
         first = (0.0, 0.0, 0.0) if is_orientation_fixed else _difference(start, centre)
         self._first = first
-        self._second = _cross(normal, first)
+        self._second = cross(normal, first)
 
     @property
     def sweep(self) -> float:
@@ -359,7 +339,7 @@ def arc(
                 unit="m",
                 hint=hint,
             )
-    area_normal = _cross(to_via, to_end)
+    area_normal = cross(to_via, to_end)
     twice_area = hypot(*area_normal)
     height = twice_area / max(sides)
     if height < ARC_HEIGHT_MIN_M:
@@ -376,15 +356,15 @@ def arc(
     # The centre seen from the start (circumcentre of a triangle in space).
     to_centre = _scaled(
         _difference(
-            _scaled(_cross(to_end, area_normal), sides[0] ** 2),
-            _scaled(_cross(to_via, area_normal), sides[2] ** 2),
+            _scaled(cross(to_end, area_normal), sides[0] ** 2),
+            _scaled(cross(to_via, area_normal), sides[2] ** 2),
         ),
         0.5 / twice_area**2,
     )
     centre = _sum(start, to_centre)
     radius = hypot(*to_centre)
     first = _scaled(to_centre, -1.0)
-    second = _cross(normal, first)
+    second = cross(normal, first)
     last = _difference(end, centre)
     # About this normal the points follow one another counterclockwise, so the arc passes the via point.
     angle = atan2(_dot(last, second), _dot(last, first))
@@ -419,15 +399,11 @@ def _turning_parts(axis: Vector3, x: Sequence[float]) -> tuple[Vector3, Vector3,
     """Return the parts of a vector that stay, and that go with cosine and sine of the angle."""
     vector = (x[0], x[1], x[2])
     along = _scaled(axis, _dot(axis, vector))
-    return along, _difference(vector, along), _cross(axis, vector)
+    return along, _difference(vector, along), cross(axis, vector)
 
 
 def _dot(a: Vector3, b: Vector3) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: Vector3, b: Vector3) -> Vector3:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def _sum(a: Vector3, b: Vector3) -> Vector3:

@@ -1,7 +1,7 @@
-"""The way round a corner: leave one path while joining the next, as a path of its own.
+"""The path round a corner, which leaves one path while joining the next.
 
 Over the parameter f from 0 to 1 the last stretch d1 of the first path and the first stretch d2 of the second are
-laid over one another,
+superposed,
 
     X(f) = A(L - d1 (1 - f)^2) + B(d2 f^2) - W
 
@@ -95,7 +95,6 @@ class Corner:
 
     @property
     def sweep(self) -> float:
-        """Angle by which the tool turns, rad, at most."""
         return self.turn
 
     @property
@@ -110,16 +109,13 @@ class Corner:
         return max(begin * one[0], end * other[0]), max(begin * one[1], end * other[1])
 
     def place(self, s: float) -> str:
-        """Return in words where a path position is."""
         return "in the blend from the start of the move on"
 
     def flange(self, s: float) -> Transform:
-        """Return `T_base_flange` at a path position."""
         T_first, T_second = self._both(s)
         return self._joined(T_first, T_second)
 
     def flange_slope(self, s: float, T_base_flange: Transform) -> Six:
-        """Return the twist of the flange per unit of path position."""
         f = s / self.length
         rate_first = 2.0 * self._d1 * (1.0 - f) / self.length
         rate_second = 2.0 * self._d2 * f / self.length
@@ -226,7 +222,6 @@ class JointCorner:
         return self._arm.forward_tcp(self.q_end, self._T_flange_tcp)
 
     def q(self, s: float) -> Six:
-        """Return the joint angles at a time of the blend, rad."""
         f = s / self.length
         first, left = self._first, 1.0 - f
         q_first, q_second = first.q(first.length - self._d1 * left * left), self._second.q(self._d2 * f * f)
@@ -234,7 +229,6 @@ class JointCorner:
         return q1, q2, q3, q4, q5, q6
 
     def q_and_slope(self, s: float) -> tuple[Six, Six]:
-        """Return the joint angles, rad, and their speeds, rad/s."""
         f = s / self.length
         first, left = self._first, 1.0 - f
         q_first, slope_first = first.q_and_slope(first.length - self._d1 * left * left)
@@ -247,7 +241,6 @@ class JointCorner:
         return (q1, q2, q3, q4, q5, q6), (w1, w2, w3, w4, w5, w6)
 
     def tool_rates(self, s: float) -> tuple[float, float]:
-        """Return the speed (m/s) and angular speed (rad/s) of the tool."""
         q, qd = self.q_and_slope(s)
         vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, q, qd, self._T_flange_tcp)
         return hypot(vx, vy, vz), hypot(wx, wy, wz)

@@ -11,13 +11,16 @@ from elitescript.messages.motion import Six
 
 
 class JointLine:
-    """All joints in proportion, measured by the leading joint; immutable.
+    """All joints in proportion, measured by the leading joint; immutable. A `JointPath`.
 
-    The leading joint is the one with the largest displacement, the first of them if several
-    have it. The path position is the angle, rad, that it has covered.
+    The leading joint is the first one with the largest displacement. The path position is the angle, rad, that it has
+    covered.
+
+    Attributes:
+        slope: displacement of each joint against that of the leading joint, in [-1, 1].
     """
 
-    __slots__ = ("_T_flange_tcp", "_arm", "_slope", "length", "q_end", "q_start")
+    __slots__ = ("_T_flange_tcp", "_arm", "length", "q_end", "q_start", "slope")
 
     kind = "joint"
     unit = "rad"
@@ -30,12 +33,7 @@ class JointLine:
         displacement = [end - start for start, end in zip(q_start, q_end, strict=True)]
         self.length = max(map(abs, displacement))
         d1, d2, d3, d4, d5, d6 = [d / self.length if self.length else 0.0 for d in displacement]
-        self._slope = (d1, d2, d3, d4, d5, d6)
-
-    @property
-    def slope(self) -> Six:
-        """Displacement of each joint against that of the leading joint, in [-1, 1]."""
-        return self._slope
+        self.slope: Six = (d1, d2, d3, d4, d5, d6)
 
     @property
     def T_base_tcp_end(self) -> Transform:
@@ -47,12 +45,12 @@ class JointLine:
         if s >= self.length:
             return self.q_end
         q1, q2, q3, q4, q5, q6 = self.q_start
-        d1, d2, d3, d4, d5, d6 = self._slope
+        d1, d2, d3, d4, d5, d6 = self.slope
         return q1 + s * d1, q2 + s * d2, q3 + s * d3, q4 + s * d4, q5 + s * d5, q6 + s * d6
 
     def q_and_slope(self, s: float) -> tuple[Six, Six]:
-        return self.q(s), self._slope
+        return self.q(s), self.slope
 
     def tool_rates(self, s: float) -> tuple[float, float]:
-        vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, self.q(s), self._slope, self._T_flange_tcp)
+        vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, self.q(s), self.slope, self._T_flange_tcp)
         return hypot(vx, vy, vz), hypot(wx, wy, wz)

@@ -1,18 +1,17 @@
-"""A chain of straight lines with rounded corners that grows while the arm moves along it: `movep`.
+"""Chains of straight lines with rounded corners that grow while the arm moves along them: `movep`.
 
 The path position is the length of the polyline itself. Within d of a corner the path is the parabola that touches
-both lines (`corner`); it takes 2 d of path position, just what it replaces, so that position and slope go on without
-a jump whatever the time law does. With u1 and u2 the directions before and behind, the path bends there by
-|u2 - u1| / (2 d) per unit of path position.
+both lines (`corner`); it takes 2 d of path position, as much as it replaces, so that position and slope are continuous
+under any time law. With u1 and u2 the directions before and behind, the path bends there by |u2 - u1| / (2 d) per unit
+of path position.
 
-d is the blend radius, or if that is less, what keeps the speed at the corner, as long as the path passes the corner
+d is the larger of the blend radius and the d that keeps the speed at the corner, as long as the path passes the corner
 within `DEVIATION_M`; and never more than half of either line.
 
-The time law: in every interval of the path the speed squared x has a bound, which commanded speed, bending and joint
-limits set, and the acceleration along the path has one, so that both together keep the limits. A pass from the end of
-what is known backwards makes sure that the arm can always stop there; a pass forwards from where it is accelerates as
-much as is allowed. What is added later can only raise the speeds ahead. All of this is *assumed*: the command is in
-no manual.
+The time law: in every interval of the path the speed squared x has a bound, from commanded speed, bending and joint
+limits, and the acceleration along the path has one, so that both together keep the limits. A pass backwards from the
+known end ensures that the arm can always stop there; a pass forwards from its position accelerates as much as allowed.
+Later lines can only raise the speeds ahead. All of this is *assumed*: the command is in no manual.
 """
 
 from __future__ import annotations
@@ -34,37 +33,37 @@ from elitescript.motion.segment import RunningSegment
 from elitescript.motion.timing.profile import Law, TimeLaw
 
 DEVIATION_M: Final = 1e-4
-"""How far the path may pass a corner without a blend radius."""
+"""Largest distance of the path from a corner without a blend radius."""
 
 CORNER_MIN_M: Final = 2e-5
-"""Smallest d that a corner asks for."""
+"""Smallest wanted d of a corner."""
 
 CORNER_LEAST_M: Final = 1e-6
 """Smallest d of a corner, between lines that are no longer than that; below it the arm stops."""
 
 NO_BEND: Final = 1e-9
-"""Two directions that differ by less are one."""
+"""Difference below which two directions are one."""
 
 BEND_SHARE: Final = 0.8
-"""Share of the tool acceleration, and of joint accelerations, that the bending of the path may use up; the rest is for
-speeding up and braking."""
+"""Share of tool and joint accelerations that the bending of the path may use; the rest is for speeding up and
+braking."""
 
 SMOOTH_SHARE: Final = 0.2
-"""Share of the tool acceleration that bending should use up, where a larger corner can bring it so low: then nearly all
+"""Share of the tool acceleration that bending should use, where a larger corner can bring it so low: then nearly all
 of it is left for speeding up and braking on a curve of short lines."""
 
 LIMIT_SHARE: Final = 0.98
-"""Share of joint limits that is used, for what the path does between the points of its grid."""
+"""Share of joint limits that is used, as a reserve between the points of the grid."""
 
 LINKS_MAX: Final = 500
-"""Most lines that are known ahead of the arm."""
+"""Largest number of lines known ahead of the arm."""
 
 FEED_MARGIN_S: Final = 0.020
-"""How long before the arm would have to brake, or to leave the line for a corner, the next line is asked for."""
+"""Lead of the request for the next line before the arm would have to brake, or to leave the line for a corner."""
 
 
 class ChainLine(NamedTuple):
-    """One line of the chain as it was asked for and solved."""
+    """One requested line of the chain, solved."""
 
     track: JointTrack
     """The whole line, from waypoint to waypoint."""
@@ -91,9 +90,9 @@ class Interval(NamedTuple):
     a: float
     """Bound of the path acceleration, for speeding up and for braking."""
     x_start_max: float
-    """Bound of the speed squared at its start: 0 where the arm has to stop."""
+    """Bound of the speed squared at its start: 0 where the arm must stop."""
     bend: float = 0.0
-    """What the bending of the path takes of `a` for each unit of the speed squared."""
+    """Part of `a` that the bending of the path takes per unit of the speed squared."""
 
 
 class ChainStretch(NamedTuple):
@@ -109,7 +108,7 @@ class ChainStretch(NamedTuple):
 
 
 class ChainPath:
-    """The known path from somewhere behind the arm on; immutable. A `JointPath`."""
+    """The known path, from a place behind the arm on; immutable. A `JointPath`."""
 
     __slots__ = ("_starts", "length", "link_start", "links", "q_start", "stretches")
 
@@ -136,19 +135,16 @@ class ChainPath:
         return self.links[-1].track.T_base_tcp_end
 
     def q(self, s: float) -> Six:
-        """Return the joint angles at a path position, rad."""
         if s >= self.length:
             return self.q_end
         stretch = self._at(s)
         return stretch.track.q(s - stretch.start + stretch.offset)
 
     def q_and_slope(self, s: float) -> tuple[Six, Six]:
-        """Return the joint angles, rad, and their derivatives by the path position."""
         stretch = self._at(s)
         return stretch.track.q_and_slope(s - stretch.start + stretch.offset)
 
     def tool_rates(self, s: float) -> tuple[float, float]:
-        """Return the way (m) and rotation (rad) of the tool per unit of path position, at most."""
         stretch = self._at(s)
         return stretch.track.tool_rates(s - stretch.start + stretch.offset)
 
@@ -157,7 +153,7 @@ class ChainPath:
 
 
 class Chained(NamedTuple):
-    """A chain as it is known at a moment."""
+    """A chain as known at a moment."""
 
     segment: RunningSegment
     path: ChainPath
@@ -216,7 +212,7 @@ def extended(
         if profile is not None:
             return _chained(path, profile)
         if not has_corner:
-            # The arm cannot be too fast to stop where it was to stop all the time, except by rounding.
+            # The arm was to stop here before, so it is too fast for it only by rounding.
             profile = _profile(path, position, speed * speed, is_checked=False)
             assert profile is not None
             return _chained(path, profile)
@@ -226,7 +222,7 @@ def extended(
 def _chained(path: ChainPath, profile: TimeLaw) -> Chained:
     last = path.links[-1]
     v, a, _ = last.law
-    # The largest corner that the next line can ask for, whatever its direction; or the way to brake from full speed.
+    # The largest corner to a next line of any direction; or the way to brake from full speed.
     largest = max(last.r, sqrt(4.0 * DEVIATION_M * v * v / (2.0 * SMOOTH_SHARE * a)))
     reserve = max(min(0.5 * last.track.length, largest), 0.5 * v * v / a)
     feed_s = min(profile.last_brake_s, profile.time_at(path.length - reserve)) - FEED_MARGIN_S
@@ -247,7 +243,7 @@ def _bend(last: ChainLine, link: ChainLine, equivalent_radius_m: float) -> float
 
 
 def _corner_size(last: ChainLine, link: ChainLine, bend: float) -> float:
-    """Return the d that is wanted at a corner."""
+    """Return the wanted d of a corner."""
     if bend < NO_BEND or bend == inf:
         return 0.0
     v, a = min(last.law.v, link.law.v), min(last.law.a, link.law.a)
@@ -269,7 +265,7 @@ def _straight(link: ChainLine, start: float, begin: float, end: float, stops_at_
 
 
 def _cut(stretch: ChainStretch, end: float) -> tuple[ChainStretch, ...]:
-    """Return what is left of a stretch that now ends sooner; nothing when nothing is left."""
+    """Return the rest of a stretch that now ends sooner; none when nothing is left."""
     if end - stretch.start <= _ROUNDING_M:
         return ()
     intervals = [

@@ -6,8 +6,8 @@ point at its time. The second derivatives M at the points solve
     M_(k-1) + 4 M_k + M_(k+1) = 6 (q_(k-1) - 2 q_k + q_(k+1)) / h^2
 
 with prescribed speeds at both ends (de Boor, A Practical Guide to Splines, chapter IV). Inside an interval the
-acceleration is linear, so it is largest at a point, and the speed is a parabola: what a joint is asked for at most
-is known exactly.
+acceleration is linear, so it is largest at a point, and the speed is a parabola: the largest speed and acceleration of
+a joint are known exactly.
 """
 
 from __future__ import annotations
@@ -19,11 +19,10 @@ from typing import Final
 from elitescript.messages.motion import Six
 
 REST_SPEED: Final = 1e-3
-"""A joint that begins or ends slower than this begins or ends at rest, rad/s. Numbers of six decimals every 2 ms say
-no more."""
+"""Speed, rad/s, below which a joint begins or ends at rest: the resolution of six decimals every 2 ms."""
 
 REST_SHARE: Final = 0.25
-"""So does one whose speed, extrapolated to the end, is below this share of that in the first interval, or reversed."""
+"""Share of the speed in the first interval below which the speed extrapolated to the end is rest, also if reversed."""
 
 
 class JointSpline:
@@ -92,18 +91,18 @@ class JointSpline:
         return _top_speed(mean, ma, mb, h), max(abs(ma), abs(mb))
 
     def excess(self, speed_max: Six, acceleration_max: Six) -> dict[int, tuple[int, float, float]]:
-        """Return what intervals ask of the joints beyond some limits.
+        """Return the intervals in which joints exceed limits.
 
         Returns:
-            For each such interval the joint that is worst, and how many times its speed and its acceleration are too
-            high, of which one may be below 1.
+            For each such interval the worst joint, and the ratios of its speed and of its acceleration to their limits,
+            of which one may be below 1.
         """
         h = self.interval_s
         found: dict[int, tuple[int, float, float]] = {}
         for joint in range(6):
             column, m = self.columns[joint], self.seconds[joint]
             top, a_top = speed_max[joint], acceleration_max[joint]
-            # The cheap test first: with it most files are through.
+            # The cheap test first: it is enough for most files.
             largest = max(max(m), -min(m))
             room = h * (top - 0.75 * h * largest)
             q_a, m_a = column[0], m[0]

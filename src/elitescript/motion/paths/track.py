@@ -1,10 +1,10 @@
-"""The joints along a Cartesian path: checked when planned, exact when sampled.
+"""Joint angles along a Cartesian path: checked when planned, exact when sampled.
 
 The branch of the inverse kinematics is fixed at the start of a move; it could only change
 through a singularity. The path is solved on a grid that is refined where the joints bend, so
 that reach, joint ranges, singularities and the speeds of the joints are known before the arm
-moves. The grid also tells which full turn a joint is on; a sample in between is solved afresh
-from its pose and lands exactly on the path, whatever was sampled before.
+moves. The grid also holds the full turn of each joint; a sample in between is solved from its
+pose alone and is exactly on the path.
 
 With h the width of a grid interval and q' the derivative of a joint by the path position, the
 difference of the step from the trapezoidal rule, e = |dq - h (q'_a + q'_b) / 2|, is h^3 q''' / 12:
@@ -24,28 +24,21 @@ from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_
 from elitescript.kinematics.jacobian import joint_speeds, singularity
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
+from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error, unwrapped
 from elitescript.motion.paths.cartesian import FlangePath
-from elitescript.motion.refusals import (
-    JUMP_RAD,
-    RANGE_HINT,
-    jump,
-    leaves_reach,
-    out_of_range,
-    out_of_reach,
-    singular,
-)
+from elitescript.motion.refusals import JUMP_RAD, RANGE_HINT, jump, leaves_reach, out_of_range, out_of_reach, singular
 
 INTERVAL_M: Final = 0.05
-"""Widest interval of the first grid. Limits of reach and of joints have no finer structure than
-this without bending the joints, which refines the grid."""
+"""Widest interval of the first grid. Limits of reach and of joints with finer structure than this
+bend the joints, which refines the grid."""
 
 INTERVAL_RAD: Final = 0.4
 """The same for the rotation of the tool and for the angle of an arc."""
 
 INTERVAL_MIN: Final = 1e-5
-"""The grid is not refined below this (m or rad). The narrowest passage that is not refused, at
-the give-up threshold of a singularity, is fifty times as wide."""
+"""Narrowest interval of the grid (m or rad). The narrowest passage that is not refused, at the
+give-up threshold of a singularity, is fifty times as wide."""
 
 STEP_MAX_RAD: Final = 0.6
 """Largest joint step over an interval."""
@@ -71,17 +64,9 @@ RANGE_RESOLUTION_RAD: Final = 1e-7
 
 
 class JointTrack:
-    """Joint angles over the path position of a Cartesian path; immutable. Made by `follow`."""
+    """Joint angles over the path position of a Cartesian path; immutable. A `JointPath`, made by `follow`."""
 
-    __slots__ = (
-        "_branch",
-        "arm",
-        "grid_q",
-        "grid_s",
-        "grid_slope",
-        "interval_ratios",
-        "path",
-    )
+    __slots__ = ("_branch", "arm", "grid_q", "grid_s", "grid_slope", "interval_ratios", "path")
 
     def __init__(
         self,
@@ -98,7 +83,7 @@ class JointTrack:
         Args:
             arm: the arm.
             branch: its branch throughout.
-            path: what the flange follows.
+            path: of the flange.
             grid_s: path positions of the grid, rising.
             grid_q: joint angles there, unwrapped, rad.
             grid_slope: their derivatives by the path position.
@@ -138,7 +123,6 @@ class JointTrack:
         return self.path.T_base_tcp_end
 
     def q(self, s: float) -> Six:
-        """Return the joint angles at a path position, rad."""
         if s <= 0.0:
             return self.grid_q[0]
         if s >= self.path.length:
@@ -146,7 +130,6 @@ class JointTrack:
         return self._solved(s, self.path.flange(s))
 
     def q_and_slope(self, s: float) -> tuple[Six, Six]:
-        """Return the joint angles, rad, and their derivatives by the path position."""
         if s <= 0.0:
             return self.grid_q[0], self.grid_slope[0]
         if s >= self.path.length:
@@ -159,7 +142,6 @@ class JointTrack:
         return q, slope
 
     def tool_rates(self, s: float) -> tuple[float, float]:
-        """Return the way (m) and rotation (rad) of the tool per unit of path position."""
         return self.path.tool_rates
 
     def _solved(self, s: float, T_base_flange: Transform) -> Six:
@@ -180,8 +162,8 @@ def follow(
         limits: its limits.
         path: starts at the flange pose of q_start.
         q_start: joint angles at the start.
-        speed: path speed that is wanted; the grid is finer where joints are near their limits then.
-        acceleration: path acceleration that is wanted.
+        speed: wanted path speed; the grid is finer where joints are near their limits then.
+        acceleration: wanted path acceleration.
 
     Raises:
         MotionError: R110 a joint would leave its range, R111 a point is out of reach, R112 the
@@ -190,7 +172,7 @@ def follow(
     branch = branch_of(arm, q_start)
     length = path.length
     if length == 0.0:
-        return JointTrack(arm, branch, path, (0.0,), (q_start,), (_STANDSTILL,), ())
+        return JointTrack(arm, branch, path, (0.0,), (q_start,), (ZERO_SIX,), ())
     if solve_branch(arm, path.flange(length), branch) is None:
         end_reason = reason_unreachable(arm, path.flange(length))
         if end_reason:
@@ -239,14 +221,11 @@ def follow(
     return JointTrack(arm, branch, path, grid_s, grid_q, grid_slope, ratios)
 
 
-_STANDSTILL: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
 class _Interval(NamedTuple):
-    """What two neighbouring grid points tell about the way between them."""
+    """Bounds on the way between two neighbouring grid points."""
 
     is_coarse: bool
-    """It may hide something: put a point in the middle."""
+    """Whether the bounds are too wide, so that a point in the middle is needed."""
     widest: float
     """Largest joint step, rad."""
     speed_ratio: float
@@ -267,7 +246,7 @@ def _weighed(
     speed: float,
     acceleration: float,
 ) -> _Interval:
-    """Return what an interval of width h hides and asks of the joints, taking them as cubics.
+    """Return the bounds of an interval of width h, with the joints as cubics.
 
     The cubic through angles and slopes of both ends has |q'| <= max(|q'_a|, |q'_b|) + 1.5 e / h and
     |q''| <= (6 e / h + |q'_b - q'_a|) / h. `joint_limits` holds qd_max, qdd_max, q_min, q_max of each joint.

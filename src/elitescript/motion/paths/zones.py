@@ -1,7 +1,7 @@
-"""Where a blend begins: the place at which the TCP enters the sphere of radius r about the waypoint for the last time.
+"""Begin of a blend: the place at which the TCP enters the sphere of radius r about the waypoint for the last time.
 
-A blend takes at most half of a move. What a blend at the start and one at the end ask for then never overlaps, and a
-move has done with gaining speed before it begins to leave its path.
+A blend takes at most half of a move, so that the blends at its start and at its end never overlap, and a move has
+reached its speed before it leaves its path.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from elitescript.motion.paths.cartesian import ArcPath, LinePath
 from elitescript.motion.paths.track import JointTrack
 from elitescript.motion.segment import JointPath
 
-LOOKS: Final = 16
-"""Places of half a joint move at which the distance from the waypoint is looked at."""
+SAMPLES: Final = 16
+"""Places of half a joint move at which the distance from the waypoint is computed."""
 
 HALVINGS: Final = 30
 
@@ -32,7 +32,7 @@ class Zone(NamedTuple):
     radius: float
     """Distance of the TCP from the waypoint there, m."""
     is_shortened: bool
-    """Whether the radius that was asked for reaches back further than half of the move."""
+    """Whether the requested radius reaches back further than half of the move."""
 
 
 def zone_before(path: JointPath, r: float, arm: Arm, T_flange_tcp: Transform) -> Zone:
@@ -58,7 +58,7 @@ def zone_before(path: JointPath, r: float, arm: Arm, T_flange_tcp: Transform) ->
 
 
 def way_within(path: JointPath, r: float, arm: Arm, T_flange_tcp: Transform) -> float:
-    """Return how far a path can be followed from its start until the TCP is r, m, away; at most half of it."""
+    """Return the length of path from the start until the TCP is r, m, away; at most half of it."""
     half = BLEND_SHARE * path.length
     near = _near(path, r)
     if near is None:
@@ -68,7 +68,7 @@ def way_within(path: JointPath, r: float, arm: Arm, T_flange_tcp: Transform) -> 
 
 
 def _near(path: JointPath, r: float) -> float | None:
-    """Return the length of path that spans a chord r, from either end; None where only looking helps."""
+    """Return the length of path that spans a chord r, from either end; None without a closed form."""
     if isinstance(path, JointTrack):
         way = path.path
         if isinstance(way, LinePath):
@@ -81,8 +81,8 @@ def _near(path: JointPath, r: float) -> float | None:
 def _walked(distance: Callable[[float], float], r: float, half: float) -> float:
     """Return the first way, up to half, at which a distance reaches r."""
     inside = 0.0
-    for look in range(1, LOOKS + 1):
-        outside = half * look / LOOKS
+    for sample in range(1, SAMPLES + 1):
+        outside = half * sample / SAMPLES
         if distance(outside) > r:
             break
         inside = outside

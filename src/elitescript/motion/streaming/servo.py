@@ -1,10 +1,9 @@
-"""The arm behind a stream of joint targets: `servoj`, one control period at a time.
+"""Follows a stream of joint targets: `servoj`, one control period at a time.
 
 The law, *assumed* in all its parts (the manual says: mean filter and splines within the look-ahead time):
 
-1. The stream goes in a straight line from where it is to each new target within that target's control time, and
-   then holds.
-2. The mean of the stream over the look-ahead time is what the arm is to follow.
+1. The stream goes in a straight line to each new target within that target's control time, and then holds.
+2. The arm follows the mean of the stream over the look-ahead time.
 3. A joint that is e behind it goes there at the speed w e, where w is a tenth of the gain, 1/s; far away at the
    speed from which it can still stop there. Behind a steady stream the arm is late by half the look-ahead time
    and 1 / w.
@@ -12,7 +11,7 @@ The law, *assumed* in all its parts (the manual says: mean filter and splines wi
    first period uses half of the acceleration, so that it holds across the change too.
 5. A pause brings the speed of rule 3 to zero; afterwards it comes back in even steps within 0.2 s.
 
-When targets stop coming, the arm comes to rest at the last one. The speed percentage does not count.
+Without further targets the arm comes to rest at the last one. The speed percentage does not apply.
 """
 
 from __future__ import annotations
@@ -21,26 +20,27 @@ from math import exp, sqrt
 from typing import Final, NamedTuple
 
 from elitescript.messages.motion import Six
+from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.streaming.speed import STANDSTILL, Obstacle, obstacle_at, range_obstacle
+from elitescript.motion.streaming.speed import Obstacle, obstacle_at, range_obstacle
 
 GAIN_PER_S: Final = 10.0
-"""Gain that stands for one 1/s."""
+"""Gain for 1/s."""
 
 APPROACH_SHARE: Final = 0.7
 """Share of the acceleration limits with which a far target is approached; the rest is for the stream's own bends."""
 
 EASE_TICKS: Final = 50.0
-"""Time, 0.2 s, in which the arm takes up the stream again after a pause."""
+"""Time, 0.2 s, in which the arm resumes the stream after a pause."""
 
 ARRIVED_RAD: Final = 1e-7
-"""A joint this near to the end of the stream is there."""
+"""Distance at which a joint has reached the end of the stream."""
 
 
 class ServoState(NamedTuple):
-    """Where the arm is and what it follows."""
+    """State of the arm and of the stream."""
 
     q: Six
     """rad"""
@@ -53,9 +53,9 @@ class ServoState(NamedTuple):
     is_limited: bool
     """Whether a joint could not follow in this period."""
     ease: float = 0.0
-    """Ticks until the arm follows as eagerly as before a pause."""
+    """Ticks until the arm follows at full gain after a pause."""
     is_taken_over: bool = False
-    """Whether another motion went on until this period."""
+    """Whether another motion lasted until this period."""
 
     def is_at(self, q_target: Six) -> bool:
         """Return whether stream and arm have arrived."""
@@ -70,8 +70,8 @@ class ServoState(NamedTuple):
 
 
 def begun(start: Setpoint) -> ServoState:
-    """Return the state from which following begins: the stream stands where the arm is."""
-    return ServoState(start.q, start.qd, (start.q,), 0, False, is_taken_over=start.qd != STANDSTILL)
+    """Return the state from which following begins: the stream is at rest at the position of the arm."""
+    return ServoState(start.q, start.qd, (start.q,), 0, False, is_taken_over=start.qd != ZERO_SIX)
 
 
 def followed(state: ServoState, q_target: Six, window: int, gain: float, limits: MotionLimits) -> ServoState | Obstacle:
@@ -79,7 +79,7 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
 
     Args:
         state: the present one.
-        q_target: where the stream goes, rad.
+        q_target: target of the stream, rad.
         window: look-ahead time in ticks, at least 1.
         gain: 100 to 2000.
         limits: limits of the arm.
@@ -95,10 +95,10 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
     rate = (1.0 - exp(-gain / GAIN_PER_S * PERIOD_S)) / PERIOD_S
     speeds = []
     is_limited = False
-    # Between two periods the acceleration of what went on before counts half.
+    # Half of the acceleration in the first period after another motion.
     share = 0.5 if state.is_taken_over else 1.0
     ease = max(0.0, state.ease - 1.0)
-    eagerness = 1.0 - ease / EASE_TICKS
+    gain_share = 1.0 - ease / EASE_TICKS
     for column, q, w, top, a_top in zip(
         zip(*stream, strict=True), state.q, state.qd, limits.qd_max, limits.qdd_max, strict=True
     ):
@@ -108,7 +108,7 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
         if abs(wanted) > top:
             wanted = top if wanted > 0.0 else -top
             is_limited = True
-        wanted *= eagerness
+        wanted *= gain_share
         change = share * a_top * PERIOD_S
         speeds.append(min(max(wanted, w - change), w + change))
     w1, w2, w3, w4, w5, w6 = speeds
@@ -120,7 +120,7 @@ def held(state: ServoState, deceleration: float, limits: MotionLimits) -> ServoS
     change = deceleration * PERIOD_S
     largest = max(map(abs, state.qd))
     if largest <= change:
-        return _next(state, state.stream, state.left, STANDSTILL, False, EASE_TICKS, limits)
+        return _next(state, state.stream, state.left, ZERO_SIX, False, EASE_TICKS, limits)
     keep = 1.0 - change / largest
     w1, w2, w3, w4, w5, w6 = state.qd
     qd = (w1 * keep, w2 * keep, w3 * keep, w4 * keep, w5 * keep, w6 * keep)

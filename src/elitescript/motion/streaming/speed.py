@@ -1,12 +1,12 @@
 """Joint speeds in closed form: `speedj`, and every braking that is not bound to a path.
 
-Each joint changes its speed linearly within its own ramp and then keeps it. From any state of the arm such a
-profile begins with that state's positions and speeds, so that neither jumps, whatever ran before.
+Each joint changes its speed linearly within its own ramp and then keeps it. A profile begins with the positions and
+speeds of any state of the arm, so that neither jumps.
 
-The ends of the joint ranges are kept by a rule that needs no look ahead: a joint at q with speed w stands at
+The ends of the joint ranges are kept by a rule without look-ahead: a joint at q with speed w stops at
 q + w |w| / (2 d) when it brakes with the deceleration d from now on. As long as that place is inside the range,
-the joint can stop inside it; `obstacle_time` says when it would leave it. That an arm brakes in front of the end
-of a range, and with which deceleration, is *assumed*.
+the joint can stop inside it; `obstacle_time` is the time at which it would leave it. That an arm brakes in front of the
+end of a range, and with which deceleration, is *assumed*.
 """
 
 from __future__ import annotations
@@ -17,13 +17,12 @@ from typing import Final, NamedTuple
 
 from elitescript.errors import MotionError
 from elitescript.messages.motion import Six
+from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits
 from elitescript.motion.segment import Setpoint
 
 RANGE_ROUNDING_RAD: Final = 1e-12
-"""A stopping place this little outside the range is rounding."""
-
-STANDSTILL: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""Distance outside the range at which a stopping place is outside by rounding."""
 
 
 class Obstacle(NamedTuple):
@@ -38,7 +37,7 @@ class Obstacle(NamedTuple):
     """Index of the joint at the end of its range; -1 for a singularity."""
 
     def error(self) -> MotionError:
-        """Return the refusal of a motion that meets the obstacle at once."""
+        """Return the refusal of a motion with the obstacle at its begin."""
         return MotionError(
             self.text,
             code=self.code,
@@ -82,7 +81,7 @@ class SpeedProfile:
 
 
 def within_speed_limits(qd: Six, limits: MotionLimits) -> Six:
-    """Return qd, rad/s, or what is left of it in the same proportion when a joint cannot turn so fast."""
+    """Return qd, rad/s, scaled down in proportion when a joint cannot turn so fast."""
     factor = min([1.0] + [top / abs(w) for w, top in zip(qd, limits.qd_max, strict=True) if w])
     if factor == 1.0:
         return qd
@@ -118,7 +117,7 @@ def braked_apart(start: Setpoint, deceleration: float, limits: MotionLimits) -> 
 
 
 def halted(start: Setpoint, obstacle: Obstacle | None, deceleration: float, limits: MotionLimits) -> SpeedProfile:
-    """Return how an arm comes to rest, rad/s^2: in front of an obstacle, or where it is asked to."""
+    """Return the profile of a stop with a deceleration, rad/s^2: in front of an obstacle, or anywhere."""
     if obstacle is not None and obstacle.joint >= 0:
         return braked_apart(start, deceleration, limits)
     return braked(start, max(map(abs, start.qd)) / deceleration, limits)
@@ -133,7 +132,7 @@ def _braked(start: Setpoint, ramp_of: Callable[[float], float], limits: MotionLi
         room = high - q if w > 0.0 else q - low
         ramps_s.append(max(0.0, min(max(ramp_of(w), abs(w) / top), 2.0 * room / abs(w))))
     a, b, c, d, e, f = ramps_s
-    return SpeedProfile(start, STANDSTILL, (a, b, c, d, e, f))
+    return SpeedProfile(start, ZERO_SIX, (a, b, c, d, e, f))
 
 
 def obstacle_at(q: Six, qd: Six, deceleration: float, limits: MotionLimits) -> int | None:
@@ -162,12 +161,12 @@ def obstacle_time(profile: SpeedProfile, deceleration: float, limits: MotionLimi
 
 
 def range_obstacle(limits: MotionLimits, joint: int, q: Six, what: str) -> Obstacle:
-    """Return the words for a joint that comes to the end of its range.
+    """Return the obstacle of a joint that reaches the end of its range.
 
     Args:
         limits: limits of the arm.
         joint: its index.
-        q: where the joints are, rad.
+        q: joint angles, rad.
         what: name of the command that moves them.
     """
     low, high = limits.q_min[joint], limits.q_max[joint]

@@ -1,13 +1,13 @@
-"""The TCP at a commanded velocity: `speedl`, one control period at a time.
+"""Moves the TCP at a commanded velocity: `speedl`, one control period at a time.
 
 The velocity of the TCP goes linearly to the wanted one, translation and rotation each with its own acceleration.
-The joints follow through the inverse Jacobian at the place where they will be; positions are the trapezoidal sums of
+The joints follow through the inverse Jacobian at their place one period ahead; positions are the trapezoidal sums of
 the speeds.
 
-Where a joint would turn faster than it can, or change its speed faster than it can, the whole velocity is lowered in
-proportion, so that the direction stays. Only where even that is not possible, which is close to a singularity, the
-joints keep their limits and the direction gives way. The arm brakes in time to stand in front of a singularity. All
-of this is *assumed*; the manual says nothing about singularities.
+Where a joint would exceed its speed or its acceleration limit, the whole velocity is lowered in proportion, so that the
+direction stays. Only where even that is not possible, close to a singularity, the joints keep their limits and the
+direction changes. The arm brakes in time to stop in front of a singularity. All of this is *assumed*; the manual does
+not mention singularities.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from elitescript.motion.streaming.speed import Obstacle, obstacle_at, range_obst
 
 
 class TwistState(NamedTuple):
-    """Where the arm is and how fast its TCP is meant to be."""
+    """State of the arm and target velocity of its TCP."""
 
     q: Six
     """rad"""
@@ -39,20 +39,20 @@ class TwistState(NamedTuple):
 
 
 class ToolMotion(NamedTuple):
-    """What stays the same from one period to the next."""
+    """Constants of a motion of the tool."""
 
     arm: Arm
     limits: MotionLimits
     T_flange_tcp: Transform
     deceleration: float
-    """With which joints brake at the end of their ranges, rad/s^2."""
+    """Of joints at the end of their ranges, rad/s^2."""
 
     def begin(self, start: Setpoint) -> TwistState:
-        """Return the state from which a motion at a velocity goes on."""
+        """Return the first state of a motion at a velocity."""
         return TwistState(*start, tcp_twist(self.arm, *start, self.T_flange_tcp), False)
 
     def within_limits(self, twist: Six) -> Six:
-        """Return a twist, or what is left of it in proportion when it is above the tool's limits."""
+        """Return a twist, scaled down in proportion when it is above the tool's limits."""
         limits = self.limits
         linear, turn = hypot(*twist[:3]), hypot(*twist[3:])
         factor = 1.0
@@ -63,7 +63,7 @@ class ToolMotion(NamedTuple):
         return twist if factor == 1.0 else _scaled(twist, factor)
 
     def next(self, state: TwistState, target: Six, a: float, a_rot: float) -> TwistState | Obstacle:
-        """Return the state one period later, or why there is none that keeps all limits.
+        """Return the state one period later, or the obstacle if none keeps all limits.
 
         Args:
             state: the present one.
@@ -110,7 +110,7 @@ class ToolMotion(NamedTuple):
         return TwistState(q, qd, twist, is_slowed)
 
     def _share_of_change(self, before: Six, after: Six) -> float:
-        """Return the share of a change of speed that no joint's acceleration limit forbids."""
+        """Return the share of a change of speed that keeps the acceleration limits of all joints."""
         share = 1.0
         for w, w_new, a_top in zip(before, after, self.limits.qdd_max, strict=True):
             change = abs(w_new - w)
@@ -119,7 +119,7 @@ class ToolMotion(NamedTuple):
         return share
 
     def singularity_met(self, q: Six, qd: Six) -> str | None:
-        """Return the singularity between a place and the one where the arm stands when it brakes there, or None."""
+        """Return the singularity between a place and the one at which the arm can stop from it, or None."""
         q_stop = _moved(q, qd, 0.5 * max(map(abs, qd)) / self.deceleration)
         here, there = self._distances(q), self._distances(q_stop)
         for name, distance, distance_stop in zip(Singularity._fields, here, there, strict=True):
@@ -128,18 +128,18 @@ class ToolMotion(NamedTuple):
         return singularity(self.arm, q_stop).blocked
 
     def _distances(self, q: Six) -> tuple[float, float, float]:
-        """Return what is zero at wrist, elbow and shoulder singularity, with its sign."""
+        """Return signed measures that are zero at wrist, elbow and shoulder singularity."""
         arm = self.arm
         _, q2, q3, q4, q5, _ = q
         return sin(q5), sin(q3), arm.a2 * cos(q2) + arm.a3 * cos(q2 + q3) + arm.d5 * sin(q2 + q3 + q4)
 
 
 def singular_obstacle(arm: Arm, q: Six, name: str, what: str) -> Obstacle:
-    """Return the words for a motion that comes too near to a singularity.
+    """Return the obstacle of a motion that comes too near to a singularity.
 
     Args:
         arm: geometry.
-        q: where the joints are, rad.
+        q: joint angles, rad.
         name: field of `Singularity`.
         what: name of the command that moves them.
     """
@@ -160,7 +160,7 @@ _ROUNDING: Final = 1.0 + 1e-9
 
 
 def _towards(twist: Six, target: Six, step: float, step_rot: float) -> Six:
-    """Return the twist moved towards its target by at most a step of each part; at last exactly the target."""
+    """Return the twist moved towards its target by at most a step of each part, in the end exactly the target."""
     vx, vy, vz = _vector_towards(twist[:3], target[:3], step)
     wx, wy, wz = _vector_towards(twist[3:], target[3:], step_rot)
     return vx, vy, vz, wx, wy, wz

@@ -1,1 +1,1 @@
-"""Time laws: how fast a path is run."""
+"""Time laws of paths."""

@@ -1,14 +1,14 @@
-"""How fast the time of a file passes: s(t), for a path that is given as joint positions over its own time s.
+"""Time law of a file, s(t), for a path of joint positions over its own time s.
 
 The rate s' is 1 wherever the joints can follow, so that the points are played at their interval. It is lower in
-three places, and never higher:
+three cases, and never higher:
 
 - where the path begins or ends with a speed, from and to 0 there;
 - in intervals in which a joint would turn faster than it can, so low that it does not;
 - in intervals in which a joint would be accelerated harder than it can, likewise.
 
 With x = s'^2 a joint has the speed q' sqrt(x) and the acceleration q' s'' + q'' x. In each interval x has a ceiling
-from the bounds of |q'| and |q''| in it; what the ceiling leaves of the acceleration limit is there to change x. A pass
+from the bounds of |q'| and |q''| in it; the rest of the acceleration limit is for changes of x. A pass
 backwards and a pass forwards then connect the intervals, as in `retiming`; because every bound holds for the whole of
 an interval, no limit is passed between the points either.
 """
@@ -23,17 +23,17 @@ from elitescript.motion.paths.spline import JointSpline
 from elitescript.motion.timing.profile import TimeLaw
 
 CURVATURE_SHARE: Final = 0.9
-"""Share of a joint's acceleration limit that the points themselves may use (*assumed*). The rest is there for
-slowing down in front of the places where they use it up."""
+"""Share of a joint's acceleration limit that the points themselves may use (*assumed*). The rest is for slowing down
+before places that use it up."""
 
 NOTEWORTHY: Final = 0.01
-"""A rate that falls by less than this needs no note."""
+"""Fall of the rate up to which it needs no note."""
 
 _CHANGE_MAX: Final = 1e6
 """Largest change of the rate, 1/s, while the joints stand still."""
 
 _NO_WAY: Final = 1e-12
-"""A piece shorter than this share of its interval is rounding."""
+"""Share of its interval below which a piece is rounding."""
 
 
 class TooFast(NamedTuple):
@@ -43,9 +43,9 @@ class TooFast(NamedTuple):
     """From 0; it begins at the point of that number, counted from 0."""
     joint: int
     rate: float
-    """At which it is played."""
+    """Rate at which it is played."""
     is_speed: bool
-    """Whether the speed of the joint is too high; else its acceleration is."""
+    """Whether the speed of the joint is too high, not its acceleration."""
 
 
 class PointTiming(NamedTuple):
@@ -127,7 +127,7 @@ def _too_fast(excess: dict[int, tuple[int, float, float]], ceiling: list[float])
 
 
 class _Pieces:
-    """Collects the pieces of a profile, one of constant rate for as long as it lasts."""
+    """Collects the pieces of a profile; consecutive ones of the same constant rate become one."""
 
     def __init__(self) -> None:
         self._start_s: list[float] = []
@@ -143,7 +143,7 @@ class _Pieces:
             self._position.append(s_a)
             self._speed.append(speed)
             self._acceleration.append(u)
-        # From the start of the piece, so that nothing is summed up over the many intervals of one piece.
+        # From the start of the piece, so that rounding does not accumulate over its intervals.
         self._t_s = self._start_s[-1] + 2.0 * (s_b - self._position[-1]) / (speed + sqrt(x_b))
 
     def profile(self, length: float) -> TimeLaw:

@@ -16,13 +16,13 @@ from typing import Final, NamedTuple
 from elitescript.errors import InternalError
 
 RAMP_SHARE: Final = 1.0 / 3.0
-"""Share of a prescribed duration that each of the two ramps gets (*assumed*: the manual only says
-that speed and acceleration are then ignored). A third keeps the peak speed at 1.5 times and the
-acceleration at 4.5 times what the shortest possible figures, L/t and L/t^2, would ask for."""
+"""Share of a prescribed duration of each of the two ramps (*assumed*: the manual only says that
+speed and acceleration are then ignored). With a third the peak speed is 1.5 L/t and the
+acceleration 4.5 L/t^2."""
 
 
 class Law(NamedTuple):
-    """What a time law may use, in the unit of its path per s and s^2."""
+    """Limits of a time law, in the unit of its path per s and s^2."""
 
     v: float
     """Speed."""
@@ -61,7 +61,7 @@ class TimeLaw:
         self._acceleration = tuple(acceleration)
 
     def at(self, t_s: float) -> tuple[float, float]:
-        """Return (position, speed) at a time; before the start those of the start, after the end at rest."""
+        """Return (position, speed) at a time; before the start those of the start, after the end those at rest."""
         if t_s <= 0.0:
             return self._position[0], self._speed[0]
         if t_s >= self.duration_s:
@@ -71,7 +71,7 @@ class TimeLaw:
         gained = self._acceleration[piece] * elapsed_s
         speed = self._speed[piece]
         position = self._position[piece] + elapsed_s * (speed + 0.5 * gained)
-        # Rounding in the last piece must neither overshoot nor turn back.
+        # Rounding in the last piece must not overshoot or reverse.
         return (position if position < self.length else self.length), (speed + gained if speed + gained > 0.0 else 0.0)
 
     def acceleration(self, t_s: float) -> float:
@@ -103,7 +103,7 @@ class TimeLaw:
 
     @property
     def last_brake_s(self) -> float:
-        """Time from which on it does nothing but brake."""
+        """Time from which on it only brakes."""
         for piece in range(len(self._acceleration) - 1, -1, -1):
             if self._acceleration[piece] >= 0.0:
                 return self._start_s[piece + 1] if piece + 1 < len(self._start_s) else self.duration_s
@@ -115,7 +115,7 @@ class TimeLaw:
         return self._position[1:]
 
     def followed_by(self, other: TimeLaw) -> TimeLaw:
-        """Return this motion and, when it has come to rest, another one, whose positions count on from its end."""
+        """Return this motion followed, from rest, by another one, whose positions continue from its end."""
         return TimeLaw(
             self.length + other.length,
             self.duration_s + other.duration_s,
@@ -143,7 +143,7 @@ class TimeLaw:
 
 
 def resting(duration_s: float = 0.0) -> TimeLaw:
-    """Return the profile of a path without length, which may last nevertheless."""
+    """Return the profile of a path without length."""
     return TimeLaw(0.0, duration_s, (0.0,), (0.0,), (0.0,), (0.0,))
 
 
@@ -214,7 +214,7 @@ def trapezoid_of(length: float, law: Law, start: float = 0.0, v_start: float = 0
 def trapezoid_of_duration(length: float, law: Law, duration_s: float, start: float, v_start: float) -> TimeLaw | None:
     """Return a profile of a duration from a position and a speed on, or None when the law does not allow it.
 
-    It has the ramps of the law; the speed between them is what makes it last.
+    It has the ramps of the law; the speed between them is lowered.
     """
     quickest = trapezoid_of(length, law, start, v_start)
     if quickest.duration_s > duration_s:
@@ -227,12 +227,12 @@ def trapezoid_of_duration(length: float, law: Law, duration_s: float, start: flo
         else:
             high = middle
     slowest = trapezoid_of(length, law._replace(v=high), start, v_start)
-    # What has to brake all the way from its start cannot take longer.
+    # A profile that brakes all the way from its start cannot take longer.
     return slowest if slowest.duration_s >= duration_s * (1.0 - _SAME_DURATION) else None
 
 
 _ROUNDING: Final = 1e-12
-"""Lengths that differ by less than this share of the path differ by rounding."""
+"""Share of the path below which two lengths differ by rounding."""
 
 _SAME_DURATION: Final = 1e-6
 

@@ -1,10 +1,10 @@
-"""Catching up with something that moves at constant speed, and coming to rest, on one coordinate.
+"""Catching up with a target that moves at constant speed, and coming to rest, on one coordinate.
 
-The pursuer has a place and a speed of its own; what it pursues is `lag` ahead and gains `lag_rate` on it. The lag is
-brought to exactly zero, at equal speeds, in the least time that an acceleration and a greatest rate of the lag allow:
-up to three pieces of constant acceleration, in closed form (the time-optimal law of the double integrator with a
-bounded speed, as in any textbook of optimal control). When what is pursued changes its speed or jumps, a new law begins
-with the lag and the rate of that moment, so that place and speed of the pursuer are continuous.
+The target is `lag` ahead, which grows by `rate`. The lag is brought to exactly zero, at equal speeds, in the least time
+that an acceleration and a greatest rate of the lag allow: up to three pieces of constant acceleration, in closed form
+(the time-optimal law of the double integrator with a bounded speed, as in textbooks of optimal control). When the
+target changes its speed or jumps, a new law begins with the present lag and rate, so that place and speed of the
+follower are continuous.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ class CatchUp:
     """Lag as a function of the time since the law began; immutable.
 
     Args:
-        lag: what is to be caught up, in the unit of the coordinate; may have either sign.
-        rate: how fast it grows, per second.
+        lag: distance to the target, in the unit of the coordinate; may have either sign.
+        rate: its growth per second.
         acceleration: bound of the change of the rate, > 0.
         rate_max: bound of the rate while catching up, > 0; a start above it is brought below it.
     """
@@ -35,7 +35,7 @@ class CatchUp:
     __slots__ = ("_end_acceleration", "_pieces", "duration_s")
 
     def __init__(self, lag: float, rate: float, acceleration: float, rate_max: float) -> None:
-        # With its rate braked from now on, the lag would end here; that says which way to push.
+        # The lag at rest, if its rate is braked from now on, gives the sign of the acceleration.
         rest = lag + rate * abs(rate) / (2.0 * acceleration)
         side = copysign(1.0, rest)
         x, w = side * lag, side * rate
@@ -65,7 +65,7 @@ class CatchUp:
             return 0.0, 0.0
         push, cruise, brake = self._pieces
         if t_s >= brake.start_s:
-            # Seen from the end, so that it comes to zero exactly there.
+            # Counted from the end, so that it is exactly zero there.
             left_s = self.duration_s - t_s
             return 0.5 * self._end_acceleration * left_s * left_s, -self._end_acceleration * left_s
         piece = push if t_s < cruise.start_s else cruise
@@ -75,15 +75,9 @@ class CatchUp:
 
 
 def caught_up(lag: float, rate: float, acceleration: float, rate_max: float, gentle_s: float) -> CatchUp:
-    """Return the law that catches up in the least time, or with less acceleration if that is less than a time.
+    """Return the law that catches up in the least time, or with less acceleration within `gentle_s`.
 
-    Args:
-        lag: as for `CatchUp`.
-        rate: as for `CatchUp`.
-        acceleration: as for `CatchUp`.
-        rate_max: as for `CatchUp`.
-        gentle_s: what would take less than this is done more gently; it still takes at most this. Next to nothing
-            does not count: it stays as it is.
+    The first arguments are those of `CatchUp`. A lag of rounding is not made gentler.
     """
     law = CatchUp(lag, rate, acceleration, rate_max)
     if not _SHORTEST * gentle_s < law.duration_s < gentle_s:
@@ -100,10 +94,10 @@ def caught_up(lag: float, rate: float, acceleration: float, rate_max: float, gen
 
 
 _SHORTEST: Final = 1e-6
-"""Share of the gentle time in which not even rounding of a place is caught up."""
+"""Share of `gentle_s` below which a lag is rounding."""
 
 _HALVINGS: Final = 12
-"""Of the logarithm of the acceleration; leave less than a hundredth of it."""
+"""Bisections of the logarithm of the acceleration, for an accuracy better than 1 %."""
 
 
 class Coast(NamedTuple):

@@ -8,11 +8,11 @@ lowers x so far that every bound ahead can be reached by braking, a pass forward
 accelerates as much as allowed. Between grid points u is constant.
 
 The acceleration limit is used in the form |q'| |u| + |q''| x <= qdd_max, which holds for either
-direction of u. It is somewhat stricter than necessary and makes both passes free of dead ends: what a
-lower speed can do always includes what a higher speed can.
+direction of u. It is somewhat stricter than necessary and makes both passes free of dead ends: a
+lower speed always allows all that a higher one does.
 
-Only places are slowed down where a limit binds. Intervals of the track in which no joint can come
-to its limits under the wanted trapezoid are *free*: there the profile is a trapezoid itself, and
+Only places are slowed down where a limit binds. Intervals of the track in which no joint can reach
+its limits under the wanted trapezoid are *free*: there the profile is a trapezoid itself, and
 when all are free it is exactly the wanted one.
 """
 
@@ -22,6 +22,7 @@ from bisect import insort
 from math import ceil, inf, sqrt
 from typing import Final, NamedTuple
 
+from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.paths.track import JointTrack
 from elitescript.motion.timing.profile import Law, TimeLaw, trapezoid_of
@@ -31,22 +32,22 @@ SUBDIVISION: Final = 6
 interpolation."""
 
 PARTS_MIN: Final = 48
-"""Fewest parts of a path without free intervals, so that corners of the speed are placed well on
-short paths too."""
+"""Least number of parts of a path without free intervals, for accurate corners of the speed on short
+paths too."""
 
 SPEED_MARGIN: Final = 0.998
-"""Share of the joint speed limits that is used, for what the path does between grid points."""
+"""Share of the joint speed limits that is used, as a reserve between grid points."""
 
 ACCELERATION_MARGIN: Final = 0.99
 """The same for acceleration limits."""
 
 CURVATURE_SHARE: Final = 0.8
-"""Share of the joint acceleration limits that the bending of the path may use up. The rest stays
-for speeding up and slowing down where the path bends most."""
+"""Share of the joint acceleration limits that the bending of the path may use. The rest is for
+speeding up and slowing down where the path bends most."""
 
 
 class SlowPlace(NamedTuple):
-    """Where a retimed move is slowed down most."""
+    """Place at which a retimed move is slowed down most."""
 
     s: float
     speed: float
@@ -78,15 +79,15 @@ def retimed(track: JointTrack, limits: MotionLimits, wanted: TimeLaw, law: Law |
         a = wanted.acceleration(0.0)
         law = Law(wanted.peak_speed, a, a)
     law = law._replace(v=wanted.peak_speed)
-    stations = _stations(track, wanted, law)
-    if len(stations) == 2 and stations[0].is_free_ahead:
+    grid = _grid(track, wanted, law)
+    if len(grid) == 2 and grid[0].is_free_ahead:
         return Retimed(wanted, None)
-    x = _passed(stations, limits, law, 0.0)
+    x = _passed(grid, limits, law, 0.0)
     assert x is not None
-    profile = _profile(stations, x, law)
+    profile = _profile(grid, x, law)
     if profile.duration_s <= wanted.duration_s * (1.0 + _SAME_DURATION):
         return Retimed(wanted, None)
-    return Retimed(profile, _slow_place(stations, x, limits, wanted))
+    return Retimed(profile, _slow_place(grid, x, limits, wanted))
 
 
 def entered(track: JointTrack, limits: MotionLimits, law: Law, start: float, v_start: float) -> TimeLaw | None:
@@ -99,13 +100,13 @@ def entered(track: JointTrack, limits: MotionLimits, law: Law, start: float, v_s
         return None
     wanted = trapezoid_of(track.length, law, start, v_start)
     law = law._replace(v=wanted.peak_speed)
-    stations = _stations(track, wanted, law)
-    if len(stations) == 2 and stations[0].is_free_ahead:
+    grid = _grid(track, wanted, law)
+    if len(grid) == 2 and grid[0].is_free_ahead:
         return wanted
-    x = _passed(stations, limits, law, v_start * v_start)
+    x = _passed(grid, limits, law, v_start * v_start)
     if x is None:
         return None
-    profile = _profile(stations, x, law)
+    profile = _profile(grid, x, law)
     return wanted if profile.duration_s <= wanted.duration_s * (1.0 + _SAME_DURATION) else profile
 
 
@@ -113,11 +114,11 @@ def keeps_limits(track: JointTrack, limits: MotionLimits, wanted: TimeLaw) -> bo
     """Return whether every joint stays within its speed and acceleration limits under a trapezoid."""
     a = wanted.acceleration(0.0)
     first_corner, last_corner = wanted.corners[0], wanted.corners[-1]
-    for station in _stations(track, wanted, Law(wanted.peak_speed, a, a)):
-        speed = wanted.speed_at_position(station.s)
-        u = 0.0 if first_corner < station.s < last_corner else a
+    for point in _grid(track, wanted, Law(wanted.peak_speed, a, a)):
+        speed = wanted.speed_at_position(point.s)
+        u = 0.0 if first_corner < point.s < last_corner else a
         for slope, curvature, qd_max, qdd_max in zip(
-            station.slope, station.curvature, limits.qd_max, limits.qdd_max, strict=True
+            point.slope, point.curvature, limits.qd_max, limits.qdd_max, strict=True
         ):
             if slope * speed > qd_max or slope * u + curvature * speed * speed > qdd_max:
                 return False
@@ -125,12 +126,10 @@ def keeps_limits(track: JointTrack, limits: MotionLimits, wanted: TimeLaw) -> bo
 
 
 _SAME_DURATION: Final = 1e-9
-"""Two durations this near, relatively, differ by rounding."""
+"""Relative difference up to which two durations differ by rounding."""
 
 _CLOSEST: Final = 1e-6
-"""Stations nearer to one another than this share of the path would only add rounding."""
-
-_ZEROS: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""Least distance of grid points, as a share of the path; nearer ones would only add rounding."""
 
 
 class GridPoint(NamedTuple):
@@ -138,26 +137,26 @@ class GridPoint(NamedTuple):
 
     s: float
     slope: tuple[float, ...]
-    """|q'| of each joint; zeros where all around is free."""
+    """|q'| of each joint; zeros between free intervals."""
     curvature: tuple[float, ...]
-    """|q''| of each joint; zeros where all around is free."""
+    """|q''| of each joint; zeros between free intervals."""
     is_free_ahead: bool
-    """Whether no joint can come to its limits on the way to the next station."""
+    """Whether no joint can reach its limits on the way to the next grid point."""
 
 
-def _stations(track: JointTrack, wanted: TimeLaw, law: Law) -> list[GridPoint]:
+def _grid(track: JointTrack, wanted: TimeLaw, law: Law) -> list[GridPoint]:
     """Return the grid of the passes: free intervals joined, the others subdivided.
 
     Inside an interval the joints are taken as the cubic through angles and slopes of its ends.
-    The corners of the wanted profile are stations too, so that it is met exactly where it can be.
+    The corners of the wanted profile are grid points too, so that it is kept exactly where possible.
     """
     v, a = law.v, max(law.a, law.brake)
     length, start = track.length, wanted.start
     closest = _CLOSEST * length
-    stations: list[GridPoint] = []
+    grid: list[GridPoint] = []
     was_free = False
-    slope: tuple[float, ...] = _ZEROS
-    curvature: tuple[float, ...] = _ZEROS
+    slope: tuple[float, ...] = ZERO_SIX
+    curvature: tuple[float, ...] = ZERO_SIX
     for k, (speed_ratio, acceleration_ratio, curvature_ratio) in enumerate(track.interval_ratios):
         s_a, s_b = track.grid_s[k], track.grid_s[k + 1]
         if s_b <= start + closest:
@@ -165,8 +164,8 @@ def _stations(track: JointTrack, wanted: TimeLaw, law: Law) -> list[GridPoint]:
         s_first = max(s_a, start)
         if speed_ratio * v <= 1.0 and acceleration_ratio * a + curvature_ratio * v * v <= 1.0:
             if not was_free:
-                stations.append(GridPoint(s_first, slope, curvature, True))
-                slope = curvature = _ZEROS
+                grid.append(GridPoint(s_first, slope, curvature, True))
+                slope = curvature = ZERO_SIX
             was_free = True
             continue
         h = s_b - s_a
@@ -177,13 +176,13 @@ def _stations(track: JointTrack, wanted: TimeLaw, law: Law) -> list[GridPoint]:
                 insort(positions, corner)
         cubic = _Cubic(track, k)
         at_start = cubic.slope_and_curvature((s_first - s_a) / h)
-        # The cubics of two intervals bend differently where they meet; both count.
-        stations.append(GridPoint(s_first, at_start[0], tuple(map(max, at_start[1], curvature)), False))
-        stations += [GridPoint(s, *cubic.slope_and_curvature((s - s_a) / h), False) for s in positions[1:]]
+        # The cubics of two intervals bend differently where they meet; the larger bend counts.
+        grid.append(GridPoint(s_first, at_start[0], tuple(map(max, at_start[1], curvature)), False))
+        grid += [GridPoint(s, *cubic.slope_and_curvature((s - s_a) / h), False) for s in positions[1:]]
         slope, curvature = cubic.slope_and_curvature(1.0)
         was_free = False
-    stations.append(GridPoint(length, slope, curvature, False))
-    return stations
+    grid.append(GridPoint(length, slope, curvature, False))
+    return grid
 
 
 class _Cubic:
@@ -215,11 +214,11 @@ class _Cubic:
         return tuple(slope), tuple(curvature)
 
 
-def _bound(station: GridPoint, limits: MotionLimits) -> float:
+def _bound(point: GridPoint, limits: MotionLimits) -> float:
     """Return the largest x that speed limits and the bending of the path allow."""
     bound = inf
     for slope, curvature, qd_max, qdd_max in zip(
-        station.slope, station.curvature, limits.qd_max, limits.qdd_max, strict=True
+        point.slope, point.curvature, limits.qd_max, limits.qdd_max, strict=True
     ):
         if slope * slope * bound > (SPEED_MARGIN * qd_max) ** 2:
             bound = (SPEED_MARGIN * qd_max / slope) ** 2
@@ -228,33 +227,33 @@ def _bound(station: GridPoint, limits: MotionLimits) -> float:
     return bound
 
 
-def _passed(stations: list[GridPoint], limits: MotionLimits, law: Law, x_start: float) -> list[float] | None:
-    """Return x at the stations after the pass backwards and the pass forwards; None when x_start is too much."""
+def _passed(grid: list[GridPoint], limits: MotionLimits, law: Law, x_start: float) -> list[float] | None:
+    """Return x at the grid points after the pass backwards and the pass forwards; None when x_start is too much."""
     x_max = law.v * law.v
-    x = [min(x_max, _bound(station, limits)) for station in stations]
+    x = [min(x_max, _bound(point, limits)) for point in grid]
     x[-1] = 0.0
     for here in range(len(x) - 2, -1, -1):
-        is_free = stations[here].is_free_ahead
-        x[here] = min(x[here], _reachable(stations[here], stations[here + 1], x[here + 1], is_free, limits, law.brake))
+        is_free = grid[here].is_free_ahead
+        x[here] = min(x[here], _reachable(grid[here], grid[here + 1], x[here + 1], is_free, limits, law.brake))
     if x_start > x[0] * (1.0 + _SAME_DURATION):
         return None
     x[0] = x_start
     for here in range(1, len(x)):
-        is_free = stations[here - 1].is_free_ahead
-        x[here] = min(x[here], _reachable(stations[here], stations[here - 1], x[here - 1], is_free, limits, law.a))
+        is_free = grid[here - 1].is_free_ahead
+        x[here] = min(x[here], _reachable(grid[here], grid[here - 1], x[here - 1], is_free, limits, law.a))
     return x
 
 
 def _reachable(
-    station: GridPoint, neighbour: GridPoint, x_neighbour: float, is_free: bool, limits: MotionLimits, a: float
+    point: GridPoint, neighbour: GridPoint, x_neighbour: float, is_free: bool, limits: MotionLimits, a: float
 ) -> float:
     """Return the largest x from which, or to which, the neighbour's x can be changed on the way between."""
-    way = 2.0 * abs(neighbour.s - station.s)
+    way = 2.0 * abs(neighbour.s - point.s)
     reachable = x_neighbour + way * a
     if is_free:
         return reachable
     for slope, curvature, slope_there, curvature_there, qdd_max in zip(
-        station.slope, station.curvature, neighbour.slope, neighbour.curvature, limits.qdd_max, strict=True
+        point.slope, point.curvature, neighbour.slope, neighbour.curvature, limits.qdd_max, strict=True
     ):
         allowed = ACCELERATION_MARGIN * qdd_max
         room = slope + way * curvature
@@ -265,8 +264,8 @@ def _reachable(
     return reachable
 
 
-def _profile(stations: list[GridPoint], x: list[float], law: Law) -> TimeLaw:
-    """Return the profile through x at the stations: constant acceleration, or a trapezoid where it is free."""
+def _profile(grid: list[GridPoint], x: list[float], law: Law) -> TimeLaw:
+    """Return the profile through x at the grid points: constant acceleration, or a trapezoid where it is free."""
     start_s: list[float] = []
     positions: list[float] = []
     speeds: list[float] = []
@@ -275,7 +274,7 @@ def _profile(stations: list[GridPoint], x: list[float], law: Law) -> TimeLaw:
     x_max, a, brake = law.v * law.v, law.a, law.brake
     share = brake / (a + brake)
     pieces: tuple[tuple[float, float, float, float], ...]
-    for here, ahead, x_here, x_ahead in zip(stations, stations[1:], x, x[1:], strict=False):
+    for here, ahead, x_here, x_ahead in zip(grid, grid[1:], x, x[1:], strict=False):
         h = ahead.s - here.s
         if here.is_free_ahead:
             x_top = min(x_max, share * x_here + (1.0 - share) * x_ahead + a * (2.0 * share) * h)
@@ -297,27 +296,27 @@ def _profile(stations: list[GridPoint], x: list[float], law: Law) -> TimeLaw:
             speeds.append(speed)
             accelerations.append(u)
             t_s += 2.0 * way / (speed + sqrt(max(0.0, x_piece + 2.0 * u * way)))
-    return TimeLaw(stations[-1].s, t_s, start_s, positions, speeds, accelerations)
+    return TimeLaw(grid[-1].s, t_s, start_s, positions, speeds, accelerations)
 
 
 _NO_WAY: Final = 1e-12
-"""A piece shorter than this share of its stretch is rounding."""
+"""Share of its stretch below which a piece is rounding."""
 
 
-def _slow_place(stations: list[GridPoint], x: list[float], limits: MotionLimits, wanted: TimeLaw) -> SlowPlace:
-    """Return the station that is passed most slowly against the wanted profile."""
+def _slow_place(grid: list[GridPoint], x: list[float], limits: MotionLimits, wanted: TimeLaw) -> SlowPlace:
+    """Return the point that is passed most slowly against the wanted profile."""
     slowest, least = 1, inf
-    for k in range(1, len(stations) - 1):
-        speed_wanted = wanted.speed_at_position(stations[k].s)
+    for k in range(1, len(grid) - 1):
+        speed_wanted = wanted.speed_at_position(grid[k].s)
         if x[k] < least * speed_wanted * speed_wanted:
             slowest, least = k, x[k] / (speed_wanted * speed_wanted)
-    station = stations[slowest]
+    point = grid[slowest]
     speed = sqrt(x[slowest])
-    u = abs(x[slowest + 1] - x[slowest]) / (2.0 * (stations[slowest + 1].s - station.s))
+    u = abs(x[slowest + 1] - x[slowest]) / (2.0 * (grid[slowest + 1].s - point.s))
     shares = [
         max(slope * speed / qd_max, (slope * u + curvature * speed * speed) / qdd_max)
         for slope, curvature, qd_max, qdd_max in zip(
-            station.slope, station.curvature, limits.qd_max, limits.qdd_max, strict=True
+            point.slope, point.curvature, limits.qd_max, limits.qdd_max, strict=True
         )
     ]
-    return SlowPlace(station.s, speed, wanted.speed_at_position(station.s), shares.index(max(shares)))
+    return SlowPlace(point.s, speed, wanted.speed_at_position(point.s), shares.index(max(shares)))

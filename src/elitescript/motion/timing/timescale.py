@@ -1,4 +1,4 @@
-"""How fast planned time passes: speed percentage, pause, resume, stop.
+"""Scales planned time: speed percentage, pause, resume, stop.
 
 A segment is a function of its own time, the *path time*. A `TimeScale` gives path time as a
 function of real time; its derivative, the *rate*, is the speed percentage as a fraction: 1 runs
@@ -25,8 +25,7 @@ from elitescript.motion.segment import Segment
 class TimeScale:
     """Path time from real time `t_start_s` on: a ramp of `ramp_s` to `rate_target`, then constant.
 
-    Immutable; `with_target` returns the scale that takes over at a later time. A scale knows
-    nothing about the time before its own start.
+    Immutable; `with_target` returns the scale from a later time on. A scale is not defined before its start.
     """
 
     t_start_s: float
@@ -60,7 +59,7 @@ class TimeScale:
         return TimeScale(t_s, self.path_time(t_s), self.rate(t_s), rate, ramp_s)
 
     def rebased(self, t_s: float) -> TimeScale:
-        """Return the scale that goes on from t_s with the path time of something new, which begins with 0 there.
+        """Return the scale that goes on from t_s for another segment, whose path time begins with 0 there.
 
         Raises:
             UsageError: a time before this scale began.
@@ -93,7 +92,7 @@ class TimeScale:
     def time_of(self, path_time_s: float) -> float:
         """Return the real time at which a path time is reached, inf when it never is.
 
-        A path time that was reached before this scale began gives `t_start_s`. The answer is
+        A path time that was reached before this scale began gives `t_start_s`. The result is
         exact up to rounding: `path_time(time_of(s))` may differ from s in the last digits.
         """
         way_s = path_time_s - self.s_start_s
@@ -130,10 +129,10 @@ class TimeScale:
 def stop_ramp(segment: Segment, path_time_s: float, rate: float, deceleration: float) -> float:
     """Return the ramp, s, that brings a running segment to rest with a joint deceleration, rad/s^2.
 
-    For `stopj`, pause and stop. No joint brakes harder than asked while the rate goes from
-    `rate` to 0. The braking that is planned in the segment counts: only what it leaves of the
-    deceleration is used. Where it leaves so little that the arm would take more than twice as long to rest
-    as with the deceleration alone, more is used, up to half of the deceleration on top of what is planned.
+    For `stopj`, pause and stop. No joint brakes harder than requested while the rate goes from
+    `rate` to 0. The braking that is planned in the segment counts: only the rest of the
+    deceleration is used. Where that is so little that the arm would take more than twice as long to rest
+    as with the deceleration alone, more is used, up to half of the deceleration on top of the planned one.
     A segment that ends sooner than the ramp brings the arm to rest at its end.
 
     Args:
@@ -161,18 +160,17 @@ def stop_ramp_tool(segment: Segment, path_time_s: float, rate: float, decelerati
 def change_ramp(
     segment: Segment, path_time_s: float, rate: float, rate_target: float, least_s: float, qdd_max: Six
 ) -> float:
-    """Return the ramp, s, in which a running segment takes on another rate; longer where joints have no room.
+    """Return the ramp, s, in which a running segment changes to another rate; longer where joints have no room.
 
-    A change of rate accelerates the joints besides what the segment plans. Where both together would pass a limit the
-    ramp is made longer, so that the limits of the arm hold; where the plan itself uses nearly all of it, a twentieth is
-    added.
+    A change of rate accelerates the joints in addition to the plan. Where both together would exceed a limit the ramp
+    is made longer; where the plan itself uses nearly all of the limit, a twentieth is added.
 
     Args:
         segment: the move under way.
         path_time_s: path time at which the ramp begins.
         rate: rate at that time.
         rate_target: rate at its end.
-        least_s: ramp that is wanted where there is room.
+        least_s: wanted ramp.
         qdd_max: acceleration limits of the joints, rad/s^2.
     """
     _check_rate(rate)
@@ -203,10 +201,10 @@ _LEAST_ROOM: Final = 0.05
 """Share of a limit that a change of rate may use in any case."""
 
 _BRAKING_POINTS: Final = 12
-"""Points of the braking distance at which the deceleration is looked at."""
+"""Points of the braking distance at which the deceleration is computed."""
 
 _BRAKING_ROUNDS: Final = 12
-"""A longer ramp reaches further ahead, where speeds may be higher; this settles it."""
+"""Limit of iterations: a longer ramp reaches further ahead, where speeds may be higher."""
 
 _RAMP_TOLERANCE: Final = 1e-3
 """Relative accuracy of a ramp."""
@@ -215,10 +213,10 @@ _GENTLEST: Final = 1e-9
 """Deceleration below which a braking outlasts every move, rad/s^2 or m/s^2."""
 
 _LEAST_BRAKING: Final = (0.02, 0.1, 0.25, 0.5)
-"""Shares of the deceleration that a stop may use on top of the planned braking, whatever that is; tried in turn."""
+"""Shares of the deceleration that a stop may use on top of the planned braking; tried in turn."""
 
-_PATIENCE: Final = 2.0
-"""How much longer than with the deceleration alone a stop may take for the sake of keeping to it."""
+_LONGEST_STOP: Final = 2.0
+"""Longest stop that keeps to the deceleration, as a multiple of one with the deceleration alone."""
 
 _DIFFERENCE_S: Final = 1e-4
 """Step of the difference that gives the planned deceleration, s of path time."""
@@ -234,15 +232,15 @@ def _braking_ramp(
     if not (isfinite(deceleration) and deceleration > 0.0):
         raise UsageError(f"a deceleration of {deceleration} makes no sense; it has to be more than 0")
     _check_rate(rate)
-    patience_s = _PATIENCE * rate * max(map(abs, speeds_at(path_time_s))) / deceleration
+    longest_s = _LONGEST_STOP * rate * max(map(abs, speeds_at(path_time_s))) / deceleration
     ramp_s = 0.0
     for least in _LEAST_BRAKING:
         ramp_s = _ramp_leaving(speeds_at, duration_s, path_time_s, rate, deceleration, least)
         left_s = max(0.0, duration_s - path_time_s)
-        # The path that the ramp takes until the end of the segment: rate t (1 - t / (2 ramp)) = left.
+        # The time at which the ramp reaches the end of the segment: rate t (1 - t / (2 ramp)) = left.
         share = 2.0 * left_s / (rate * ramp_s) if ramp_s else 0.0
         rests_after_s = ramp_s * (1.0 - sqrt(1.0 - share)) if share < 1.0 else ramp_s
-        if rests_after_s <= patience_s:
+        if rests_after_s <= longest_s:
             break
     return ramp_s
 
@@ -255,7 +253,7 @@ def _ramp_leaving(
     deceleration: float,
     least: float,
 ) -> float:
-    """Return the ramp that uses what the planned braking leaves, but at least a share of the deceleration."""
+    """Return the ramp that uses the deceleration without the planned braking, but at least a share of it."""
     ramp_s = 0.0
     for _ in range(_BRAKING_ROUNDS):
         full_window_s = 0.5 * rate * ramp_s

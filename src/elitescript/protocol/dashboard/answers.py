@@ -1,4 +1,7 @@
-"""What the dashboard shell answers: from a snapshot, the robot's description, and what it asks of the robot."""
+"""Answers of the dashboard shell, from a snapshot and the description of the robot, and their inputs to the robot.
+
+One function for each row of `verbs`, whose summary describes it.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,7 @@ from elitescript.messages.machine import (
     StopTask,
 )
 from elitescript.messages.snapshot import RobotDescription, Snapshot
-from elitescript.protocol.dashboard.guards import MAY_MOVE, mode_name, safety_name
+from elitescript.protocol.dashboard.guards import MAY_MOVE, safety_name
 from elitescript.protocol.lines import shown
 
 REPLY_LIMIT: Final = 512
@@ -43,7 +46,7 @@ _TASK_WORDS: Final = {TaskState.PLAYING: "running", TaskState.PAUSED: "paused"}
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A command with what it is answered from."""
+    """A command and the data for its answer."""
 
     origin: str
     argument: str
@@ -53,15 +56,15 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a command does."""
+    """Effect of a command."""
 
     text: str
-    """The reply, lines parted by CR LF, without the last end; with `failure`, the reply once the robot has done it."""
+    """The reply, lines separated by CR LF, without the last end; with `failure`, the one after success."""
     inputs: tuple[Input, ...] = ()
     failure: str = ""
-    """If not empty the reply waits for the robot's: this text and the reason if it refuses."""
+    """If not empty, the reply waits for that of the robot: this text and the reason if it refuses."""
     is_last: bool = False
-    """The connection ends."""
+    """Whether the connection ends."""
 
 
 def _do(asked: Asked, request: MachineRequest) -> Do:
@@ -69,25 +72,22 @@ def _do(asked: Asked, request: MachineRequest) -> Do:
 
 
 def power_on(asked: Asked) -> Answer:
-    """Power the arm on, unless it is on already."""
     is_off = asked.snapshot.robot.robot_mode is RobotMode.POWER_OFF
     return Answer("Powering on", (_do(asked, PowerOn()),) if is_off else ())
 
 
 def power_off(asked: Asked) -> Answer:
-    """Stop the task and power the arm off."""
     return Answer("Powering off", (_do(asked, PowerOff()),))
 
 
 def release_brakes(asked: Asked) -> Answer:
-    """Release the brakes, unless they are released."""
     if asked.snapshot.robot.robot_mode is RobotMode.RUNNING:
         return Answer("Brake is released...")
     return Answer("Brake Releasing...", (_do(asked, ReleaseBrakes()),))
 
 
 def unlock(asked: Asked) -> Answer:
-    """Ask for the end of a protective stop; the robot knows whether it may end, and what else stops it."""
+    """Request the end of a protective stop; the robot decides whether it may end."""
     text = "Protective stop unlocking..."
     if asked.snapshot.robot.safety_mode in (*MAY_MOVE, SafetyMode.RECOVERY):
         return Answer(text)
@@ -96,13 +96,12 @@ def unlock(asked: Asked) -> Answer:
 
 
 def restart_safety(asked: Asked) -> Answer:
-    """Restart the safety system."""
     request = AskSafety("restart_safety", "asked for on the dashboard")
     return Answer("Restarting safety board", (_do(asked, request),))
 
 
 def load_task(asked: Asked) -> Answer:
-    """Load a task; the robot knows whether there is such a file."""
+    """Load a task; the robot checks that the file exists."""
     failure = f"Failed to load task {shown(asked.argument)}"
     if why := _why_not_inside(asked.argument):
         return Answer(f"{failure}: {why}")
@@ -110,7 +109,6 @@ def load_task(asked: Asked) -> Answer:
 
 
 def load_configuration(asked: Asked) -> Answer:
-    """Load a configuration."""
     failure = f"Failed to load configuration {shown(asked.argument)}"
     if why := _why_not_inside(asked.argument):
         return Answer(f"{failure}: {why}")
@@ -125,7 +123,7 @@ def _why_not_inside(path: str) -> str:
 
 
 def play_task(asked: Asked) -> Answer:
-    """Start or resume; the robot knows whether the task compiles."""
+    """Start or resume the task; the robot checks that it compiles."""
     snapshot = asked.snapshot
     failure = "Failed to start task"
     if snapshot.robot.task_state is TaskState.STOPPED and not snapshot.task.loaded:
@@ -134,18 +132,15 @@ def play_task(asked: Asked) -> Answer:
 
 
 def pause_task(asked: Asked) -> Answer:
-    """Pause."""
     return Answer("Pausing task", (_do(asked, PauseTask()),))
 
 
 def stop_task(asked: Asked) -> Answer:
-    """Stop whatever runs; no refusal if nothing does."""
-    # A program may have started since the snapshot was taken: whether there is something to stop, the robot knows.
+    """Stop the program that runs, if any: one may have started since the snapshot was taken."""
     return Answer("Stopping task", (_do(asked, StopTask()),))
 
 
 def set_speed(asked: Asked) -> Answer:
-    """Move the speed slider."""
     text = asked.argument.strip()
     if not (text.isascii() and text.isdecimal() and len(text) <= 3 and int(text) <= 100):
         return Answer(f"Failed to set speed: {shown(text)} is not a whole number from 0 to 100 (percent)")
@@ -153,7 +148,6 @@ def set_speed(asked: Asked) -> Answer:
 
 
 def get_variable(asked: Asked) -> Answer:
-    """Ask for the value of a variable."""
     name = asked.argument.strip()
     failure = f"Can not find variable {shown(name)}"
     if not name.isidentifier():
@@ -162,7 +156,6 @@ def get_variable(asked: Asked) -> Answer:
 
 
 def set_variable(asked: Asked) -> Answer:
-    """Give a variable a value."""
     name, _, value = asked.argument.strip().partition(" ")
     value = value.strip()
     failure = f"Failed to set variable {shown(name)}"
@@ -174,16 +167,15 @@ def set_variable(asked: Asked) -> Answer:
 
 
 def tell_remote(asked: Asked) -> Answer:
-    """Which control is on."""
     return Answer(f"Remote control is {'on' if asked.snapshot.is_remote else 'off'}")
 
 
 def tell_status(asked: Asked) -> Answer:
-    """Return the overview; fits into one read of a client."""
+    """Return the overview, which fits into one read of a client."""
     robot, task = asked.snapshot.robot, asked.snapshot.task
     words = {TaskState.PLAYING: "RUNNING", TaskState.PAUSED: "PAUSED"}
     lines = [
-        f"RobotMode: {mode_name(robot.robot_mode)}",
+        f"RobotMode: {robot.robot_mode.name}",
         f"SafetyStatus: {safety_name(robot.safety_mode)}",
         f"RunningStatus: {words.get(robot.task_state, 'STOPPED')}",
         f"Target Speed Fraction: {percent(robot.speed_scale)}",
@@ -205,23 +197,19 @@ def _clipped(path: str) -> str:
 
 
 def tell_saved(asked: Asked) -> Answer:
-    """Return whether the task is saved."""
     return Answer("Task is saved" if asked.snapshot.task.is_saved else "Task is not saved")
 
 
 def tell_modified(asked: Asked) -> Answer:
-    """Return whether the configuration is modified."""
     is_modified = asked.snapshot.task.is_configuration_modified
     return Answer("Configuration is modified" if is_modified else "Configuration is not modified")
 
 
 def tell_task_state(asked: Asked) -> Answer:
-    """Return the state of the task."""
     return Answer(f"Task is {_TASK_WORDS.get(asked.snapshot.robot.task_state, 'stopped')}")
 
 
 def tell_running(asked: Asked) -> Answer:
-    """Return whether a task runs; a paused one does not."""
     is_running = asked.snapshot.robot.task_state is TaskState.PLAYING
     return Answer("Task is running" if is_running else "Task is not running")
 
@@ -232,105 +220,87 @@ def version_text(description: RobotDescription) -> str:
 
 
 def tell_version(asked: Asked) -> Answer:
-    """Return the version of the controller."""
     return Answer(version_text(asked.description))
 
 
 def tell_model(asked: Asked) -> Answer:
-    """Return the model of the arm."""
     return Answer(asked.description.model.upper())
 
 
 def tell_serial_number(asked: Asked) -> Answer:
-    """Return serial number of the robot."""
     return Answer(asked.description.serial_number)
 
 
 def tell_robot_id(asked: Asked) -> Answer:
-    """Return the Id of the robot."""
     return Answer(asked.description.robot_id)
 
 
 def tell_robot_mode(asked: Asked) -> Answer:
-    """Robot mode by name."""
-    return Answer(f"robotMode: {mode_name(asked.snapshot.robot.robot_mode)}")
+    return Answer(f"robotMode: {asked.snapshot.robot.robot_mode.name}")
 
 
 def tell_safety_status(asked: Asked) -> Answer:
-    """Safety status by name."""
     return Answer(f"Safety status: {safety_name(asked.snapshot.robot.safety_mode)}")
 
 
 def tell_safety_mode(asked: Asked) -> Answer:
-    """Return the same state under its other name."""
     return Answer(f"Safety mode: {safety_name(asked.snapshot.robot.safety_mode)}")
 
 
 def tell_speed(asked: Asked) -> Answer:
-    """Return the position of the speed slider."""
     return Answer(f"Target Speed Fraction: {percent(asked.snapshot.robot.speed_scale)}")
 
 
 def tell_task(asked: Asked) -> Answer:
-    """Return the path of the loaded task."""
     return Answer(f"Relative path:{asked.snapshot.task.loaded}")
 
 
 def tell_configuration(asked: Asked) -> Answer:
-    """Return the path of the loaded configuration."""
     return Answer(f"configuration: Relative path:{asked.snapshot.task.configuration}")
 
 
 def say_hello(asked: Asked) -> Answer:
-    """The shell is there."""
     return Answer("Hello ELITE ROBOTS.")
 
 
 def close_safety_dialog(asked: Asked) -> Answer:
-    """The dialog is the pendant's alone; clients want this reply also when none is open."""
+    """Reply that the dialog is closed; only the pendant has one, clients expect this also when none is open."""
     return Answer("closing safety dialog")
 
 
 def clear_alarms(asked: Asked) -> Answer:
-    """The list of alarms is the pendant's alone."""
+    """Reply that the alarms are cleared; only the pendant has a list of them."""
     return Answer("clear alarm")
 
 
 def add_log(asked: Asked) -> Answer:
-    """Add a line to the log."""
     return Answer("Log has been added.", (AddLog(asked.origin, asked.argument),))
 
 
 def show_popup(asked: Asked) -> Answer:
-    """Open a message window."""
     return Answer(f"Showing popup with text:{asked.argument}", (ShowPopup(asked.origin, asked.argument),))
 
 
 def close_popup(asked: Asked) -> Answer:
-    """Close the message window, if one is open."""
     return Answer("Closing popup", (ClosePopup(asked.origin),))
 
 
 def switch_remote_on(asked: Asked) -> Answer:
-    """Switch to remote control; taken under local control too."""
+    """Switch to remote control, also under local control."""
     return Answer("Remote control is on", (SetRemote(asked.origin, True),))
 
 
 def switch_remote_off(asked: Asked) -> Answer:
-    """Switch to local control."""
     return Answer("Remote control is off", (SetRemote(asked.origin, False),))
 
 
 def end_connection(asked: Asked) -> Answer:
-    """Say goodbye."""
     return Answer("Bye.", is_last=True)
 
 
 def reboot(asked: Asked) -> Answer:
-    """Start the controller anew."""
     return Answer("Rebooting", (Reboot(asked.origin),), is_last=True)
 
 
 def shut_down(asked: Asked) -> Answer:
-    """Switch everything off."""
     return Answer("Shutting down", (_do(asked, PowerDown()),), is_last=True)

@@ -1,8 +1,8 @@
 """The dashboard shell, port 29999: one command a line, one reply each, in order.
 
-Clients take one read for a reply, so the greeting and every reply leave in one send each. A command whose result the
-robot alone knows (loading, starting, variables, unlocking) is answered when the robot has. Others are answered at
-once. In both cases the commands behind wait, and see the state that it has left.
+Clients read a reply at once, so the greeting and every reply leave in one send each. A command with a result of the
+robot (loading, starting, variables, unlocking) is answered when the robot has replied, others are answered at once. In
+both cases later commands wait, and see the state afterwards.
 
 Evidence: line ends, the three lines of the greeting and one reply a command are *documented* or seen in the vendor's
 client; the limits, and that an empty line is not answered, are *assumed*.
@@ -24,25 +24,25 @@ from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
 from elitescript.protocol.outcomes import refusal_of, value_text
 
 LINE_LIMIT: Final = 4096
-"""Bytes of a command."""
+"""Limit of a command in bytes."""
 LINES_PER_TICK: Final = 100
-"""Commands of one client that are read in a tick; the rest waits for the next."""
+"""Commands of one client that are read in a tick; further ones wait for the next."""
 WAITING_LIMIT: Final = 64
-"""Commands that may wait for the one before them."""
+"""Limit of commands that wait for the one before them."""
 SETTLING_TICKS: Final = 4
-"""After a command that changes the robot and is answered at once, the next one waits so long: it sees the change."""
+"""Delay of the next command after one that changes the robot and is answered at once, so that it sees the change."""
 ANSWER_TICKS: Final = 1000
-"""How long the robot may take to answer; the vendor's client waits 10 s for a reply."""
+"""Timeout of the robot's reply; the vendor's client waits 10 s."""
 
 
 class DashboardConnection(Connection):
     """One client of the dashboard shell.
 
-    Each command goes to the robot under an origin of its own, `dashboard#2/7` for the seventh line of `dashboard#2`:
-    an answer that comes too late finds nobody, and is not taken for that of another command.
+    Each command has its own origin, `dashboard#2/7` for the seventh line of `dashboard#2`, so that a late reply is not
+    taken for that of another command.
     """
 
-    __slots__ = ("_asked_tick", "_awaited", "_count", "_inputs", "_lines", "_settled_tick", "_waiting")
+    __slots__ = ("_asked_tick", "_awaited", "_lines", "_own_origin", "_settled_tick", "_waiting")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
@@ -51,30 +51,26 @@ class DashboardConnection(Connection):
         self._awaited: Answer | None = None
         self._asked_tick = 0
         self._settled_tick = 0
-        self._inputs: list[Input] = []
-        self._count = 0
-        self._say(
+        self._own_origin = ""
+        self._send_text(
             f"EliRobot dashboard shell, version {version_text(description)}.\r\n"
             "Type help to see all commands.\r\n"
             "Type help NAME to read about the command NAME."
         )
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
-        """See `Connection.receive`."""
         self._lines.feed(data)
         self._read(output)
         return self.due()
 
     def publish(self, output: Output) -> None:
-        """See `Connection.publish`."""
         if self._awaited is not None:
             self._await(self._awaited, output)
         self._read(output)
         self._work(output)
 
     def _await(self, awaited: Answer, output: Output) -> None:
-        own = self._own_origin
-        outcome = next((reply.outcome for reply in output.replies if reply.origin == own), None)
+        outcome = next((reply.outcome for reply in output.replies if reply.origin == self._own_origin), None)
         if outcome is not None:
             why_not = refusal_of(outcome)
             if why_not is None:
@@ -95,54 +91,42 @@ class DashboardConnection(Connection):
                 raise ProtocolError(f"more than {WAITING_LIMIT} commands wait for an answer")
 
     def read_on(self, output: Output) -> list[Input]:
-        """See `Connection.read_on`."""
         self._lines.renew()
         self._read(output)
         return self.due()
 
     @property
     def is_busy(self) -> bool:
-        """See `Connection.is_busy`."""
         return self._lines.is_waiting
 
     @property
     def is_expecting(self) -> bool:
-        """See `Connection.is_expecting`."""
         return self._awaited is not None or bool(self._waiting) or self._lines.is_waiting
 
-    def due(self) -> list[Input]:
-        """See `Connection.due`."""
-        inputs, self._inputs = self._inputs, []
-        return inputs
-
-    @property
-    def _own_origin(self) -> str:
-        return f"{self.origin}/{self._count}"
-
-    def _say(self, text: str) -> None:
+    def _send_text(self, text: str) -> None:
         self.send(text.encode() + b"\r\n")
 
     def _finish(self, text: str) -> None:
         self._awaited = None
-        self._say(text)
+        self._send_text(text)
 
     def _work(self, output: Output) -> None:
         while self._waiting and self._awaited is None and output.tick >= self._settled_tick:
             line = self._waiting.popleft()
             if line.problem:
-                self._say(f"Command is not understood: {line.problem}")
+                self._send_text(f"Command is not understood: {line.problem}")
             elif line.text.strip():
-                self._count += 1
+                self._own_origin = self.next_origin()
                 self._carry_out(self._answer(line.text, output), output.tick)
 
     def _carry_out(self, answer: Answer, tick: int) -> None:
-        self._inputs += answer.inputs
+        self._due += answer.inputs
         if answer.failure:
             self._awaited, self._asked_tick = answer, tick
             return
         if answer.inputs:
             self._settled_tick = tick + SETTLING_TICKS
-        self._say(answer.text)
+        self._send_text(answer.text)
         if answer.is_last:
             self.is_over = True
             self._waiting.clear()
@@ -158,7 +142,7 @@ class DashboardConnection(Connection):
 
 
 def find_row(text: str) -> tuple[DashboardCommand, str] | str:
-    """Find the command that a line asks for, and its argument; or the text that says why there is none."""
+    """Return the command of a line and its argument; or the text of the error."""
     verb, _, rest = text.lstrip().replace("\t", " ").partition(" ")
     verb, rest = verb.rstrip(), rest.lstrip()
     rows = VERBS.get(verb)

@@ -1,5 +1,6 @@
-"""In which states the dashboard shell takes a command, and what it says in the others: what is in the way and what
-leads out of it. All of it is *assumed*: clients know the replies of success alone.
+"""States in which the dashboard shell accepts a command, and its refusals in the others, with their remedies.
+
+All of it is *assumed*: clients know only the replies of success.
 """
 
 from __future__ import annotations
@@ -45,24 +46,24 @@ REMEDY_OF_SAFETY: Final[dict[SafetyMode, str]] = {
     SafetyMode.VIOLATION: "restart the safety system first (safety -r)",
     SafetyMode.FAULT: "restart the safety system first (safety -r)",
 }
-"""What leads out of a state that is in the way of a command."""
+"""How to leave a state in which a command is refused."""
 LOCAL: Final = "the robot is under local control; switch it to remote control first (remoteControl -on)"
 
 _SAFETY_NAMES: Final = {SafetyMode.UNDEFINED: "UNDEFINED_SAFETY_MODE"}
 
 
 class Guard(NamedTuple):
-    """States in which a command is taken."""
+    """States in which a command is accepted."""
 
     failure: str
-    """Begins the text of a refusal."""
+    """Begin of the text of a refusal."""
     is_remote_only: bool = True
     modes: frozenset[RobotMode] = ALL_MODES
     safety: frozenset[SafetyMode] = ALL_SAFETY
     tasks: frozenset[TaskState] = ALL_TASKS
 
     def refusal(self, snapshot: Snapshot) -> str:
-        """Return why the command is refused now; empty if it is taken."""
+        """Return why the command is refused now; empty if it is accepted."""
         robot = snapshot.robot
         if self.is_remote_only and not snapshot.is_remote:
             return f"{self.failure}: {LOCAL}"
@@ -70,7 +71,7 @@ class Guard(NamedTuple):
             why = f"safety status is {safety_name(robot.safety_mode)}"
             return f"{self.failure}: {_with_remedy(why, REMEDY_OF_SAFETY.get(robot.safety_mode))}"
         if robot.robot_mode not in self.modes:
-            why = f"robotMode is {mode_name(robot.robot_mode)}"
+            why = f"robotMode is {robot.robot_mode.name}"
             return f"{self.failure}: {_with_remedy(why, REMEDY_OF_MODE.get(robot.robot_mode))}"
         if robot.task_state not in self.tasks:
             return f"{self.failure}: {WHY_TASK[robot.task_state]}"
@@ -79,11 +80,6 @@ class Guard(NamedTuple):
 
 def _with_remedy(why: str, remedy: str | None) -> str:
     return f"{why}; {remedy}" if remedy else why
-
-
-def mode_name(mode: RobotMode) -> str:
-    """Return the name of a robot mode on this port."""
-    return mode.name
 
 
 def safety_name(mode: SafetyMode) -> str:

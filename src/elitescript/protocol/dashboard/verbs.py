@@ -1,4 +1,4 @@
-"""The table of the dashboard shell's commands: how each is written, what it answers, and when it is refused.
+"""The table of the dashboard shell's commands: syntax, answer and states of each.
 
 Evidence: the wording of replies marked *client* is what the vendor's client compares against; *documented* are commands
 that the vendor describes and *observed* those that other clients use. All refusals, the help texts and the order of the
@@ -24,7 +24,7 @@ class DashboardCommand(NamedTuple):
     option: str
     """With its dash; empty for the bare verb."""
     argument: str
-    """What follows, as usage texts call it; empty for nothing. `TEXT` may follow its option without a blank."""
+    """Its argument in usage texts; empty for none. `TEXT` may follow its option without a blank."""
     summary: str
     reply: str
     """The reply as the reference shows it."""
@@ -34,14 +34,14 @@ class DashboardCommand(NamedTuple):
 
     @property
     def usage(self) -> str:
-        """How the command is written."""
+        """Syntax of the command."""
         return " ".join(part for part in (self.verb, self.option, self.argument) if part)
 
 
 def _row(
     usage: str, summary: str, reply: str, evidence: str, answer: Callable[[Asked], Answer], guard: Guard | None = None
 ) -> DashboardCommand:
-    """Return the row of a command that is written like this."""
+    """Return the row of a command from its syntax."""
     verb, _, rest = usage.partition(" ")
     option, _, argument = rest.partition(" ") if rest.startswith("-") else ("", "", rest)
     return DashboardCommand(verb, option, argument, summary, reply, evidence, answer, guard)
@@ -233,7 +233,7 @@ def help_text(names: list[str]) -> str:
 
 
 def usage_text(names: list[str]) -> str:
-    """Return how some verbs are written, one line; all in one if there are several."""
+    """Return the syntax of some verbs, one line for each."""
     if not names:
         return "usage: usage NAME..."
     return "\r\n".join(_usage_of(name) for name in names)
@@ -250,7 +250,7 @@ def _explained(name: str) -> str:
 
 
 def unknown_text(word: str) -> str:
-    """Answer to a verb that does not exist."""
+    """Return the answer to an unknown verb."""
     return f"Unknown command: {shown(word)}; help lists the commands"
 
 

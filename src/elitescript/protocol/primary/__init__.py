@@ -1,1 +1,1 @@
-"""The primary port and its relatives."""
+"""The primary port and its variants: secondary, realtime, read-only."""

@@ -1,6 +1,6 @@
-"""Plain command lines of the primary port: words that are no script, one line each.
+"""Plain command lines of the primary port, which are no script.
 
-They are recognised outside programs only, in exactly this spelling; blanks may be more than one. There is no answer:
+They are recognised outside programs only, in exactly this spelling, with any number of blanks. There is no reply:
 clients watch the robot state.
 
 Evidence: *documented*, the vendor's client sends them and the ROS 2 driver sends `stop task`.
@@ -32,7 +32,7 @@ class PlainCommand(NamedTuple):
     """Makes the request; the argument is the fraction, 0 for commands without one."""
     takes_fraction: bool
     confirmation: str
-    """What the vendor's client watches afterwards, and for how long."""
+    """State that the vendor's client waits for afterwards, and its timeout."""
 
 
 COMMANDS: Final[tuple[PlainCommand, ...]] = (
@@ -58,10 +58,10 @@ COMMANDS: Final[tuple[PlainCommand, ...]] = (
 
 
 def request_of(line: str) -> MachineRequest | None:
-    """Return the request that a line makes; None if it is no plain command but script.
+    """Return the request of a line; None if it is no plain command but script.
 
     Raises:
-        ValueError: the command is known, its argument makes no sense.
+        ValueError: the command is known, its argument is invalid.
     """
     words = line.split()
     for command in COMMANDS:

@@ -1,12 +1,12 @@
-"""Connections of the primary port and its relatives: robot state and messages out, programs and plain commands in.
+"""Connections of the primary port and its variants: robot state and messages out, programs and plain commands in.
 
-State goes out from accept on, at the rate of the port, on ticks that all clients share, so that a tick's bytes are
+State is sent from accept on, at the rate of the port, on ticks that all clients share, so that the bytes of a tick are
 packed once. Robot messages follow the events of a tick. The vendor's client takes one message in 10 ms, so they leave
-at least `SPACING_TICKS` apart, and what waits is bounded.
+at least `SPACING_TICKS` apart, from a bounded queue.
 
-In come programs, secondary programs, bare lines and plain commands, without lengths and without an answer. In local
-control all of them are refused with a warning, *assumed*: what a controller does then is not known. A plain command
-whose argument makes no sense is a warning too, a program without its end a script exception.
+Received are programs, secondary programs, bare lines and plain commands, without lengths and without a reply. In local
+control all of them are refused with a warning, *assumed*: the behaviour of a controller is not known. A plain command
+with an invalid argument is a warning too, a program without its end a script exception.
 """
 
 from __future__ import annotations
@@ -27,40 +27,40 @@ from elitescript.protocol.primary.messages import (
     WARNING,
     RobotMessage,
     RobotMessageQueue,
-    error_note,
-    exception_note,
-    note_of,
-    version_note,
+    error_message,
+    exception_message,
+    message_of,
+    version_message,
 )
 from elitescript.protocol.primary.packets import ASSUMED, DOCUMENTED, SUB_MESSAGES, pack_state
 
 SPACING_TICKS: Final = 7
 """Between two robot messages: with ten states they stay below 50 messages a second."""
 UNITS_PER_TICK: Final = 2
-"""Units of one client that begin in one tick, about 2 ms of work; more have to wait for the next. *Assumed.*"""
+"""Units of one client that begin in one tick, about 2 ms of work; further ones wait. *Assumed.*"""
 MAX_UNITS_AT_ONCE: Final = 100
-"""Units that a client may leave behind when it goes; more are refused. *Assumed.*"""
+"""Limit of units that wait when a client closes; further ones are refused. *Assumed.*"""
 LINES_AT_ONCE: Final = 50
 BYTES_AT_ONCE: Final = 2048
 MAX_LINES_PER_TICK: Final = 500
 MAX_BYTES_PER_TICK: Final = 16 * 1024
-"""What of one client's text is read in one tick, about 1 ms of work; the rest has to wait for the next."""
+"""Limits of the text of one client that is read in one tick, about 1 ms of work; the rest waits."""
 MAX_WAITING_BYTES: Final = MAX_UNIT_BYTES + 1024 * 1024
 SILENCE_TICKS: Final = ticks_for(SILENCE_S)
 MAX_SILENT_LINE_BYTES: Final = 16 * 1024
-"""A longer line is not complete before its line feed, however long the silence."""
+"""A longer line is complete only with its line feed; silence does not end it."""
 
 _LOCAL: Final = "refused: the robot is in local control; switch it to remote control to run programs and commands"
 _DAMAGED: Final = "some bytes of a program are not UTF-8; each was replaced by U+FFFD"
 
 
 class PrimaryPort(NamedTuple):
-    """What one of the ports does."""
+    """Properties of one of the ports."""
 
     name: str
     number: int
     rate: int
-    """Robot states in a second."""
+    """Robot states per second."""
     sends_messages: bool
     takes_programs: bool
     evidence: str
@@ -68,7 +68,7 @@ class PrimaryPort(NamedTuple):
 
     @property
     def period_ticks(self) -> int:
-        """Between two states."""
+        """Ticks between two states."""
         return TICKS_PER_S // self.rate
 
 
@@ -83,16 +83,25 @@ PORTS: Final[tuple[PrimaryPort, ...]] = (PRIMARY, SECONDARY, REALTIME, READ_ONLY
 
 
 class PrimaryFeed:
-    """What all clients of one port get: each state and each event is packed once, whoever takes it.
+    """Messages for all clients of one port: each state and each event is packed once.
 
     Args:
         description: the robot.
         port: which port.
-        terminator: what ends the texts of messages.
-        sends_version: greet with a version message.
+        terminator: end of the texts of messages.
+        sends_version: whether to greet with a version message.
     """
 
-    __slots__ = ("_notes", "_notes_of", "_state", "_state_of", "description", "port", "sends_version", "terminator")
+    __slots__ = (
+        "_messages",
+        "_messages_of",
+        "_state",
+        "_state_of",
+        "description",
+        "port",
+        "sends_version",
+        "terminator",
+    )
 
     def __init__(
         self,
@@ -108,8 +117,8 @@ class PrimaryFeed:
         self.sends_version = sends_version
         self._state_of: Output | None = None
         self._state = b""
-        self._notes_of: Output | None = None
-        self._notes: tuple[RobotMessage, ...] = ()
+        self._messages_of: Output | None = None
+        self._messages: tuple[RobotMessage, ...] = ()
 
     def state(self, output: Output) -> bytes:
         """Return the robot-state message of a tick."""
@@ -118,13 +127,13 @@ class PrimaryFeed:
             self._state_of = output
         return self._state
 
-    def notes(self, output: Output) -> tuple[RobotMessage, ...]:
+    def messages(self, output: Output) -> tuple[RobotMessage, ...]:
         """Return the robot messages of a tick."""
-        if self._notes_of is not output:
-            found = [note_of(event, self.terminator) for event in output.events]
-            self._notes = tuple(note for note in found if note is not None)
-            self._notes_of = output
-        return self._notes
+        if self._messages_of is not output:
+            found = [message_of(event, self.terminator) for event in output.events]
+            self._messages = tuple(message for message in found if message is not None)
+            self._messages_of = output
+        return self._messages
 
 
 class PrimaryConnection(Connection):
@@ -133,23 +142,22 @@ class PrimaryConnection(Connection):
     Args:
         origin: names the client.
         description: the robot.
-        feed: shared with the other clients of the port; decides which port this is. Without one, a primary port.
+        feed: shared with the other clients of the port, and which port it is; by default a primary port.
     """
 
     __slots__ = (
         "_burst",
         "_bytes_left",
-        "_due",
         "_feed",
-        "_heard_at",
         "_is_greeted",
         "_is_remote",
         "_line_bytes",
         "_lines_left",
-        "_next_note_at",
+        "_next_message_at",
         "_next_state_at",
         "_raw",
         "_ready",
+        "_received_at",
         "_splitter",
         "_tick",
         "_units_in_tick",
@@ -169,17 +177,16 @@ class PrimaryConnection(Connection):
         self._tick = 0
         self._is_remote = False
         self._is_greeted = False
-        self._heard_at: int | None = None
+        self._received_at: int | None = None
         self._units_in_tick = 0
         self._next_state_at = 0
-        self._next_note_at = 0
+        self._next_message_at = 0
         self._waiting = RobotMessageQueue(self._feed.terminator)
-        self._due: list[Input] = []
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         if not self._feed.port.takes_programs or not data:
             return []
-        self._note_tick(output)
+        self._begin_tick(output)
         self._raw += data
         if len(self._raw) > MAX_WAITING_BYTES:
             raise ProtocolError(f"more than {MAX_WAITING_BYTES} bytes wait; programs come faster than they can be read")
@@ -193,27 +200,27 @@ class PrimaryConnection(Connection):
         return tick >= self._next_state_at
 
     def publish(self, output: Output) -> None:
-        self._note_tick(output)
+        self._begin_tick(output)
         if not self._is_greeted and not output.is_fresh:
-            # It came while the tick was under way: its first state is the one of the next tick.
+            # Connected during this tick: its first state is that of the next one.
             self._next_state_at = output.tick + 1
         if self._feed.port.sends_messages:
             if self._feed.sends_version and not self._is_greeted:
-                self._waiting.put(version_note(output.tick, self.description, self._feed.terminator), output.tick)
-            for note in self._feed.notes(output):
-                self._waiting.put(note, output.tick)
+                self._waiting.put(version_message(output.tick, self.description, self._feed.terminator), output.tick)
+            for message in self._feed.messages(output):
+                self._waiting.put(message, output.tick)
         self._is_greeted = True
-        if self._waiting and output.tick >= self._next_note_at:
+        if self._waiting and output.tick >= self._next_message_at:
             self.send(self._waiting.take())
-            self._next_note_at = output.tick + SPACING_TICKS
+            self._next_message_at = output.tick + SPACING_TICKS
         if output.tick >= self._next_state_at:
             self.send(self._feed.state(output))
             period = self._feed.port.period_ticks
             self._next_state_at = output.tick - output.tick % period + period
         if self._raw or self._ready:
             self._due += self._read()
-        elif self._heard_at is not None and output.tick - self._heard_at >= SILENCE_TICKS:
-            self._heard_at = None
+        elif self._received_at is not None and output.tick - self._received_at >= SILENCE_TICKS:
+            self._received_at = None
             if self._splitter.pending and self._line_bytes <= MAX_SILENT_LINE_BYTES:
                 self._ready += self._splitter.silence()
                 self._due += self._read()
@@ -229,16 +236,12 @@ class PrimaryConnection(Connection):
         if self._raw or self._ready:
             due.append(tick + 1)
         if self._waiting:
-            due.append(self._next_note_at)
-        if self._heard_at is not None:
-            due.append(self._heard_at + SILENCE_TICKS)
+            due.append(self._next_message_at)
+        if self._received_at is not None:
+            due.append(self._received_at + SILENCE_TICKS)
         if (report_tick := self._burst.report_tick) is not None:
             due.append(report_tick)
         return max(min(due), tick + 1)
-
-    def due(self) -> list[Input]:
-        due, self._due = self._due, []
-        return due
 
     def closed(self) -> list[Input]:
         left = [*self._ready, *self._splitter.receive(bytes(self._raw)), *self._splitter.close()]
@@ -257,7 +260,7 @@ class PrimaryConnection(Connection):
     # Units
 
     def _read(self) -> list[Input]:
-        """Read as much of the text as this tick allows."""
+        """Read as much text as this tick allows."""
         inputs: list[Input] = []
         while self._units_in_tick < UNITS_PER_TICK:
             if self._ready:
@@ -270,7 +273,7 @@ class PrimaryConnection(Connection):
         return inputs
 
     def _piece(self) -> bytes:
-        """Take a piece of so few lines that not many units can be ready at once."""
+        """Take a piece of the text with few lines, so that few units are ready at once."""
         lines_left = min(self._lines_left, LINES_AT_ONCE)
         piece = bytes(self._raw[: min(self._bytes_left, BYTES_AT_ONCE)])
         while (lines := piece.count(b"\n") + piece.count(b"\r")) > lines_left:
@@ -279,13 +282,13 @@ class PrimaryConnection(Connection):
             del self._raw[: len(piece)]
             self._bytes_left -= len(piece)
             self._lines_left -= lines
-            self._heard_at = self._tick
+            self._received_at = self._tick
             begin = piece.rfind(b"\n") + 1
             self._line_bytes = len(piece) - begin + (0 if begin else self._line_bytes)
         return piece
 
     def _inputs(self, found: Unit | DiscardedText) -> list[Input]:
-        """Return what a piece of the stream asks for; nothing if it is garbage."""
+        """Return the inputs of a unit; none if it is garbage."""
         if isinstance(found, DiscardedText):
             return [self._refusal(found)]
         if found.kind == "line" and self._burst.takes(found.text) and not is_command(found.text):
@@ -304,27 +307,26 @@ class PrimaryConnection(Connection):
             if request is not None:
                 return Do(self.origin, request)
         if unit.damaged and self._feed.port.sends_messages:
-            note = error_note(self._tick, WARNING, _DAMAGED, terminator=self._feed.terminator)
-            self._waiting.put(note, self._tick)
-        # Lines of alarms count from the unit's own first line, whatever came before it in the stream.
+            message = error_message(self._tick, WARNING, _DAMAGED, terminator=self._feed.terminator)
+            self._waiting.put(message, self._tick)
+        # Lines of alarms count from the first line of the unit.
         return RunUnit(self.origin, unit.kind, unit.text)
 
     def _refusal(self, refusal: DiscardedText) -> Input:
-        """Tell the client of a text that is no program, and the log: the client may have gone."""
+        """Report a text that is no program to the client, and to the log, since the client may have closed."""
         problem = refusal.problems[0]
         text = f"SyntaxError: {problem.text}"
         if self._feed.port.sends_messages:
-            note = exception_note(self._tick, problem.line, problem.column, text, self._feed.terminator)
-            self._waiting.put(note, self._tick)
+            message = exception_message(self._tick, problem.line, problem.column, text, self._feed.terminator)
+            self._waiting.put(message, self._tick)
         return AddLog(self.origin, text)
 
     def _warning(self, text: str) -> Input:
-        """For everybody who hears of warnings, the client among them."""
         return AddLog(self.origin, text, is_warning=True)
 
     # Ticks and messages
 
-    def _note_tick(self, output: Output) -> None:
+    def _begin_tick(self, output: Output) -> None:
         self._is_remote = output.snapshot.is_remote
         if output.tick != self._tick:
             self._tick = output.tick

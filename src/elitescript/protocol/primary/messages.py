@@ -1,8 +1,8 @@
-"""Robot messages of the primary port (type 20) as a table, and which events become which of them.
+"""Robot messages of the primary port (type 20) as a table, and the events that become messages.
 
 Clients know two kinds, robot error (6) and script exception (10), and skip the others. Those are *documented*; the
 other kinds are *assumed* from a protocol of the same family, which numbers these two alike. So are the events that each
-kind is sent for. The vendor's numbers of robot errors are not known: ours have code 0 and say in words what happened.
+kind is sent for. The vendor's numbers of robot errors are not known: ours have code 0 and a text.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ SOURCE_CONTROLLER: Final = 104
 INFO, WARNING, ERROR, FATAL = range(4)
 """Levels of a robot error."""
 TEXT_DATA: Final = 5
-"""Data type of a robot error that carries text up to its end."""
+"""Data type of a robot error whose rest is text."""
 
 TERMINATOR: Final = b"\0"
 """Behind the last text of a message; *assumed*: several public clients drop the last byte."""
 MAX_TEXT_BYTES: Final = 4096
-"""Longer texts end in dots. *Assumed.*"""
+"""Longer texts are cut and end in dots. *Assumed.*"""
 MAX_TITLE_BYTES: Final = 255
 WAITING_MAX: Final = 500
-"""Robot messages that may wait for a client; the last of them leaves after 14 s."""
+"""Limit of robot messages that wait for a client; the last of them leaves after 14 s."""
 VITAL_MAX: Final = 1000
-"""The same for vital ones."""
+"""Limit for vital ones."""
 
 _PROJECT: Final = b"EliControl"
 
@@ -45,13 +45,13 @@ class MessageKind:
     """One kind of robot message.
 
     Args:
-        name: what it is.
+        name: of the kind.
         number: its kind on the wire.
         evidence: for its number and layout.
         summary: when it is sent.
         fields: between the common head and the texts.
-        texts: what follows: the last text goes to the end of the message, those before it have their length in front,
-            one byte.
+        texts: names of the texts that follow: the last one goes to the end of the message, each before it has its
+            length in front, one byte.
     """
 
     __slots__ = ("evidence", "fields", "name", "number", "summary", "texts")
@@ -119,7 +119,7 @@ VERSION: Final = MessageKind(
     "version",
     3,
     ASSUMED,
-    "after accept, if the server is told so: real controllers are not known to send it",
+    "after accept, if it is switched on: real controllers are not known to send it",
     (
         Field("name length", UINT8, "byte", ASSUMED),
         Field("name", WireType("text", "B", len(_PROJECT)), "", ASSUMED),
@@ -172,21 +172,21 @@ KINDS: Final[tuple[MessageKind, ...]] = (TEXT, POPUP, VERSION, ROBOT_ERROR, KEY,
 
 @dataclass(frozen=True, slots=True)
 class RobotMessage:
-    """A robot message on its way to clients."""
+    """A packed robot message for clients."""
 
     data: bytes
     is_vital: bool
-    """Errors, starts and ends are: there is more room for them when a client's queue is full."""
+    """Whether it is an error, start or end, for which a client's queue has more room."""
 
 
 class RobotMessageQueue:
-    """Robot messages that wait for one client, in order; where some were left out, it says how many.
+    """Robot messages that wait for one client, in order; a text in the place of dropped ones has their number.
 
     Args:
-        terminator: what ends the texts of messages.
+        terminator: end of the texts of messages.
 
     Attributes:
-        left_out: messages that found no room.
+        left_out: number of dropped messages.
     """
 
     __slots__ = ("_terminator", "_waiting", "left_out")
@@ -199,11 +199,11 @@ class RobotMessageQueue:
     def __len__(self) -> int:
         return len(self._waiting)
 
-    def put(self, note: RobotMessage, tick: int) -> None:
-        """Add one; if there is no room, remember that it is missing here."""
+    def put(self, message: RobotMessage, tick: int) -> None:
+        """Add a message; without room, count it as missing here."""
         waiting = self._waiting
-        if len(waiting) < (VITAL_MAX if note.is_vital else WAITING_MAX):
-            waiting.append(note)
+        if len(waiting) < (VITAL_MAX if message.is_vital else WAITING_MAX):
+            waiting.append(message)
             return
         self.left_out += 1
         last = waiting[-1]
@@ -213,7 +213,7 @@ class RobotMessageQueue:
             waiting.append(_Gap(tick))
 
     def take(self) -> bytes:
-        """Return the next one; there must be one."""
+        """Return the next message; there must be one."""
         found = self._waiting.popleft()
         if isinstance(found, RobotMessage):
             return found.data
@@ -222,7 +222,7 @@ class RobotMessageQueue:
 
 
 class _Gap:
-    """A place where messages are missing."""
+    """A place where messages were dropped."""
 
     __slots__ = ("count", "tick")
 
@@ -232,12 +232,12 @@ class _Gap:
         """Of the first of them."""
 
 
-def exception_note(tick: int, line: int, column: int, text: str, terminator: bytes = TERMINATOR) -> RobotMessage:
+def exception_message(tick: int, line: int, column: int, text: str, terminator: bytes = TERMINATOR) -> RobotMessage:
     """Return a script exception; the text begins with the name of its class."""
     return RobotMessage(SCRIPT_EXCEPTION.pack(tick, (line, column), text, terminator=terminator), is_vital=True)
 
 
-def error_note(
+def error_message(
     tick: int,
     level: int,
     text: str,
@@ -246,31 +246,31 @@ def error_note(
     *,
     is_vital: bool = True,
 ) -> RobotMessage:
-    """Return a robot error that says in words what happened."""
+    """Return a robot error with a text."""
     data = ROBOT_ERROR.pack(tick, (0, 0, level, TEXT_DATA), text, source=source, terminator=terminator)
     return RobotMessage(data, is_vital)
 
 
-def version_note(tick: int, description: RobotDescription, terminator: bytes = TERMINATOR) -> RobotMessage:
+def version_message(tick: int, description: RobotDescription, terminator: bytes = TERMINATOR) -> RobotMessage:
     """Return the version of the controller."""
     values = (len(_PROJECT), tuple(_PROJECT), *description.firmware)
     return RobotMessage(VERSION.pack(tick, values, "", terminator=terminator), is_vital=False)
 
 
-def note_of(event: Event, terminator: bytes = TERMINATOR) -> RobotMessage | None:
-    """Return the message that tells clients of an event; None if they are not told of it."""
+def message_of(event: Event, terminator: bytes = TERMINATOR) -> RobotMessage | None:
+    """Return the message about an event; None if it has none."""
     translate = _TRANSLATIONS.get(type(event))
     return None if translate is None else translate(event, terminator)
 
 
 def _alarm(event: Alarm, terminator: bytes) -> RobotMessage:
-    return exception_note(event.tick, event.line, event.column, f"{event.class_name}: {event.text}", terminator)
+    return exception_message(event.tick, event.line, event.column, f"{event.class_name}: {event.text}", terminator)
 
 
 def _warned(event: Warned, terminator: bytes) -> RobotMessage:
-    """Advice on a line of a program is a text: a monitor takes a robot error for a fault of the robot."""
+    """Return a text for advice on a line of a program, because a robot error would show as a fault of the robot."""
     if event.is_exception or not (event.line or event.thread or event.code):
-        return error_note(event.tick, WARNING, event.text, terminator=terminator, is_vital=event.is_exception)
+        return error_message(event.tick, WARNING, event.text, terminator=terminator, is_vital=event.is_exception)
     place = f"line {event.line}: " if event.line else ""
     text = str(event) if event.code else f"warning: {place}{event.text}"
     return RobotMessage(TEXT.pack(event.tick, (), text, terminator=terminator), is_vital=False)
@@ -319,7 +319,7 @@ def _safety_mode(event: SafetyModeChanged, terminator: bytes) -> RobotMessage | 
     text = event.mode.name.replace("_", " ").capitalize()
     if event.reason:
         text = f"{text}: {event.reason}"
-    return error_note(event.tick, level, text, SOURCE_SAFETY, terminator)
+    return error_message(event.tick, level, text, SOURCE_SAFETY, terminator)
 
 
 _TRANSLATIONS: Final[dict[type, Callable[[Any, bytes], RobotMessage | None]]] = {
@@ -333,7 +333,7 @@ _TRANSLATIONS: Final[dict[type, Callable[[Any, bytes], RobotMessage | None]]] = 
 
 
 def _cut(text: str, limit: int) -> bytes:
-    """UTF-8 of at most `limit` bytes, whole characters; what was cut off shows as dots."""
+    """Return UTF-8 of at most `limit` bytes, whole characters; a cut text ends in dots."""
     data = text.encode("utf-8", "replace")
     if len(data) <= limit:
         return data

@@ -1,11 +1,11 @@
-"""The robot state of the primary port as a table: sub-messages, their fields, and where each value comes from.
+"""The robot state of the primary port as a table: sub-messages, their fields, and the source of each value.
 
-A robot-state message is a head and nine sub-messages, each with a head of its own: length and type number. Clients find
-them by number or by position, so order and total length are part of the contract.
+A robot-state message is a head and nine sub-messages, each with its own head: length and type number. Clients find them
+by number or by position, so order and total length are part of the contract.
 
 Evidence of a row is about its place and type. Most are *documented* (the vendor's client code and pages), positions of
-joint fields are also *observed* in public clients, the type numbers of the last four are *assumed*. A value that the
-simulation does not have is a constant, and the row says so.
+joint fields are also *observed* in public clients, the type numbers of the last four are *assumed*. A value that is not
+simulated is a constant, and the row names it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from math import copysign, inf, isnan
 from typing import Final
 
-from elitescript.messages.enums import SafetyMode, TaskState
+from elitescript.messages.enums import POWERED, SafetyMode, TaskState
 from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.binary import (
@@ -34,17 +34,17 @@ from elitescript.protocol.binary import (
     WireType,
     packed_bits,
 )
-from elitescript.protocol.device_modes import is_powered, joint_mode, tool_mode
+from elitescript.protocol.device_modes import joint_mode, tool_mode
 
 Reading = Callable[[Snapshot, RobotDescription], Number | Sequence[Number]]
-"""Where a value comes from. In a sub-message that repeats its fields, it returns one value for each repetition."""
+"""Source of a value; in a sub-message that repeats its fields, of one value for each repetition."""
 
 DOCUMENTED: Final = "documented"
 OBSERVED: Final = "observed"
 ASSUMED: Final = "assumed"
 
 ROBOT_STATE: Final = 16
-"""Type of the message that all sub-messages travel in."""
+"""Type of the message that contains all sub-messages."""
 STATE_SIZE: Final = 1157
 """Bytes of a robot-state message; *observed*: a public client takes no other length."""
 
@@ -79,7 +79,7 @@ class SubMessage:
     """One part of the robot state.
 
     Args:
-        name: what it is about.
+        name: of the part.
         number: its type on the wire.
         size: bytes, with its head.
         evidence: for the type number.
@@ -100,7 +100,7 @@ class SubMessage:
         assert self._fields.size == size, f"{name}: {self._fields.size} bytes in the table, not {size}"
 
     def offsets(self) -> tuple[int, ...]:
-        """Return where each row begins (the first time), in bytes from the head's first."""
+        """Return the offset of each row (its first repetition), in bytes from the begin of the head."""
         return self._fields.offsets()[len(_HEAD) : len(_HEAD) + len(self.rows)]
 
     def pack(self, snapshot: Snapshot, description: RobotDescription) -> bytes:
@@ -119,11 +119,11 @@ class SubMessage:
         try:
             return self._fields.pack((self.size, self.number, *columns))
         except ValueError:
-            # A program may bring about torques that only a DOUBLE can hold; clients lose no state over that.
+            # Torques of a program may exceed a FLOAT; clients still get the state.
             return self._fields.pack((self.size, self.number, *self._in_range(columns)))
 
     def _in_range(self, columns: Sequence[Number | Sequence[Number]]) -> list[Number | Sequence[Number]]:
-        """Return the values with infinity in each FLOAT that is too large for it, as rounding makes it."""
+        """Return the values with infinity in place of those that are too large for a FLOAT, as rounding does."""
         kinds = [field.type for field in self._fields.fields[len(_HEAD) :]]
         return [
             copysign(inf, value)
@@ -173,7 +173,7 @@ ROBOT_MODE: Final = SubMessage(
     PacketField("timestamp", UINT64, "us", DOCUMENTED, lambda s, _: timestamp(s.robot.tick), "time since the start"),
     PacketField("reserved 1", BOOL, "", DOCUMENTED, 0),
     PacketField("reserved 2", BOOL, "", DOCUMENTED, 0),
-    PacketField("robot power on", BOOL, "", DOCUMENTED, lambda s, _: is_powered(s.robot.robot_mode)),
+    PacketField("robot power on", BOOL, "", DOCUMENTED, lambda s, _: s.robot.robot_mode in POWERED),
     PacketField("emergency stopped", BOOL, "", DOCUMENTED, lambda s, _: s.robot.safety_mode in EMERGENCY_STOPS),
     PacketField(
         "protective stopped", BOOL, "", DOCUMENTED, lambda s, _: s.robot.safety_mode is SafetyMode.PROTECTIVE_STOP

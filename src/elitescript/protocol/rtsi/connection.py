@@ -24,23 +24,17 @@ from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.binary import UINT8, UINT16, UINT32, Field, FieldList, WireValue
 from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.rtsi.inputs import INPUTS, Arrival, requests_of
-from elitescript.protocol.rtsi.recipes import (
-    FREQUENCY_MAX_HZ,
-    FREQUENCY_MIN_HZ,
-    InputRecipe,
-    OutputRecipe,
-    RtsiPort,
-)
+from elitescript.protocol.rtsi.recipes import FREQUENCY_MAX_HZ, FREQUENCY_MIN_HZ, InputRecipe, OutputRecipe, RtsiPort
 from elitescript.protocol.rtsi.variables import OUTPUTS
 
 HELD_BACK_TICKS: Final = TICKS_PER_S // 2
-"""How long packages wait after the start for inputs that were sent before it; a robot that begins anew loses them."""
+"""Longest wait of packages after the start for inputs that were sent before it; a restarted robot loses them."""
 PROTOCOL_VERSION: Final = 1
 MESSAGE_MAX: Final = 65535
 RECIPES_MAX: Final = 254
 """In each direction."""
 VARIABLES_MAX: Final = 2048
-"""Of all recipes of a client in each direction: nobody keeps the robot busy with packing (*assumed*)."""
+"""Of all recipes of a client in each direction, a bound of the time for packing (*assumed*)."""
 
 NOT_FOUND: Final = "NOT_FOUND"
 IN_USE: Final = "IN_USE"
@@ -89,15 +83,14 @@ class RtsiConnection(Connection):
     """One client.
 
     Args:
-        origin: names the client, such as `rtsi#2`; no two clients of a port have the same.
+        origin: names the client, such as `rtsi#2`; unique at a port.
         description: the robot.
-        port: what the clients of this robot share.
+        port: shared by the clients of this robot.
     """
 
     __slots__ = (
         "_answers",
         "_buffer",
-        "_complaints",
         "_failure",
         "_first_tick",
         "_fresh_before",
@@ -106,6 +99,7 @@ class RtsiConnection(Connection):
         "_is_started",
         "_outputs",
         "_port",
+        "_reported",
         "_values",
         "_written_tick",
     )
@@ -122,11 +116,12 @@ class RtsiConnection(Connection):
         self._answers = 0
         self._written_tick: int | None = None
         self._first_tick = 0
-        """Of the first package after the start: the one that knows the inputs that were sent before the start."""
+        """Tick of the first package after the start, which shows the inputs that were sent before the start."""
         self._held_back_until = 0
         self._fresh_before = 0
         """Before this tick no package has an older snapshot."""
-        self._complaints: dict[str, int] = {}
+        self._reported: dict[str, int] = {}
+        """Tick of the last text message by kind of problem."""
 
     @property
     def is_streaming(self) -> bool:
@@ -143,10 +138,10 @@ class RtsiConnection(Connection):
         self._answers = 0
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
-        """Take bytes; answer what is complete. See `Connection.receive`.
+        """Take bytes; answer complete messages. See `Connection.receive`.
 
-        What came before a mistake in the stream still counts: then the mistake is raised by the next call, and the
-        connection is over.
+        Messages before an invalid one are still handled: then the next call raises the error, and the connection is
+        over.
         """
         if self._failure is not None:
             raise self._failure
@@ -180,8 +175,8 @@ class RtsiConnection(Connection):
     def publish(self, output: Output) -> None:
         """Queue the packages that are due at this tick.
 
-        A client that has just written an input hears of no tick before that: it takes the next package for an answer.
-        The first package after a start holds all that was written before the start.
+        A client that has just written an input gets no package of an earlier tick, since it takes the next package for
+        the answer. The first package after a start shows all inputs that were written before.
         """
         if not self._is_started or output.tick == self._written_tick:
             return
@@ -196,24 +191,22 @@ class RtsiConnection(Connection):
                 self.send(recipe.package(self._port.packages.body(recipe, output)))
 
     def next_tick(self, tick: int) -> int | None:
-        """See `Connection.next_tick`."""
         if not self._is_started:
             return None
         return min((recipe.schedule.next_tick(tick) for recipe in self._outputs), default=None)
 
     def posted(self, tick: int) -> None:
-        """See `Connection.posted`."""
         if self._first_tick:
             self._first_tick = max(self._first_tick, tick)
 
     def closed(self) -> list[Input]:
-        """Give the client's inputs free. They keep their values."""
+        """Release the client's inputs, which keep their values."""
         self._port.claims.release(self.origin)
         self._is_started = False
         self._answers = 0
         return []
 
-    def say(self, level: int, text: str) -> None:
+    def send_text(self, level: int, text: str) -> None:
         """Queue a text message for the client."""
         body = text.encode()[: MESSAGE_MAX - _FRAME.size - 1].decode(errors="ignore").encode()
         self._reply("M", bytes([level]) + body)
@@ -221,20 +214,20 @@ class RtsiConnection(Connection):
     def _obey(self, command: int, body: bytes, output: Output) -> list[Input]:
         handler = _HANDLERS.get(command)
         if handler is None:
-            self._complain(f"command {command}", f"there is no command {chr(command)!r} ({command})", output)
+            self._report(f"command {command}", f"there is no command {chr(command)!r} ({command})", output)
             return []
         return handler(self, body, output)
 
     def _reply(self, letter: str, body: bytes) -> None:
         self.send(_FRAME.pack([_FRAME.size + len(body), ord(letter)]) + body)
 
-    def _complain(self, kind: str, text: str, output: Output, level: int = ERROR) -> None:
-        """Say what could not be done, unless the same was said within a second."""
-        last = self._complaints.get(kind)
+    def _report(self, kind: str, text: str, output: Output, level: int = ERROR) -> None:
+        """Send a text message about a problem, unless one of its kind was sent within a second."""
+        last = self._reported.get(kind)
         if last is not None and 0 <= output.tick - last < TICKS_PER_S:
             return
-        self._complaints[kind] = output.tick
-        self.say(level, text)
+        self._reported[kind] = output.tick
+        self.send_text(level, text)
 
     # ---------------------------------------------------------------- handlers, one for each command
 
@@ -243,7 +236,7 @@ class RtsiConnection(Connection):
         self._reply("V", bytes([version == PROTOCOL_VERSION]))
         if version != PROTOCOL_VERSION:
             asked = "nothing" if version is None else str(version)
-            self._complain("version", f"the protocol version is {PROTOCOL_VERSION}, you asked for {asked}", output)
+            self._report("version", f"the protocol version is {PROTOCOL_VERSION}, you asked for {asked}", output)
         return []
 
     def _tell_version(self, _body: bytes, _output: Output) -> list[Input]:
@@ -253,7 +246,7 @@ class RtsiConnection(Connection):
     def _log(self, body: bytes, output: Output) -> list[Input]:
         parts = _text_message(body)
         if parts is None:
-            self._complain("text", "a text message is: length, text, length, source, level", output)
+            self._report("text", "a text message is: length, text, length, source, level", output)
             return []
         text, source, level = parts
         name = _LEVELS[level] if level < len(_LEVELS) else f"level {level}"
@@ -281,7 +274,7 @@ class RtsiConnection(Connection):
         self._reply("O", bytes([recipe.ident]) + ",".join(words).encode())
         if frequency_hz != wanted_hz:
             text = f"recipe {recipe.ident} is sent at {frequency_hz:g} Hz, not {wanted_hz:g} Hz"
-            self._complain("frequency", f"{text}: the range is 1 to 250 Hz", output, WARNING)
+            self._report("frequency", f"{text}: the range is 1 to 250 Hz", output, WARNING)
         return []
 
     def _set_up_input(self, body: bytes, output: Output) -> list[Input]:
@@ -302,7 +295,7 @@ class RtsiConnection(Connection):
         return []
 
     def _problem(self, names: tuple[str, ...], recipes: list[OutputRecipe] | list[InputRecipe]) -> str:
-        """Return what speaks against one more recipe, apart from its names; empty if nothing does."""
+        """Return why one more recipe is refused, apart from its names; empty if it is not."""
         if len(names) > VARIABLES_MAX:
             raise ProtocolError(f"a recipe has {VARIABLES_MAX} variables at most, not {len(names)}")
         if not names:
@@ -314,10 +307,10 @@ class RtsiConnection(Connection):
         return ""
 
     def _refuse(self, letter: str, words: list[str], problem: str, output: Output) -> None:
-        """Answer a set-up that fails; words for missing or claimed variables speak for themselves."""
+        """Answer a set-up that fails; missing or claimed variables need no text message."""
         self._reply(letter, b"\0" + ",".join(words).encode())
         if problem:
-            self._complain(f"recipe {letter}", problem, output)
+            self._report(f"recipe {letter}", problem, output)
 
     def _start(self, _body: bytes, output: Output) -> list[Input]:
         self._reply("S", b"\x01")
@@ -329,7 +322,7 @@ class RtsiConnection(Connection):
             if output.is_fresh:
                 self.publish(output)
             else:
-                # One that has connected just now: neither this tick nor one under way was asked for its snapshot.
+                # Connected just now: this tick and one under way may have an older snapshot.
                 self._fresh_before = output.tick + 2
         return []
 
@@ -342,13 +335,13 @@ class RtsiConnection(Connection):
     def _take_values(self, body: bytes, output: Output) -> list[Input]:
         ident = body[0] if body else 0
         if not 1 <= ident <= len(self._inputs):
-            self._complain("ident", f"there is no input recipe {ident}; you have set up {len(self._inputs)}", output)
+            self._report("ident", f"there is no input recipe {ident}; you have set up {len(self._inputs)}", output)
             return []
         recipe = self._inputs[ident - 1]
         size = _FRAME.size + len(body)
         if size != recipe.size:
             text = f"a package of input recipe {ident} has {recipe.size} bytes, not {size}; it was ignored"
-            self._complain("size", text, output)
+            self._report("size", text, output)
             return []
         values = self._values | recipe.values(body[1:])
         arrival = Arrival(values, self._values, output.snapshot, {})
@@ -357,7 +350,7 @@ class RtsiConnection(Connection):
         self._written_tick = output.tick
         self._answers += self._is_started
         for name, text in arrival.problems.items():
-            self._complain(name, text, output)
+            self._report(name, text, output)
         if not self._is_started:
             self._first_tick = output.tick + 1
         inputs.append(VariablesArrived(self.origin, recipe.names))
@@ -377,7 +370,7 @@ _HANDLERS: Final[dict[int, Callable[[RtsiConnection, bytes, Output], list[Input]
 
 
 def _names(body: bytes) -> tuple[str, ...]:
-    """Return the names of a recipe; a comma at the end is not followed by one more."""
+    """Return the names of a recipe, without empty ones at the end."""
     names = [name.strip() for name in body.decode("utf-8", errors="replace").split(",")]
     while names and not names[-1]:
         names.pop()
@@ -385,7 +378,7 @@ def _names(body: bytes) -> tuple[str, ...]:
 
 
 def _text_message(body: bytes) -> tuple[str, str, int] | None:
-    """Return the text, source and level of a client's message, or None if it is none."""
+    """Return text, source and level of a client's message; None if it is malformed."""
     if not body:
         return None
     text_end = 1 + body[0]

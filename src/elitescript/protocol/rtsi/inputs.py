@@ -1,12 +1,12 @@
-"""The table of RTSI input variables: names, types, and what a package that holds them asks of the machine.
+"""The table of RTSI input variables: names, types, and their requests to the machine.
 
-An *effect* is what one or a few variables do together, such as a mask and its levels. It happens with every package
-that holds any of its variables, with the newest value of each that the client has sent; what the client has never sent
-has no effect (*assumed*).
+An *effect* belongs to one or a few variables together, such as a mask and its levels. It is applied with every package
+that holds any of its variables, with the newest value of each that the client has sent; before the client has sent all
+of them there is no effect (*assumed*).
 
-Clients repeat all their values whenever one changes. Outputs, speed and analog channels are written each time, for a
-program may have changed them in between. Registers belong to one client at a time: what a register has already is not
-written again.
+Clients repeat all their values whenever one changes. Outputs, speed and analog channels are written each time, since a
+program may have changed them in between. A register belongs to one client at a time and is written only with a new
+value.
 """
 
 from __future__ import annotations
@@ -16,13 +16,7 @@ from math import isfinite
 from typing import Final, NamedTuple, TypeAlias
 
 from elitescript.messages.enums import AnalogDomain
-from elitescript.messages.machine import (
-    MachineRequest,
-    SetAnalogDomain,
-    SetAnalogFraction,
-    SetSpeedScale,
-    WriteSignal,
-)
+from elitescript.messages.machine import MachineRequest, SetAnalogDomain, SetAnalogFraction, SetSpeedScale, WriteSignal
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import Snapshot
 from elitescript.protocol.binary import (
@@ -124,16 +118,16 @@ INPUTS: Final[dict[str, WireType]] = {
 
 
 class Arrival(NamedTuple):
-    """A package of inputs as its effects see it."""
+    """A package of inputs and the data for its effects."""
 
     values: Values
-    """The newest of every variable that the client has sent, those of the package included."""
+    """Newest value of every variable that the client has sent, those of the package included."""
     previous: Values
     """The same before the package."""
     snapshot: Snapshot
     """Of the last tick."""
     problems: dict[str, str]
-    """What could not be applied, by variable; effects write here."""
+    """Values that could not be applied, by variable; filled by effects."""
 
     def integer(self, name: str) -> int:
         """Return the value of an integer variable."""
@@ -152,7 +146,7 @@ Requests: TypeAlias = Iterator[MachineRequest]
 
 
 class InputEffect(NamedTuple):
-    """What some variables do together."""
+    """Effect of some variables together."""
 
     variables: tuple[str, ...]
     requests: Callable[[Arrival], Requests]
@@ -251,13 +245,13 @@ EFFECTS: Final[tuple[InputEffect, ...]] = (
 
 
 def effects_of(names: tuple[str, ...]) -> tuple[InputEffect, ...]:
-    """Return what a package with these variables can do."""
+    """Return the effects of a package with these variables."""
     held = frozenset(names)
     return tuple(effect for effect in EFFECTS if not held.isdisjoint(effect.variables))
 
 
 def requests_of(effects: tuple[InputEffect, ...], arrival: Arrival) -> Iterator[MachineRequest]:
-    """Yield what a package asks for: every effect whose variables are all known."""
+    """Yield the requests of a package: of every effect whose variables are all known."""
     for effect in effects:
         if all(name in arrival.values for name in effect.variables):
             yield from effect.requests(arrival)

@@ -1,7 +1,7 @@
-"""Recipes of RTSI: which variables a package holds, in which order, how often; and what clients share.
+"""Recipes of RTSI: variables, order and rate of packages; and the state that clients share.
 
-A recipe is prepared once, so that a package costs little: one compiled layout and one list of readers. Clients that ask
-for the same variables get the same bytes, which are packed once in a tick.
+A recipe is prepared once, as a compiled layout and a list of readers, so that a package is cheap. Clients with the same
+variables get the same bytes, which are packed once in a tick.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ DATA_PACKAGE: Final = ord("U")
 
 
 class RecipeSchedule:
-    """At which ticks a recipe of some frequency is due: exact, whatever the frequency.
+    """Ticks at which a recipe is due, exact for any frequency.
 
     In any n ticks after the first package there are floor(n * frequency / 250) more.
 
@@ -45,11 +45,11 @@ class RecipeSchedule:
         self._sent = 0
 
     def reset(self) -> None:
-        """The next tick is the first, at which a package is due."""
+        """Start again: a package is due at the next tick."""
         self._start = None
 
     def will_be_due(self, tick: int) -> bool:
-        """Whether `is_due` will say so of this tick."""
+        """Return whether `is_due` will be True for this tick."""
         return self._start is None or tick < self._start or self._count(tick) > self._sent
 
     def is_due(self, tick: int) -> bool:
@@ -71,13 +71,13 @@ class RecipeSchedule:
         return max(self._start + -(-(self._sent + 1) * self._denominator // self._numerator), tick + 1)
 
     def _count(self, tick: int) -> int:
-        """Packages that are due after the first one, up to a tick."""
+        """Return the number of packages that are due after the first one, up to a tick."""
         assert self._start is not None
         return (tick - self._start) * self._numerator // self._denominator
 
 
 class OutputRecipe:
-    """Variables that a client wants to hear of.
+    """Variables that are sent to a client.
 
     Args:
         ident: number of the recipe, 1 to 254.
@@ -95,7 +95,7 @@ class OutputRecipe:
         self._layout = struct.Struct(">" + "".join(row.type.layout for row in rows))
         self._readers = tuple((row.read, row.type.is_vector) for row in rows)
         self.size = HEAD.size + self._layout.size
-        """Bytes of a package."""
+        """Size of a package in bytes."""
 
     def packed(self, output: Output) -> bytes:
         """Return the values at a tick, without head."""
@@ -109,16 +109,16 @@ class OutputRecipe:
         return self._layout.pack(*flat)
 
     def package(self, body: bytes) -> bytes:
-        """Return the message that carries these values."""
+        """Return the message with packed values."""
         return HEAD.pack(self.size, DATA_PACKAGE, self.ident) + body
 
 
 class InputRecipe:
-    """Variables that a client is going to send.
+    """Variables that a client sends.
 
     Args:
         ident: number of the recipe, 1 to 254.
-        names: known names, in the order of the package; of a name that comes twice the last value counts.
+        names: known names, in the order of the package; the last value of a repeated name counts.
     """
 
     __slots__ = ("_fields", "effects", "ident", "names", "size")
@@ -129,10 +129,10 @@ class InputRecipe:
         self._fields = FieldList(*(Field(name, INPUTS[name]) for name in names))
         self.effects = effects_of(names)
         self.size = HEAD.size + self._fields.size
-        """Bytes of a package."""
+        """Size of a package in bytes."""
 
     def values(self, body: bytes) -> dict[str, WireValue]:
-        """Return what a package says, by variable.
+        """Return the values of a package by variable.
 
         Args:
             body: as long as the recipe needs, without head.
@@ -141,7 +141,7 @@ class InputRecipe:
 
 
 class InputClaims:
-    """Which client writes which input of a robot: an input belongs to one client at a time."""
+    """Owners of the inputs of a robot: an input belongs to one client at a time."""
 
     __slots__ = ("_owners",)
 
@@ -149,7 +149,7 @@ class InputClaims:
         self._owners: dict[str, str] = {}
 
     def is_free(self, origin: str, name: str) -> bool:
-        """Return whether a client may claim an input: nobody has it, or the client itself."""
+        """Return whether a client may claim an input: it has no owner, or this one."""
         return self._owners.get(name, origin) == origin
 
     def claim(self, origin: str, names: Iterable[str]) -> None:
@@ -158,7 +158,7 @@ class InputClaims:
             self._owners[name] = origin
 
     def release(self, origin: str) -> None:
-        """Take all inputs from a client that has gone."""
+        """Release all inputs of a client."""
         for name in [name for name, owner in self._owners.items() if owner == origin]:
             del self._owners[name]
 
@@ -184,7 +184,7 @@ class PackageCache:
 
 
 class RtsiPort:
-    """What all clients of one robot's port share."""
+    """State that all clients of one robot's port share."""
 
     __slots__ = ("claims", "packages")
 

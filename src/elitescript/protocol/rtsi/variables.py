@@ -1,7 +1,7 @@
-"""The table of RTSI output variables: what the robot shows, under which name, and how it is read from a snapshot.
+"""The table of RTSI output variables: names, types, and how they are read from a snapshot.
 
-Names, types and units are facts of the interface; `evidence` of each row says how they are known. The vendor's complete
-list is not public: a name that is missing here is answered with `NOT_FOUND`. The inputs stand in `rtsi_inputs`.
+Names, types and units are facts of the interface; `evidence` of each row is their source. The vendor's complete list is
+not public: a name that is missing here is answered with `NOT_FOUND`. The inputs are in `rtsi.inputs`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Callable
 from enum import IntEnum
 from typing import Final, NamedTuple, TypeAlias
 
-from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.messages.enums import POWERED, RobotMode, SafetyMode, TaskState
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import Snapshot
 from elitescript.protocol.binary import (
@@ -26,7 +26,7 @@ from elitescript.protocol.binary import (
     WireValue,
     packed_bits,
 )
-from elitescript.protocol.device_modes import DeviceMode, is_powered, joint_mode, tool_mode
+from elitescript.protocol.device_modes import DeviceMode, joint_mode, tool_mode
 
 Reader: TypeAlias = Callable[[Snapshot], WireValue]
 
@@ -35,7 +35,7 @@ THIRD: Final = "third-party client"
 ASSUMED: Final = "assumed"
 
 BIT_REGISTERS: Final = range(64, 128)
-"""Those below are packed in words of 32."""
+"""Boolean registers with a variable each; those below are packed in words of 32."""
 WORDS: Final = (0, 32)
 """First registers of the packed words."""
 
@@ -59,7 +59,7 @@ def _one(name: str, wire: WireType, unit: str, summary: str, read: Reader, *, ev
 
 
 def _numbers(modes: type[IntEnum]) -> str:
-    """Each number of an enumeration with its name."""
+    """Return each number of an enumeration with its name."""
     return ", ".join(f"{mode.value} {mode.name.lower().replace('_', ' ')}" for mode in modes)
 
 
@@ -91,7 +91,7 @@ def _analog_domains(snapshot: Snapshot) -> int:
 
 def _robot_bits(snapshot: Snapshot) -> int:
     robot = snapshot.robot
-    return is_powered(robot.robot_mode) | (robot.task_state is TaskState.PLAYING) << 1 | snapshot.is_freedrive << 2
+    return (robot.robot_mode in POWERED) | (robot.task_state is TaskState.PLAYING) << 1 | snapshot.is_freedrive << 2
 
 
 SAFETY_BITS: Final = (
@@ -110,7 +110,7 @@ SAFETY_BITS: Final = (
         set(SafetyMode) - {SafetyMode.NORMAL, SafetyMode.REDUCED, SafetyMode.RECOVERY, SafetyMode.UNDEFINED},
     ),
 )
-"""Meaning of each bit of `safety_status_bits`, the lowest first, and the modes in which it is set (*assumed*)."""
+"""Each bit of `safety_status_bits`, the lowest first, and the modes in which it is set (*assumed*)."""
 
 _SAFETY_WORDS: Final = {mode: packed_bits([mode in modes for _, modes in SAFETY_BITS]) for mode in SafetyMode}
 
@@ -208,13 +208,7 @@ OUTPUT_ROWS: Final[tuple[OutputVariable, ...]] = (
     _one("target_speed_fraction", DOUBLE, "", "speed slider, 0 to 1", lambda s: s.robot.speed_scale),
     _one("actual_robot_voltage", DOUBLE, "V", "supply of the arm", lambda s: s.robot_voltage),
     _one("actual_robot_current", DOUBLE, "A", "current of the arm", lambda s: s.robot_current),
-    _one(
-        "runtime_state",
-        UINT32,
-        "",
-        f"task: {_numbers(TaskState)}",
-        lambda s: int(s.robot.task_state),
-    ),
+    _one("runtime_state", UINT32, "", f"task: {_numbers(TaskState)}", lambda s: int(s.robot.task_state)),
     _one("elbow_position", VECTOR3D, "m", "elbow, base frame", lambda s: s.elbow_position),
     _one("elbow_velocity", VECTOR3D, "m/s", "velocity of the elbow, base frame", lambda s: s.elbow_velocity),
     _one(
