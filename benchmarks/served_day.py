@@ -18,7 +18,6 @@ from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelDat
 from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChannel, Output, SendChannel
 from elitescript.protocol.connection import Connection
 from elitescript.services.child.output_changes import OutputReader, OutputWriter
-from elitescript.services.config_codec import full_codec
 from elitescript.services.table import SERVICES
 
 PROGRAM = """def day():
@@ -116,7 +115,7 @@ class Clients:
 def main(hours: float) -> None:
     """Print robot hours, wall seconds and memory after each 24th."""
     kernel, peers = Kernel(KernelConfig(power_on=True)), Peers()
-    writer, reader = OutputWriter(full_codec()), OutputReader(full_codec())
+    writer, reader = OutputWriter(), OutputReader()
     output = reader.read(*writer.message(kernel.tick()))
     clients = Clients(kernel, output)
     inputs: list[Input] = [RunUnit("primary#0", "program", PROGRAM)]

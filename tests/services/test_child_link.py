@@ -13,6 +13,7 @@ import pytest
 
 from elitescript.cli.main import main
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import shape_of
 from elitescript.devices.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, KernelConfig
@@ -32,13 +33,11 @@ from elitescript.services.child.link import BOOTS_MAX, ChildLink
 from elitescript.services.child.process import child_environment, processor_time_s
 from elitescript.services.child.termination_events import COMPILE_HINT, HINT
 from elitescript.services.clients.input_queue import InputQueue
-from elitescript.services.config_codec import full_codec
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import Journal, JournalReader
 from elitescript.services.time.cycle import Cycle
 from tests.protocol.snapshots import description, output
 
-CODEC = full_codec()
 TCP = (0.1, 0.0, 0.2, 0.0, 0.5, 0.0)
 PATIENT_S = 30.0
 IMPATIENT_S = 0.25
@@ -64,8 +63,8 @@ class FakeChild:
         if letter == frames.LOCK_IN:
             self.say(frames.LOCKED_IN, b'[["files",true,"all of it"]]')
         elif letter == frames.BEGIN:
-            self.tick = CODEC.shape(KernelConfig).decode(from_text(text)).first_tick
-            self.say(frames.DESCRIBED, to_text(CODEC.shape(RobotDescription).encode(description())).encode())
+            self.tick = shape_of(KernelConfig).decode(from_text(text)).first_tick
+            self.say(frames.DESCRIBED, to_text(shape_of(RobotDescription).encode(description())).encode())
         elif letter == frames.TICK and not self.is_mute:
             self.answer()
 
@@ -73,7 +72,7 @@ class FakeChild:
         assert self.tick is not None
         whole = output(self.tick, task_state=TaskState.PLAYING, **changes)
         self.tick += 1
-        self.say(frames.OUTPUT, to_text(CODEC.shape(Output).encode(whole)).encode())
+        self.say(frames.OUTPUT, to_text(shape_of(Output).encode(whole)).encode())
 
     def worked_s(self) -> float | None:
         return self.processor_s

@@ -15,6 +15,7 @@ import traceback
 from typing import Any
 
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import shape_of
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import Kernel, KernelConfig
@@ -24,13 +25,11 @@ from elitescript.services.child import frames
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
 from elitescript.services.child.remote_files import RemoteFiles
-from elitescript.services.config_codec import full_codec
 
 
 def serve(line: frames.BlockingLine) -> None:
     """Do what the parent says, until it goes."""
-    codec = full_codec()
-    inputs_shape, writer = codec.shape(Input), OutputWriter(codec)
+    inputs_shape, writer = shape_of(Input), OutputWriter()
 
     def ask(question: list[Any]) -> list[Any]:
         line.send(frames.QUESTION, to_text(question))
@@ -49,12 +48,12 @@ def serve(line: frames.BlockingLine) -> None:
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
         elif letter == frames.BEGIN:
-            config = codec.shape(KernelConfig).decode(data)
+            config = shape_of(KernelConfig).decode(data)
             kernel = Kernel(config, RequestEnvironment(RemoteFiles(ask)))
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
             gc.freeze()
-            line.send(frames.DESCRIBED, to_text(codec.shape(RobotDescription).encode(kernel.description)))
+            line.send(frames.DESCRIBED, to_text(shape_of(RobotDescription).encode(kernel.description)))
         else:
             raise UsageError(f"no message {letter!r} is expected here")
 

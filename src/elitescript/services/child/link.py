@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError
 from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import KernelConfig
@@ -35,7 +36,6 @@ from elitescript.services.child.pending_inputs import BEHIND_TICKS, HELD_MAX, Pe
 from elitescript.services.child.process import ChildProcess
 from elitescript.services.child.remote_files import FileDesk
 from elitescript.services.child.termination_events import COMPILE_HINT, FILES_HINT, HINT, last_words
-from elitescript.services.config_codec import full_codec
 from elitescript.services.journal.writer import Journal
 from elitescript.services.time.cycle import CATCH_UP_TICKS
 
@@ -106,7 +106,6 @@ class ChildLink:
         "_boots",
         "_changed",
         "_child",
-        "_codec",
         "_config",
         "_crashes",
         "_description",
@@ -156,9 +155,8 @@ class ChildLink:
         self._grace_s = grace_s
         self._grace_left_s = grace_s
         self._memory_max = memory_max
-        self._codec = full_codec()
-        self._input_shape = self._codec.shape(Input)
-        self._reader = OutputReader(self._codec)
+        self._input_shape = shape_of(Input)
+        self._reader = OutputReader()
         self._desk = FileDesk(FilesRefused() if files is None else files)
         self._next = config.first_tick
         self._child: ChildProcess | None = None
@@ -277,7 +275,7 @@ class ChildLink:
         self._given_up_s = self._reading_s = 0.0
         self._boots += 1
         self._answered = 0
-        self._reader = OutputReader(self._codec)
+        self._reader = OutputReader()
         try:
             self._child = ChildProcess(self._message, self._ended)
         except (OSError, ValueError, AttributeError) as error:
@@ -287,7 +285,7 @@ class ChildLink:
     def _begin(self, config: KernelConfig) -> None:
         assert self._child is not None
         self._is_describing = True
-        self._child.send(frames.BEGIN, to_text(self._codec.shape(KernelConfig).encode(config)))
+        self._child.send(frames.BEGIN, to_text(shape_of(KernelConfig).encode(config)))
 
     def _go_on(self, tick: int) -> None:
         """Have a fresh child go on at this tick from the last picture; as at first, if others could not."""
@@ -344,7 +342,7 @@ class ChildLink:
             elif letter == frames.DESCRIBED and self._is_describing and not self._is_described:
                 self._is_described = True
                 output_changes.check_values(text)
-                self._description = self._codec.shape(RobotDescription).decode(from_text(text))
+                self._description = shape_of(RobotDescription).decode(from_text(text))
             elif letter == frames.FAILED:
                 output_changes.check_values(text)
                 kind, why = (str(part)[:FAILURE_MAX] for part in from_text(text))

@@ -1,6 +1,7 @@
 from array import array
 
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import shape_of
 from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
 from elitescript.kernel import KernelConfig
@@ -10,7 +11,7 @@ from elitescript.messages.machine import DisturbInput
 from elitescript.messages.motion import MicroLine, MoveML
 from elitescript.messages.outputs import Output
 from elitescript.messages.plant import PlantConfig
-from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.output_text import output_text
 from tests.protocol.snapshots import output
 
 
@@ -33,7 +34,7 @@ def test_every_part_of_a_configuration_comes_back():
         ),
         signals=(("flag[3]", True), ("output_float_register[1]", 0.1), ("output_int_register[1]", 7)),
     )
-    shape = full_codec().shape(KernelConfig)
+    shape = shape_of(KernelConfig)
     back = shape.decode(from_text(to_text(shape.encode(config))))
     assert repr(back) == repr(config)
     assert back.contact.planes[0].direction == config.contact.planes[0].direction
@@ -42,6 +43,6 @@ def test_every_part_of_a_configuration_comes_back():
 def test_the_points_of_a_file_stay_where_they_are():
     points = MicroLine("p.txt", 0.004, False, array("d", [0.5] * 600).tobytes(), array("I", range(100)).tobytes())
     event = MotionStarted(5, MoveML(points, 1, 100, 1.0, 1.0), 3, "main", 0.4)
-    shape = full_codec().shape(Output)
-    (back,) = shape.decode(from_text(output_text(shape, output(events=(event,))))).events
+    shape = shape_of(Output)
+    (back,) = shape.decode(from_text(output_text(output(events=(event,))))).events
     assert (back.request.points.name, back.request.last, back.request.points.numbers) == ("p.txt", 100, b"")
