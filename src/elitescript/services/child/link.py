@@ -36,7 +36,6 @@ from elitescript.services.child.supervision import (
     termination_events,
 )
 from elitescript.services.child.transport import ChildTransport, SentTick
-from elitescript.services.config_codec import full_codec
 from elitescript.services.journal.writer import Journal
 from elitescript.services.time.cycle import CATCH_UP_TICKS
 
@@ -76,7 +75,6 @@ class ChildLink:
 
     __slots__ = (
         "_changed",
-        "_codec",
         "_config",
         "_description",
         "_desk",
@@ -114,7 +112,6 @@ class ChildLink:
         self._grace_s = grace_s
         self._grace_left_s = grace_s
         self._memory_max = memory_max
-        self._codec = full_codec()
         self._desk = FileDesk(FilesRefused() if files is None else files)
         self._next = config.first_tick
         self._transport: ChildTransport | None = None
@@ -216,7 +213,6 @@ class ChildLink:
 
     def _start_child(self) -> ChildTransport:
         self._transport = transport = ChildTransport(
-            self._codec,
             self._desk,
             self._take_output,
             self._take_question,

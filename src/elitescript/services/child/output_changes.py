@@ -18,18 +18,19 @@ from __future__ import annotations
 
 import re
 import struct
+from functools import cache
 from operator import attrgetter
 from typing import Any, Final, NamedTuple, get_args, get_origin, get_type_hints
 
 from elitescript.codec.json_text import from_text, to_text
-from elitescript.codec.messages import Codec
+from elitescript.codec.messages import field_shapes, shape_of
 from elitescript.codec.values import CodecError, Shape, check_list
 from elitescript.errors import UsageError
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.state import RobotState
 from elitescript.services.child import frames
-from elitescript.services.config_codec import output_text, without_points
+from elitescript.services.output_text import output_text, without_points
 
 _HEAD: Final = struct.Struct("<qqQ")
 SAID_MAX: Final = 10_000
@@ -53,12 +54,13 @@ class _Field(NamedTuple):
     is_vector: bool
 
 
-def _fields(codec: Codec) -> list[_Field]:
+@cache
+def _fields() -> list[_Field]:
     """Return the fields of the robot's state but its first one, the tick, then those of the snapshot but the robot."""
     found = []
     for kind, start in ((RobotState, "robot."), (Snapshot, "")):
         hints = get_type_hints(kind)
-        for name, shape in list(codec.field_shapes(kind).items())[1:]:
+        for name, shape in list(field_shapes(kind).items())[1:]:
             parts = get_args(hints[name]) if get_origin(hints[name]) is tuple else ()
             is_vector = bool(parts) and set(parts) == {float}
             has_numbers = is_vector or hints[name] is float
@@ -69,19 +71,15 @@ def _fields(codec: Codec) -> list[_Field]:
 
 
 class OutputWriter:
-    """The child's end.
-
-    Args:
-        codec: of everything that an output holds.
-    """
+    """Writes outputs at the child's end."""
 
     __slots__ = ("_fields", "_packed", "_said", "_shape", "_values", "_values_of")
 
-    def __init__(self, codec: Codec) -> None:
-        self._shape = codec.shape(Output)
-        said = codec.field_shapes(Output)
+    def __init__(self) -> None:
+        self._shape = shape_of(Output)
+        said = field_shapes(Output)
         self._said = [said[name].encode for name in _SAID]
-        fields = _fields(codec)
+        fields = _fields()
         self._values_of = attrgetter(*(field.name for field in fields))
         self._fields: list[tuple[int, Any]] = []
         """For each field its bit and what packs it, or 0 and what encodes it."""
@@ -104,7 +102,7 @@ class OutputWriter:
             for value, (bit, pack) in zip(self._values, self._fields, strict=True):
                 if bit:
                     packed[bit] = pack(value)
-            return frames.OUTPUT, output_text(self._shape, output).encode()
+            return frames.OUTPUT, output_text(output).encode()
         bits = 0
         parts = [b""]
         changes: list[Any] = []
@@ -135,20 +133,16 @@ def _packer(layout: struct.Struct) -> Any:
 
 
 class OutputReader:
-    """The parent's end of the line from one child.
-
-    Args:
-        codec: of everything that an output holds.
-    """
+    """Reads the outputs of one child at the parent's end."""
 
     __slots__ = ("_data", "_decoders", "_numbers", "_robot_tick", "_said", "_shape", "_tick", "_values", "_values_of")
 
-    def __init__(self, codec: Codec) -> None:
-        self._shape = codec.shape(Output)
-        said = codec.field_shapes(Output)
+    def __init__(self) -> None:
+        self._shape = shape_of(Output)
+        said = field_shapes(Output)
         self._said = [said[name].decode for name in _SAID]
-        self._tick = codec.field_shapes(RobotState)["tick"].decode
-        fields = _fields(codec)
+        self._tick = field_shapes(RobotState)["tick"].decode
+        fields = _fields()
         self._values_of = attrgetter(*(field.name for field in fields))
         self._decoders = [field.shape.decode if field.numbers is None else None for field in fields]
         self._numbers = [

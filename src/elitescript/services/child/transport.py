@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from elitescript.codec.json_text import from_text, to_text
-from elitescript.codec.messages import Codec
+from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError, check_list
 from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
@@ -27,6 +27,7 @@ from elitescript.services.child.jail import Layer
 from elitescript.services.child.output_changes import OutputReader
 from elitescript.services.child.process import ChildProcess
 from elitescript.services.child.remote_files import FileDesk
+from elitescript.services.options_data import options_data
 
 READING_MAX_S: Final = 0.25
 READING_KEPT: Final = 0.99
@@ -57,7 +58,6 @@ class ChildTransport:
     """The way to one child process, from its start to its end.
 
     Args:
-        codec: of everything that is sent.
         desk: answers questions about files.
         on_output: takes a tick that was sent, and what it has given.
         on_question: called when a question about files was answered, with the tick that it was asked in; None if that
@@ -81,7 +81,6 @@ class ChildTransport:
 
     __slots__ = (
         "_child",
-        "_codec",
         "_desk",
         "_input_shape",
         "_on_change",
@@ -101,7 +100,6 @@ class ChildTransport:
 
     def __init__(
         self,
-        codec: Codec,
         desk: FileDesk,
         on_output: Callable[[SentTick, Output | TickResult], None],
         on_question: Callable[[SentTick | None], None],
@@ -110,14 +108,13 @@ class ChildTransport:
         is_jailed: bool,
         memory_max: int,
     ) -> None:
-        self._codec = codec
         self._desk = desk
         self._on_output = on_output
         self._on_question = on_question
         self._on_change = on_change
-        self._input_shape = codec.shape(Input)
-        self._result_shape = codec.shape(TickResult)
-        self._reader = OutputReader(codec)
+        self._input_shape = shape_of(Input)
+        self._result_shape = shape_of(TickResult)
+        self._reader = OutputReader()
         self._reading_s = 0.0
         self.description: RobotDescription | None = None
         self.end_reason = self.failure = ""
@@ -149,7 +146,7 @@ class ChildTransport:
     def begin(self, config: RobotOptions) -> None:
         """Have the child make its robot."""
         self.is_begun = True
-        self._child.send(frames.BEGIN, to_text(self._codec.shape(RobotOptions).encode(config)))
+        self._child.send(frames.BEGIN, to_text(options_data(config)))
 
     def send_tick(self, number: int, inputs: Sequence[Input], *, has_snapshot: bool) -> None:
         """Send a tick with its inputs, and whether its snapshot is asked for."""
@@ -191,7 +188,7 @@ class ChildTransport:
             self.layers = tuple(Layer(str(name), active is True, str(why)) for name, active, why in from_text(text))
         elif letter == frames.DESCRIBED and self.is_begun and self.description is None:
             output_changes.check_values(text)
-            self.description = self._codec.shape(RobotDescription).decode(from_text(text))
+            self.description = shape_of(RobotDescription).decode(from_text(text))
         elif letter == frames.FAILED:
             output_changes.check_values(text)
             kind, why = (str(part)[:FAILURE_MAX] for part in from_text(text))

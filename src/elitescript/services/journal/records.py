@@ -7,7 +7,7 @@ from base64 import b64decode
 from collections.abc import Callable
 from typing import Any, Final
 
-from elitescript.codec.messages import Codec
+from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError, shown
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
@@ -58,17 +58,16 @@ class RecordReader:
     """Reads the lines behind the first one, in their order.
 
     Args:
-        codec: knows the classes.
         first_tick: of the session.
         old: decodes inputs of a journal of format 2.
     """
 
     __slots__ = ("_event", "_input", "_next_tick", "_picture", "_unmarked_tick")
 
-    def __init__(self, codec: Codec, first_tick: int, old: Format2 | None = None) -> None:
-        self._event: Callable[[Any], Event] = codec.shape(Event).decode if old is None else old.event
-        self._input: Callable[[Any], Input] = codec.shape(Input).decode if old is None else old.input
-        self._picture = codec.shape(Snapshot)
+    def __init__(self, first_tick: int, old: Format2 | None = None) -> None:
+        self._event: Callable[[Any], Event] = shape_of(Event).decode if old is None else old.event
+        self._input: Callable[[Any], Input] = shape_of(Input).decode if old is None else old.input
+        self._picture = shape_of(Snapshot)
         self._next_tick = first_tick
         self._unmarked_tick = first_tick
         """The first tick that no digest covers yet."""

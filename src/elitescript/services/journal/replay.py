@@ -15,9 +15,9 @@ from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.runtime.environment import Files
 from elitescript.services.child.remote_files import FileDesk, RemoteFiles
-from elitescript.services.config_codec import full_codec, output_text
 from elitescript.services.journal.records import RecordError, check_answer
 from elitescript.services.journal.writer import Digest, Journal, JournalReader
+from elitescript.services.output_text import output_text
 
 
 class RecordedRobot:
@@ -102,8 +102,7 @@ class Replay:
         self._reader = reader
         self._until = until_tick
         self._answers: list[Any] = []
-        shape = full_codec().shape(Output)
-        self._text = (lambda output: output_text(shape, output)) if reader.old is None else reader.old.output_text
+        self._text = output_text if reader.old is None else reader.old.output_text
         self._digest = Digest()
         self._kernel = self._fresh(reader.config)
         self._last: Output | None = None
