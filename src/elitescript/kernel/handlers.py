@@ -17,7 +17,7 @@ from elitescript.kernel.parts import RobotParts
 from elitescript.kernel.programs import Programs
 from elitescript.kernel.tasks import Tasks
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Popup, TextMessage, Warned
+from elitescript.messages.events import Event, Popup, TextMessage, Warned
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import (
     RESTART,
@@ -58,7 +58,7 @@ from elitescript.messages.machine import (
     WritePortRegisters,
 )
 from elitescript.messages.outcomes import Done, Outcome, Refused, RegistersRead
-from elitescript.messages.outputs import Reply
+from elitescript.messages.outputs import ChannelRequest, Reply, TickResult
 from elitescript.messages.signals import SIGNALS
 from elitescript.runtime.connections.serial_line import close_lines
 from elitescript.runtime.environment import ProgramEnvironment
@@ -81,7 +81,6 @@ class InputHandlers:
         parts: of the robot.
         environment: everything outside the programs that come from clients.
         faulty: its network, if faults can be added to it.
-        reply: takes what clients are answered in this tick.
         has_logs: whether interpreter mode keeps its logs in the task folder.
 
     Attributes:
@@ -89,6 +88,7 @@ class InputHandlers:
         tasks: what is loaded.
         conversations: interpreter mode and the query port.
         is_remote: whether clients may change the robot.
+        replies: to clients, in the tick.
     """
 
     __slots__ = (
@@ -98,10 +98,10 @@ class InputHandlers:
         "_logs",
         "_popup",
         "_profile",
-        "_reply_to",
         "conversations",
         "is_remote",
         "programs",
+        "replies",
         "tasks",
     )
 
@@ -110,14 +110,13 @@ class InputHandlers:
         parts: RobotParts,
         environment: ProgramEnvironment,
         faulty: FaultyChannels | None,
-        reply: Callable[[Reply], None],
         *,
         has_logs: bool,
     ) -> None:
         options, model, self._profile, self._controller, self._host, self._popup = parts
-        self._reply_to = reply
         self._faulty = faulty
         self.is_remote = options.remote
+        self.replies: list[Reply] = []
         self._logs = InterpreterLogs(environment.files) if has_logs else None
         self.conversations: Conversations = Conversations(self._host, self._reply, self._logs)
         self.programs: Programs = Programs(
@@ -144,6 +143,12 @@ class InputHandlers:
         if logs is not None and (trouble := logs.end_tick()):
             self._controller.emit(Warned(tick, trouble))
 
+    def result(self, events: Sequence[Event], requests: tuple[ChannelRequest, ...]) -> TickResult:
+        """Return what has happened in the tick, with the replies to clients."""
+        result = TickResult(self._controller.tick, tuple(events), requests, tuple(self.replies))
+        self.replies.clear()
+        return result
+
     def _take(self, inputs: Sequence[Input]) -> None:
         self.conversations.go_on()
         self.programs.go_on()
@@ -156,7 +161,7 @@ class InputHandlers:
             self._reply(*late)
 
     def _reply(self, origin: str, outcome: Outcome) -> None:
-        self._reply_to(Reply(origin, outcome))
+        self.replies.append(Reply(origin, outcome))
 
     # ---------------------------------------------------------------- the machine
 

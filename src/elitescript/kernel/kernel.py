@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from elitescript.kernel.handlers import InputHandlers
     from elitescript.messages.inputs import ChannelEvent, Input
     from elitescript.messages.machine import EndInputFaults, WriteSignal
-    from elitescript.messages.outputs import Output, Reply, TickResult
+    from elitescript.messages.outputs import Output, TickResult
     from elitescript.messages.snapshot import RobotDescription, Snapshot
     from elitescript.protocol.connection import Connection
     from elitescript.protocol.table import Connect
@@ -85,7 +85,6 @@ class Kernel:
         "_output",
         "_ports",
         "_posted",
-        "_replies",
         "_requests",
         "_snapshots",
         "controller",
@@ -116,7 +115,6 @@ class Kernel:
         self._on_end = on_end
         self._limit = WarningLimit()
         self._events: list[Event] = []
-        self._replies: list[Reply] = []
         self._posted: list[Input] = []
         self._output: Output | None = None
         self._has_run = False
@@ -183,7 +181,7 @@ class Kernel:
         from elitescript.kernel.handlers import InputHandlers
 
         parts = RobotParts(self.options, self.model, self.profile, self.controller, self.host, self.popup)
-        return InputHandlers(parts, self._environment, self._faulty, self._replies.append, has_logs=has_logs)
+        return InputHandlers(parts, self._environment, self._faulty, has_logs=has_logs)
 
     @property
     def handlers(self) -> InputHandlers:
@@ -291,7 +289,7 @@ class Kernel:
     @property
     def has_news(self) -> bool:
         """Whether there are events or replies that are in no output yet."""
-        return bool(self._events or self._replies)
+        return bool(self._events or (self._handlers is not None and self._handlers.replies))
 
     def output(self) -> Output:
         """Return what ports give to clients.
@@ -312,12 +310,9 @@ class Kernel:
         return Output(before, (), (), (), replace(snapshot, robot=robot))
 
     def _result(self) -> TickResult:
-        from elitescript.messages.outputs import TickResult
-
         requests = () if self._requests is None else self._requests.take()
-        result = TickResult(self.controller.tick, tuple(self._events), requests, tuple(self._replies))
+        result = self.handlers.result(self._events, requests)
         self._events.clear()
-        self._replies.clear()
         return result
 
     def snapshot(self) -> Snapshot:
