@@ -77,7 +77,7 @@ def record_of(tmp_path: Path, old: str, new: str) -> Path:
 @pytest.mark.parametrize(
     ("old", "new", "why"),
     [
-        ('"CS66","",', '"CS66",', "line 1: a configuration of format 2 has 22 fields"),
+        ('"CS66","",', '"CS66",', "line 1: the options of format 2 have 22 fields"),
         (r"\"kind\": \"delay\", ", "", "line 1: no fault: kind: is missing"),
         ('["{', '["[{', "line 1: no fault: "),
         (

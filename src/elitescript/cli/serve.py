@@ -114,7 +114,7 @@ async def _serve(
     policy = ConnectPolicy(options.allow_connect)
     stop = asyncio.Event()
     on_signals(stop)
-    stations = [
+    servers = [
         served_robot(
             config.robot_id,
             make_link(options, config, index),
@@ -129,13 +129,13 @@ async def _serve(
         )
         for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
     ]
-    server = ServeSession(stations, options.host, numbers, options.instance, spares)
-    await server.open()
+    session = ServeSession(servers, options.host, numbers, options.instance, spares)
+    await session.open()
     try:
-        log.ready(options.host, server, configs, policy.text, login)
-        await server.run(stop)
+        log.ready(options.host, session, configs, policy.text, login)
+        await session.run(stop)
     finally:
-        await server.close()
+        await session.close()
     log.end()
 
 
@@ -332,12 +332,12 @@ def _why_not_jailed(options: argparse.Namespace) -> str:
     return "; ".join(f"{layer.name}: {layer.detail}" for layer in layers if not layer.is_active)
 
 
-def _ports_text(station: RobotServer) -> str:
-    ports = ", ".join(f"{name} {number}" for name, number in station.ports.items())
-    release = station.link.description.firmware[:2]
-    absent = [row.name for row in SERVICES if row.name not in station.ports]
+def _ports_text(server: RobotServer) -> str:
+    ports = ", ".join(f"{name} {number}" for name, number in server.ports.items())
+    release = server.link.description.firmware[:2]
+    absent = [row.name for row in SERVICES if row.name not in server.ports]
     closed = f" (firmware {release[0]}.{release[1]} has no {', '.join(absent)})" if absent else ""
-    return f"{station.name}: {ports}{closed}"
+    return f"{server.name}: {ports}{closed}"
 
 
 def _on_signals(stop: asyncio.Event) -> None:
@@ -396,38 +396,38 @@ class ServeLog:
                 self._reports[name] = TextRunReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
 
     def ready(
-        self, host: str, server: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None = None
+        self, host: str, session: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None = None
     ) -> None:
         """Every port is open; say so with what programs reach, and then what has happened before."""
-        self._say_ready(host, server, configs, reach, login)
+        self._say_ready(host, session, configs, reach, login)
         held, self._held = self._held or [], None
         for robot, what in held:
             self.take(robot, what)
 
     def _say_ready(
-        self, host: str, server: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None
+        self, host: str, session: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None
     ) -> None:
         if self._is_json:
             robots: list[dict[str, Any]] = [
-                {"robot": config.robot_id, "model": config.model, "ports": station.ports, "ctl": address}
-                for config, station, address in zip(configs, server.stations, server.control_addresses, strict=True)
+                {"robot": config.robot_id, "model": config.model, "ports": server.ports, "ctl": address}
+                for config, server, address in zip(configs, session.servers, session.control_addresses, strict=True)
             ]
             if login is not None:
-                for robot, station in zip(robots, server.stations, strict=True):
-                    robot["ssh"] = {"user": login.user, "host_key": station.host_key}
+                for robot, server in zip(robots, session.servers, strict=True):
+                    robot["ssh"] = {"user": login.user, "host_key": server.host_key}
                     if login.is_random:
                         robot["ssh"]["password"] = login.password
             self._record({"type": "ready", "host": host, "robots": robots, "allow_connect": reach})
             return
-        robots_text = "; ".join(_ports_text(station) for station in server.stations)
+        robots_text = "; ".join(_ports_text(server) for server in session.servers)
         self._out.write(f"ready on {host}: {robots_text}\n")
-        self._out.write(f"ctl at {', '.join(server.control_addresses)}\n")
+        self._out.write(f"ctl at {', '.join(session.control_addresses)}\n")
         self._out.write(f"programs reach {'no address' if reach == NONE else reach}\n")
         if login is not None:
             password = f"password {login.password}" if login.is_random else "password as given"
-            keys = ", ".join(station.host_key for station in server.stations)
+            keys = ", ".join(server.host_key for server in session.servers)
             self._out.write(f"ssh: user {login.user}, {password}, host key {keys}\n")
-        for address, usual in zip(server.control_addresses, server.usual_addresses, strict=True):
+        for address, usual in zip(session.control_addresses, session.usual_addresses, strict=True):
             if address != usual:
                 self._err.write(
                     f"another serve has {usual}: `elitescript ctl` speaks to that one; "

@@ -169,13 +169,13 @@ class Kernel:
     def _asking_environment(self, environment: ProgramEnvironment | None) -> ProgramEnvironment:
         """Return an environment whose network is requests in the outputs, around which faults act."""
         from elitescript.devices.channels.faulty_channels import FaultyChannels
-        from elitescript.environment.request_channels import FaultyEnvironment, RequestChannels
+        from elitescript.environment.request_channels import RequestChannels, RequestEnvironment
         from elitescript.runtime.environment import FilesRefused
 
         faults = [fault for fault in self.options.faults if not isinstance(fault, DisturbInput)]
         self._requests = RequestChannels()
         self._faulty = FaultyChannels(self._requests, faults, seed=self.options.seed, say=self._note_fault)
-        return FaultyEnvironment(FilesRefused() if environment is None else environment.files, self._faulty)
+        return RequestEnvironment(FilesRefused() if environment is None else environment.files, self._faulty)
 
     def _made_handlers(self, has_logs: bool) -> InputHandlers:
         from elitescript.kernel.handlers import InputHandlers

@@ -13,26 +13,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
+from elitescript.kernel import Kernel
 from elitescript.messages.inputs import Input
-from elitescript.messages.outputs import Output, TickResult
+from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription, Snapshot
-
-
-class TickedRobot(Protocol):
-    """One robot as a function; `elitescript.kernel.Kernel` is one."""
-
-    @property
-    def description(self) -> RobotDescription:
-        """What never changes about it."""
-
-    def tick(self, inputs: Sequence[Input]) -> TickResult:
-        """Apply inputs in their order and go on by one tick."""
-
-    def snapshot(self) -> Snapshot:
-        """Return the machine as its ports show it after the last tick."""
-
-    def discrete_state(self) -> tuple[object, ...]:
-        """Return all that a snapshot shows and that does not change with time alone."""
 
 
 class RobotLink(Protocol):
@@ -73,7 +57,7 @@ class InProcessLink:
 
     __slots__ = ("_discrete_state", "_snapshot", "robot")
 
-    def __init__(self, robot: TickedRobot) -> None:
+    def __init__(self, robot: Kernel) -> None:
         self.robot = robot
         self._discrete_state: tuple[object, ...] = ()
         self._snapshot: Snapshot

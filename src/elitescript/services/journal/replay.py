@@ -12,7 +12,7 @@ from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.restart import restored_config
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
-from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.messages.snapshot import Snapshot
 from elitescript.runtime.environment import Files
 from elitescript.services.child.remote_files import FileDesk, RemoteFiles
 from elitescript.services.journal.records import RecordError, check_answer
@@ -20,8 +20,8 @@ from elitescript.services.journal.writer import Digest, Journal, JournalReader
 from elitescript.services.output_text import output_text
 
 
-class RecordedRobot:
-    """Runs a robot in this process whose session goes into a journal. See `robot_link.TickedRobot`.
+class RecordedRobot(Kernel):
+    """Runs a robot in this process whose session goes into a journal.
 
     Args:
         config: of the robot.
@@ -29,24 +29,19 @@ class RecordedRobot:
         journal: where to write.
     """
 
-    __slots__ = ("_answers", "_desk", "_journal", "_kernel", "_snapshot")
+    __slots__ = ("_answers", "_desk", "_journal", "_snapshot")
 
     def __init__(self, config: RobotOptions, files: Files, journal: Journal) -> None:
         self._journal = journal
         self._desk = FileDesk(files)
         self._answers: list[Any] = []
-        self._kernel = Kernel(config, RequestEnvironment(RemoteFiles(self._ask)))
         self._snapshot: Snapshot
+        super().__init__(config, RequestEnvironment(RemoteFiles(self._ask)))
 
-    @property
-    def description(self) -> RobotDescription:
-        """What never changes about it."""
-        return self._kernel.description
-
-    def tick(self, inputs: Sequence[Input]) -> TickResult:
-        """Apply inputs in their order and go on by one tick; the digests of the journal cover every snapshot."""
-        result = self._kernel.tick(inputs)
-        self._snapshot = self._kernel.snapshot()
+    def tick(self, inputs: Sequence[Input] = ()) -> TickResult:
+        """Run one tick; the digests of the journal cover every snapshot."""
+        result = super().tick(inputs)
+        self._snapshot = super().snapshot()
         self._journal.tick(result.tick, inputs, self._answers, result.with_snapshot(self._snapshot))
         self._answers.clear()
         return result
@@ -54,10 +49,6 @@ class RecordedRobot:
     def snapshot(self) -> Snapshot:
         """Return the machine as its ports show it after the last tick."""
         return self._snapshot
-
-    def discrete_state(self) -> tuple[object, ...]:
-        """Return all that a snapshot shows and that does not change with time alone."""
-        return self._kernel.discrete_state()
 
     def _ask(self, question: list[Any]) -> list[Any]:
         answer = self._desk.answer(question)

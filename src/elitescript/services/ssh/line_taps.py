@@ -135,7 +135,7 @@ class LineTaps:
             name = PORT_NAMES[tap.device]
             self._warn(f"a client bridges the serial port {name}, and its bytes go nowhere: {tap.why}")
 
-    # ---------------------------------------------------------------- what the station calls
+    # ---------------------------------------------------------------- what the server calls
 
     def outgoing(self, requests: Sequence[ChannelRequest]) -> Sequence[ChannelRequest]:
         """What the robot asks of channels in a tick, and what bridges ask besides."""
