@@ -1,6 +1,6 @@
 """Encodes messages of the waist as lists that JSON can hold, and decodes them.
 
-Both ends know the classes, so a message is the list of its fields in their order. A field that may hold one of several
+Both ends have the classes, so a message is the list of its fields in their order. A field that may hold one of several
 classes is a list that begins with the name of the class. Decoding makes the classes that the fields of the expected
 message may hold and no others, by their constructors, from values whose types, lengths and ranges it has checked. So
 the sender need not be trusted.

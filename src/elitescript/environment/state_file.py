@@ -6,8 +6,8 @@
 
 Only points that are not at their default are in it, under the names that `--set` takes. A file is replaced as a whole:
 the new one is written beside it, brought to the disk, and takes its name. So there is the old one or the new one at
-every moment, whatever happens to process or computer. A file that is not understood, or that somebody else has changed
-since it was read, is left as it is.
+every moment, whatever happens to process or computer. A file that is not understood, or that another process has
+changed since it was read, is left as it is.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Disk(Protocol):
         """Return lock a file, which is made if there is none, until what this returns is closed.
 
         Raises:
-            BlockingIOError: somebody else has it.
+            BlockingIOError: another process has it.
         """
 
 
@@ -149,10 +149,10 @@ class StateFile:
         return self._path.with_name(self._path.name + ".new")
 
     def hold(self) -> None:
-        """Keep everybody else away until `release`.
+        """Lock out other processes until `release`.
 
         Raises:
-            UsageError: somebody else has it.
+            UsageError: another process has it.
         """
         if self._lock is not None:
             return
@@ -175,20 +175,20 @@ class StateFile:
         """Read what is kept, by the names of `--set`; nothing if there is no file.
 
         Raises:
-            UsageError: somebody else uses it, it cannot be read, or it is no state file of this version.
+            UsageError: another process uses it, it cannot be read, or it is no state file of this version.
         """
         with self._held():
             self._seen = self._read()
             return {} if self._seen is None else self._levels(self._seen)
 
     def save(self, levels: Levels) -> None:
-        """Write what is to be kept, unless the file says so already.
+        """Write what is to be kept, unless the file has it already.
 
         Args:
             levels: every family of signals; those that are not kept may be missing.
 
         Raises:
-            UsageError: somebody else uses it, has changed it since it was read, or it cannot be written.
+            UsageError: another process uses it, has changed it since it was read, or it cannot be written.
         """
         data = state_text(levels).encode()
         if data == self._seen or (self._seen is None and not _kept(levels)):

@@ -70,7 +70,7 @@ _CAUSES: Final = {RESTART: "schedule"} | {f"{WORLD}:{by}": by for by in ("device
 
 
 def cause_of(origin: str) -> str:
-    """Return `SignalChanged.by` for what an input of an origin changes: what the origin says, else `client`."""
+    """Return `SignalChanged.by` for what an input of an origin changes: what the origin names, else `client`."""
     return _CAUSES.get(origin, "client")
 
 

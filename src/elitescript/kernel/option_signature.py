@@ -15,7 +15,7 @@ _ENTRY = "        **options: "
 def takes_options(cls: type[T]) -> type[T]:
     """Name each option in signature and docstring of a class whose constructor takes `**options`; a decorator.
 
-    Nothing is worked out before somebody looks.
+    Both are worked out when they are first read.
     """
     for name, value in (("__signature__", _Signature()), ("__doc__", _Docstring(cls.__doc__ or ""))):
         setattr(cls, name, value)

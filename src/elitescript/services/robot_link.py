@@ -1,10 +1,10 @@
 """How the serving process reaches a robot: in this process, or in a child.
 
-Whichever it is, a tick is one call: inputs in, output out. The robot knows no clock: how fast its time passes is
-decided by the calls.
+In both cases a tick is one call: inputs in, output out. How fast the time of the robot passes depends on the calls
+alone.
 
 A snapshot takes most of the time of a tick, so one is made only at ticks of which something reads it, and when the
-discrete state has changed. The snapshot of any output therefore tells the truth about levels, modes, tool and task;
+discrete state has changed. So levels, modes, tool and task are up to date in the snapshot of any output;
 joints, poses and forces in it may be older, if nothing was to read them.
 """
 
@@ -71,13 +71,13 @@ class InProcessLink:
         return 1.0
 
     async def open(self) -> None:
-        """Nothing has to be brought up."""
+        """Do nothing: the robot is there."""
 
     async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
         return self.tick_now(inputs, reads_snapshot)
 
     def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
-        """As `tick`, without waiting."""
+        """Run one tick as `tick` does, without waiting."""
         robot = self.robot
         result, discrete_state = robot.tick(inputs), robot.discrete_state()
         if reads_snapshot or discrete_state != self._discrete_state:
@@ -85,4 +85,4 @@ class InProcessLink:
         return result.with_snapshot(self._snapshot)
 
     async def close(self) -> None:
-        """Nothing is left behind."""
+        """Do nothing: there is nothing to end."""

@@ -81,7 +81,7 @@ def served_robot(
     """Return the server of one robot.
 
     Args:
-        name: tells it from the other robots of this `serve`.
+        name: unique among the robots of this `serve`.
         link: the way to the robot.
         listen: takes every event of the robot, and every line about clients, ports and time; must not block.
         world: virtual devices beside the robot.
@@ -94,7 +94,7 @@ def served_robot(
     """
     log = ServerLog(name, listen)
     if keeper is not None:
-        keeper.tell = lambda text: log.note("state", text, is_problem=True)
+        keeper.warn = lambda text: log.note("state", text, is_problem=True)
     devices: ServedDevices | None = None
     if world is not None:
         from elitescript.services.served_devices import ServedDevices

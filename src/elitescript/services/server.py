@@ -15,7 +15,7 @@ LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1", "ip6-localhost"})
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this computer reaches a server at this address."""
+    """Return whether only this computer reaches a server at this address."""
     return host in LOOPBACK or (host.startswith("127.") and host.count(".") == 3)
 
 

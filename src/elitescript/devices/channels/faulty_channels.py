@@ -46,13 +46,13 @@ class _Active:
 
 
 class _FaultyChannel:
-    """One channel as the robot knows it."""
+    """One channel as the robot sees it."""
 
     __slots__ = (
         "credits",
-        "hears",
         "held",
         "inner",
+        "is_heard",
         "is_message",
         "last",
         "last_data",
@@ -66,8 +66,8 @@ class _FaultyChannel:
         self.number = number
         self.place = place
         self.inner = 0
-        self.hears = True
-        """Whether the robot still wants to hear of it."""
+        self.is_heard = True
+        """Whether the robot still gets its events."""
         self.held: dict[int, tuple[int, Callable[[], None]]] = {}
         """What faults hold back on its way to the device, by a number: how many bytes, 0 for the end of the connection,
         and the call that lets it go on."""
@@ -140,7 +140,7 @@ class FaultyChannels:
         return self._inner.is_real
 
     def add(self, fault: ChannelFault) -> None:
-        """One more fault, from now on or from its time on if that is later.
+        """Add a fault, from now on or from its time on if that is later.
 
         Raises:
             UsageError: a reconnect where nothing is disconnected.
@@ -152,11 +152,11 @@ class FaultyChannels:
         self.put(fault)
 
     def clear(self) -> None:
-        """No fault acts any more."""
+        """End all faults."""
         self._active.clear()
 
     def put(self, fault: ChannelFault) -> None:
-        """One more fault, as `add`, but of those that were looked at together."""
+        """Add a fault that was checked together with the others."""
         active = _Active(fault, self._faults, self._agenda.tick)
         self._faults += 1
         self._active.append(active)
@@ -164,7 +164,7 @@ class FaultyChannels:
             self._agenda.put(active.begin - self._agenda.tick, lambda: self._switch(active))
 
     def _switch(self, active: _Active) -> None:
-        """The moment of a disconnect or reconnect."""
+        """Carry out a disconnect or reconnect."""
         if active not in self._active:
             return
         self._acts(active)
@@ -178,7 +178,7 @@ class FaultyChannels:
                 if channel.inner:
                     self._inner.close(channel.inner)
                 self._tell(channel, ChannelClosed(channel.number, BROKEN))
-                channel.hears = False
+                channel.is_heard = False
 
     def _acts(self, active: _Active) -> None:
         if not active.has_acted:
@@ -255,7 +255,7 @@ class FaultyChannels:
         """See `runtime.environment.Channels.close`."""
         found = self._channels.get(channel)
         if found is not None:
-            found.hears = False
+            found.is_heard = False
             del self._channels[channel]
 
             def close() -> None:
@@ -276,7 +276,7 @@ class FaultyChannels:
         return events
 
     def incoming(self, event: ChannelEvent) -> Sequence[ChannelEvent]:
-        """Return what the robot hears now of an event that was brought to it."""
+        """Return the events that the robot gets now for one that was brought to it."""
         self._take(event)
         events, self._events = self._events, []
         return events
@@ -354,7 +354,7 @@ class FaultyChannels:
             self._tell(channel, ChannelCredit(channel.number, given))
 
     def _tell(self, channel: _FaultyChannel, event: ChannelEvent) -> None:
-        if channel.hears:
+        if channel.is_heard:
             self._events.append(event)
 
     def _forget(self, channel: _FaultyChannel) -> None:

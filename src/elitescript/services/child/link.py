@@ -2,8 +2,8 @@
 
 A tick is sent to the child, and its output taken, within the period. A child that is a little late is waited for, so
 that nothing is missing; if it takes longer, clients see the last snapshot meanwhile, the ticks queue up, and the child
-makes up for them; while it cannot, ticks leave late. One that does not answer, ends or talks nonsense is replaced (see
-`supervision`); a fresh child goes on from the last snapshot.
+makes up for them; while it cannot, ticks leave late. One that does not answer, ends or sends what is no message is
+replaced (see `supervision`); a fresh child goes on from the last snapshot.
 """
 
 from __future__ import annotations
@@ -248,7 +248,7 @@ class ChildLink:
         transport.send_tick(tick, inputs, has_snapshot=has_snapshot)
 
     def _needs_snapshot(self, transport: ChildTransport, tick: int) -> bool:
-        """Whether a tick needs a snapshot that nothing reads in it.
+        """Return whether a tick needs a snapshot that nothing reads in it.
 
         The digests of a journal cover the snapshot of every tick; the first of a child has all that changes later ones
         refer to; while outputs leave later than in their own tick, what is due then reads the one of an earlier tick.
@@ -276,7 +276,7 @@ class ChildLink:
             self._outputs.add_own(*self._journal.take_warning(sent.number))
 
     def _take_question(self, sent: SentTick | None) -> None:
-        """Count a question about files as a sign of life, unless they take too long altogether."""
+        """Count a question about files as an answer, unless they take too long altogether."""
         assert self._transport is not None
         if sent is not None and time.monotonic() - sent.asking_since_s < FILES_MAX_S:
             self._supervision.watch_from_now(self._transport.process.worked_s())
@@ -303,8 +303,8 @@ class ChildLink:
         # The oldest of the ticks is what it died of; it has not seen the others.
         unanswered = list(transport.unanswered)
         self._lost = unanswered[0].inputs if unanswered else ()
-        told = failure._replace(reason=self._supervision.note_failure(tick, failure.reason))
-        events = termination_events(tick, told, self._outputs.newest, self._lost, transport.line)
+        shown = failure._replace(reason=self._supervision.note_failure(tick, failure.reason))
+        events = termination_events(tick, shown, self._outputs.newest, self._lost, transport.line)
         if self._journal is not None:
             self._journal.told(tick, events)
         self._outputs.add_own(*events, requests=self._pending.end_connections())
@@ -330,7 +330,7 @@ class ChildLink:
     # ---------------------------------------------------------------- waiting
 
     async def _let_catch_up(self, transport: ChildTransport) -> None:
-        """Wait for a child whose ticks last longer than a period; what keeps time finds itself late, and counts it."""
+        """Wait for a child whose ticks last longer than a period; the cycle counts the late ticks."""
         unanswered, supervision = transport.unanswered, self._supervision
         if not self._is_catching_up and supervision.silent_s() < LAG_S:
             await self._wait_until(lambda: len(unanswered) < LAG_MAX or bool(transport.end_reason), LAG_S)
@@ -348,7 +348,7 @@ class ChildLink:
             await self._wait_until(lambda: not transport.unanswered or bool(transport.end_reason), grace_s)
             self._grace_left_s -= time.monotonic() - began_s
         else:
-            # Ticks without a pause must not keep a fresh child from being heard.
+            # The event loop reads a fresh child even if ticks come without a pause.
             await asyncio.sleep(0)
         if self._outputs.newest is None and transport is not None:
             # The first tick of all: there is no snapshot yet to show instead.

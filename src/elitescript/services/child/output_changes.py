@@ -33,12 +33,12 @@ from elitescript.services.child import frames
 from elitescript.services.output_text import output_text, without_points
 
 _HEAD: Final = struct.Struct("<qqQ")
-SAID_MAX: Final = 10_000
-"""Events, requests and replies of one output, of each: a program says less, by its work in a tick."""
+LISTS_MAX: Final = 10_000
+"""Events, requests and replies of one output, of each: a program makes fewer, by its work in a tick."""
 VALUES_MAX: Final = 100_000
 """Values of one output, about; as many take 50 ms to be read."""
 _TEXT: Final = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"', re.DOTALL)
-_SAID: Final = ("events", "requests", "replies")
+_LISTS: Final = ("events", "requests", "replies")
 _OF_ROBOT: Final = len(RobotState.__dataclass_fields__) - 1
 """Fields of a robot's state that come first in the order of `_fields`; all but its tick."""
 
@@ -73,12 +73,12 @@ def _fields() -> list[_Field]:
 class OutputWriter:
     """Writes outputs at the child's end."""
 
-    __slots__ = ("_fields", "_packed", "_said", "_shape", "_values", "_values_of")
+    __slots__ = ("_fields", "_lists", "_packed", "_shape", "_values", "_values_of")
 
     def __init__(self) -> None:
         self._shape = shape_of(Output)
-        said = field_shapes(Output)
-        self._said = [said[name].encode for name in _SAID]
+        shapes = field_shapes(Output)
+        self._lists = [shapes[name].encode for name in _LISTS]
         fields = _fields()
         self._values_of = attrgetter(*(field.name for field in fields))
         self._fields: list[tuple[int, Any]] = []
@@ -122,8 +122,8 @@ class OutputWriter:
                 changes += (place, write(value))
         parts[0] = _HEAD.pack(output.tick, output.snapshot.robot.tick, bits)
         if changes or output.events or output.requests or output.replies:
-            said = without_points(output)
-            written = [encode(getattr(said, name)) for name, encode in zip(_SAID, self._said, strict=True)]
+            short = without_points(output)
+            written = [encode(getattr(short, name)) for name, encode in zip(_LISTS, self._lists, strict=True)]
             parts.append(to_text([*written, changes]).encode())
         return frames.OUTPUT_CHANGES, b"".join(parts)
 
@@ -135,12 +135,12 @@ def _packer(layout: struct.Struct) -> Any:
 class OutputReader:
     """Reads the outputs of one child at the parent's end."""
 
-    __slots__ = ("_data", "_decoders", "_numbers", "_robot_tick", "_said", "_shape", "_tick", "_values", "_values_of")
+    __slots__ = ("_data", "_decoders", "_lists", "_numbers", "_robot_tick", "_shape", "_tick", "_values", "_values_of")
 
     def __init__(self) -> None:
         self._shape = shape_of(Output)
-        said = field_shapes(Output)
-        self._said = [said[name].decode for name in _SAID]
+        shapes = field_shapes(Output)
+        self._lists = [shapes[name].decode for name in _LISTS]
         self._tick = field_shapes(RobotState)["tick"].decode
         fields = _fields()
         self._values_of = attrgetter(*(field.name for field in fields))
@@ -166,7 +166,7 @@ class OutputReader:
         if not self._data:
             raise CodecError("changes of a snapshot that was not sent")
         values = self._values
-        said: list[Any] = [(), (), ()]
+        lists: list[Any] = [(), (), ()]
         written: list[Any] = [[], [], []]
         try:
             tick, robot_tick, bits = _HEAD.unpack_from(content)
@@ -176,20 +176,20 @@ class OutputReader:
                 more = from_text(content[at:])
                 check_list(more, 4)
                 written = more[:3]
-                check_said(written)
-                said = [read(item) for read, item in zip(self._said, written, strict=True)]
+                check_counts(written)
+                lists = [read(item) for read, item in zip(self._lists, written, strict=True)]
                 self._take_changes(more[3])
             robot = RobotState(self._robot_tick, *values[:_OF_ROBOT])
             snapshot = Snapshot(robot, *values[_OF_ROBOT:])
         except (ValueError, TypeError, UsageError, struct.error) as error:
             raise CodecError(f"changes of a snapshot: {error}") from None
         self._data[:4] = tick, *written
-        events, requests, replies = said
+        events, requests, replies = lists
         return Output(tick, events, requests, replies, snapshot)
 
     def _read_whole(self, data: Any) -> Output:
         if type(data) is list:
-            check_said(data[1:4])
+            check_counts(data[1:4])
         output = self._shape.decode(data)
         robot, *rest = data[4]
         self._robot_tick = robot[0]
@@ -248,12 +248,12 @@ def check_values(content: bytes) -> None:
         raise CodecError(f"an output of more than {VALUES_MAX} values; reading it takes the time of other clients")
 
 
-def check_said(said: list[Any]) -> None:
+def check_counts(lists: list[Any]) -> None:
     """Refuse a tick with too many events, requests or replies.
 
     Raises:
         CodecError: it has.
     """
-    for items in said:
-        if type(items) is list and len(items) > SAID_MAX:
-            raise CodecError(f"an output with {len(items)} events, requests or replies; {SAID_MAX} are read")
+    for items in lists:
+        if type(items) is list and len(items) > LISTS_MAX:
+            raise CodecError(f"an output with {len(items)} events, requests or replies; {LISTS_MAX} are read")

@@ -44,7 +44,7 @@ class FileDesk:
         self._next = 1
 
     def answer(self, question: Any) -> Answer:
-        """The answer.
+        """Return the answer to a question.
 
         Raises:
             CodecError: that is no question.

@@ -1,7 +1,7 @@
 """One robot in one child process: the messages down, and those up, of which nothing is trusted.
 
-What arrives is decoded, checked and handed on in the order of the ticks. Whatever makes no sense ends the transport;
-nothing more of the child is read then. See `frames` for the messages.
+What arrives is decoded, checked and handed on in the order of the ticks. What is no message ends the transport; nothing
+more of the child is read then. See `frames` for the messages.
 """
 
 from __future__ import annotations
@@ -73,6 +73,7 @@ class ChildTransport:
         is_begun: whether the child was asked to make a robot.
         layers: of the jail; None until the child has locked itself in.
         line: of the program, at the last tick that was answered.
+        process: the process.
         unanswered: ticks that were sent and not answered yet, the oldest first.
 
     Raises:
@@ -80,7 +81,6 @@ class ChildTransport:
     """
 
     __slots__ = (
-        "_child",
         "_desk",
         "_input_shape",
         "_on_change",
@@ -95,6 +95,7 @@ class ChildTransport:
         "is_begun",
         "layers",
         "line",
+        "process",
         "unanswered",
     )
 
@@ -126,15 +127,10 @@ class ChildTransport:
             # A descriptor cannot be handed to a child there.
             raise UsageError(f"robots have no process of their own on this system ({sys.platform}); use --in-process")
         try:
-            self._child = ChildProcess(self._message, self.end)
+            self.process = ChildProcess(self._message, self.end)
         except (OSError, ValueError) as error:
             raise UsageError(f"no process for the robot can be started: {error}; use --in-process") from error
-        self._child.send(frames.LOCK_IN, to_text([is_jailed, memory_max]))
-
-    @property
-    def process(self) -> ChildProcess:
-        """The process."""
-        return self._child
+        self.process.send(frames.LOCK_IN, to_text([is_jailed, memory_max]))
 
     @property
     def is_ready(self) -> bool:
@@ -146,14 +142,14 @@ class ChildTransport:
     def begin(self, config: RobotOptions) -> None:
         """Have the child make its robot."""
         self.is_begun = True
-        self._child.send(frames.BEGIN, to_text(options_data(config)))
+        self.process.send(frames.BEGIN, to_text(options_data(config)))
 
     def send_tick(self, number: int, inputs: Sequence[Input], *, has_snapshot: bool) -> None:
         """Send a tick with its inputs, and whether its snapshot is asked for."""
         text = to_text([self._input_shape.encode(item) for item in inputs])
         size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
         self.unanswered.append(SentTick(number, inputs, has_snapshot, text, size))
-        self._child.send(frames.TICK if has_snapshot else frames.TICK_UNREAD, text)
+        self.process.send(frames.TICK if has_snapshot else frames.TICK_UNREAD, text)
 
     # ---------------------------------------------------------------- up
 
@@ -219,13 +215,13 @@ class ChildTransport:
         output_changes.check_values(text)
         data = from_text(text)
         check_list(data, 2)
-        line, said = data
-        check_list(said, 4)
-        output_changes.check_said(said[1:])
+        line, result = data
+        check_list(result, 4)
+        output_changes.check_counts(result[1:])
         if type(line) is not int:
             raise CodecError("a line is a number")
         self.line = line
-        return self._result_shape.decode(said)
+        return self._result_shape.decode(result)
 
     def _take_question(self, text: bytes) -> None:
         answer = self._desk.answer(from_text(text))
@@ -237,4 +233,4 @@ class ChildTransport:
                 sent.size += len(answer_text)
             sent.asking_since_s = sent.asking_since_s or time.monotonic()
         self._on_question(sent)
-        self._child.send(frames.ANSWER, answer_text)
+        self.process.send(frames.ANSWER, answer_text)

@@ -42,7 +42,7 @@ _HAS_UNIX: Final = hasattr(asyncio, "start_unix_server")
 
 
 def runtime_folder() -> Path:
-    """The folder of the addresses of this user's robots.
+    """Return the folder of the addresses of this user's robots.
 
     Raises:
         UsageError: it belongs to another user, or others may write to it.
@@ -62,12 +62,12 @@ def runtime_folder() -> Path:
 
 
 def address_of(instance: int) -> Path:
-    """Where the robot of an instance listens."""
+    """Return where the robot of an instance listens."""
     return runtime_folder() / f"serve-{instance}.{'sock' if _HAS_UNIX else 'json'}"
 
 
 class ControlChannel:
-    """The channel of one served robot.
+    """Answers requests about one served robot.
 
     Args:
         server: the robot.
@@ -87,7 +87,7 @@ class ControlChannel:
 
     @property
     def address(self) -> str:
-        """Path of the socket, or of the file that tells port and secret."""
+        """Path of the socket, or of the file with port and secret."""
         return str(self._path)
 
     @property
@@ -183,11 +183,11 @@ class ControlChannel:
         if verb.name == "ports":
             return {"ok": True, "result": _clients(server)}
         if verb.order is None:
-            assert verb.tell is not None
+            assert verb.read is not None
             if verb.name == "state" and not server.output.is_fresh and not server.waits_for:
                 # Nothing has read where the arm is; the next tick shows it.
                 await server.next_output()
-            result = verb.tell(request, server.output)
+            result = verb.read(request, server.output)
             if verb.name == "state":
                 result |= {"left_out": server.left_out, "waits_for": server.waits_for}
             return {"ok": True, "result": result}
@@ -209,7 +209,7 @@ class ControlChannel:
 
 
 class OutputCollector:
-    """What the robot says to several requests. Outputs may come in a row, before anybody else has a turn.
+    """Collects the replies to several requests; outputs may come in a row, before the event loop goes on.
 
     Args:
         origins: of the requests; without any, the next output is all that counts.
@@ -232,7 +232,7 @@ class OutputCollector:
         return [self._outcomes[origin] for origin in self._origins]
 
     def take(self, output: Output) -> bool:
-        """Look at an output; whether the next one is wanted too."""
+        """Take an output; return whether the next one is wanted too."""
         if self.finished.done():
             return False
         self._outcomes |= {reply.origin: reply.outcome for reply in output.replies if reply.origin in self._origins}
@@ -260,7 +260,7 @@ class Ending:
         self.finished: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
 
     def take(self, output: Output) -> bool:
-        """Look at an output; return whether the next one is wanted too."""
+        """Take an output; return whether the next one is wanted too."""
         for event in output.events:
             if self.finished.done():
                 break

@@ -1,4 +1,4 @@
-"""Robots with a journal: one whose session is written to it, and one that plays a session again."""
+"""Robots with a journal: one that writes its session to it, and one that plays a session again."""
 
 from __future__ import annotations
 
