@@ -115,12 +115,10 @@ class LocalChannels:
             self._open[channel].send(data)
 
     def credit(self, channel: int, size: int) -> None:
-        """See `runtime.environment.Channels.credit`."""
         if channel in self._open:
             self._open[channel].room += size
 
     def close(self, channel: int) -> None:
-        """See `runtime.environment.Channels.close`."""
         open_channel = self._open.pop(channel, None)
         self._places.pop(channel, None)
         if open_channel is not None:
@@ -155,7 +153,6 @@ class LocalChannels:
         return events
 
     def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """See `runtime.environment.Channels.pending`."""
         return tuple(_words(channel, channel.pending) for channel in self._pending(ignoring))
 
     def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:

@@ -60,13 +60,10 @@ class RequestChannels(NoChannels):
         return self._last
 
     def send(self, channel: int, data: bytes) -> None:
-        """See `runtime.environment.Channels.send`."""
         self._requests.append(SendChannel(channel, data))
 
     def credit(self, channel: int, size: int) -> None:
-        """See `runtime.environment.Channels.credit`."""
         self._requests.append(CreditChannel(channel, size))
 
     def close(self, channel: int) -> None:
-        """See `runtime.environment.Channels.close`."""
         self._requests.append(CloseChannel(channel))

@@ -38,7 +38,7 @@ Reply = Callable[[str, Outcome], None]
 
 
 class Conversations:
-    """Begins statements and queries in their order, and answers them.
+    """Begins statements and queries in their order, and answers them; a `runtime.interpreter.StatementListener`.
 
     Args:
         host: runs statements and queries.
@@ -107,15 +107,12 @@ class Conversations:
             self._tell(item.origin, StatementNumber(item.word, numbers[item.word]))
 
     def accepted(self, origin: str, number: int, text: str) -> None:
-        """See `runtime.interpreter.StatementListener`."""
         self._tell(origin, StatementAccepted(number, text))
 
     def discarded(self, origin: str, reason: DiscardReason, text: str, trace: str = "") -> None:
-        """See `runtime.interpreter.StatementListener`."""
         self._tell(origin, StatementDiscarded(reason, text, trace))
 
     def executed(self, number: int, step: str, text: str) -> None:
-        """See `runtime.interpreter.StatementListener`."""
         if self._logs is not None:
             self._logs.execution.add(f"{step}: {number}: {text}")
 

@@ -343,19 +343,15 @@ class Kernel:
     # ---------------------------------------------------------------- what is beside the robot
 
     def read(self, name: str, index: int) -> Value:
-        """See `devices.surroundings.RobotAccess.read`."""
         return self.controller.read(name, index)
 
     def write(self, request: WriteSignal, by: str) -> None:
-        """See `devices.surroundings.RobotAccess.write`."""
         self.controller.put(self.controller.tick, request, by)
 
     def disturb(self, request: DisturbInput | EndInputFaults) -> None:
-        """See `devices.surroundings.RobotAccess.disturb`."""
         self.controller.put(self.controller.tick, request, "fault")
 
     def emit(self, event: Event) -> None:
-        """See `devices.surroundings.RobotAccess.emit`."""
         self.controller.emit(event)
 
     def channel_event(self, event: ChannelEvent) -> None:

@@ -196,7 +196,6 @@ class FaultyChannels:
     # ---------------------------------------------------------------- the program's side
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
-        """See `runtime.environment.Channels.open`."""
         place = (TCP, address, port)
         refused = self._found(place, "refuse", "disconnect")
         if refused is not None:
@@ -212,7 +211,6 @@ class FaultyChannels:
         return self._opened(self._inner.open(address, port, timeout_s), place)
 
     def open_line(self, device: str, settings: LineSettings) -> int:
-        """See `runtime.environment.Channels.open_line`."""
         return self._opened(self._inner.open_line(device, settings), (LINE, device, 0))
 
     def _number(self) -> int:
@@ -229,7 +227,6 @@ class FaultyChannels:
         return channel.number
 
     def send(self, channel: int, data: bytes) -> None:
-        """See `runtime.environment.Channels.send`."""
         found = self._channels.get(channel)
         if found is None:
             return
@@ -243,7 +240,6 @@ class FaultyChannels:
         self._pass_all(found, TO_DEVICE, pieces, lambda piece: self._inner.send(found.inner, piece))
 
     def credit(self, channel: int, size: int) -> None:
-        """See `runtime.environment.Channels.credit`."""
         found = self._channels.get(channel)
         if found is not None:
             extra = min(size, found.surplus)
@@ -252,7 +248,6 @@ class FaultyChannels:
                 self._inner.credit(found.inner, size - extra)
 
     def close(self, channel: int) -> None:
-        """See `runtime.environment.Channels.close`."""
         found = self._channels.get(channel)
         if found is not None:
             found.is_heard = False
@@ -267,7 +262,6 @@ class FaultyChannels:
     # ---------------------------------------------------------------- what comes back
 
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
-        """See `runtime.environment.Channels.arrivals`."""
         arrived = self._inner.arrivals(tick)
         self._agenda.run(tick)
         for event in arrived:
@@ -287,7 +281,6 @@ class FaultyChannels:
         return (*held, *self._inner.pending(self._inner_numbers(ignoring)))
 
     def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """See `runtime.environment.Channels.give_up`."""
         inner = self._inner_numbers(ignoring)
         given_up = list(self._inner.give_up(inner))
         for channel in [channel for channel in self._holding.values() if channel.number not in ignoring]:
@@ -306,7 +299,6 @@ class FaultyChannels:
         return [self._channels[channel].inner for channel in channels if channel in self._channels]
 
     def next_tick(self, tick: int) -> int | None:
-        """See `runtime.environment.Channels.next_tick`."""
         own, other = self._agenda.next_tick(tick), self._inner.next_tick(tick)
         return own if other is None else other if own is None else min(own, other)
 

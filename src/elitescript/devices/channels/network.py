@@ -358,14 +358,12 @@ class VirtualNetwork:
             self.outside.send(self._inner[channel], data)
 
     def credit(self, channel: int, size: int) -> None:
-        """See `runtime.environment.Channels.credit`."""
         if channel in self._links:
             self._links[channel].credit(size)
         elif self.outside is not None and channel in self._inner:
             self.outside.credit(self._inner[channel], size)
 
     def close(self, channel: int) -> None:
-        """See `runtime.environment.Channels.close`."""
         if channel in self._links:
             link = self._links.pop(channel)
             link.leave()
@@ -418,12 +416,10 @@ class VirtualNetwork:
         return events
 
     def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """See `runtime.environment.Channels.pending`."""
         own = tuple(text for link in self._pending(ignoring) if (text := link.pending))
         return own if self.outside is None else (*own, *self.outside.pending(self._led_outside(ignoring)))
 
     def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """See `runtime.environment.Channels.give_up`."""
         given_up = []
         for link in self._pending(ignoring):
             if text := link.pending:

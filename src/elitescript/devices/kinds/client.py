@@ -124,16 +124,13 @@ class TcpClient(Device):
         self.close()
 
     def next_output_tick(self, tick: int) -> int | None:
-        """See `Device.next_output_tick`."""
         return None if self._transport is None else self._transport.next_tick(tick)
 
     def reads_snapshot(self, tick: int) -> bool:
-        """See `Device.reads_snapshot`."""
         transport = self._transport
         return transport is not None and transport.is_open and transport.connection.reads_snapshot(tick)
 
     def take_output(self, output: Output) -> None:
-        """See `Device.take_output`."""
         assert self._transport is not None
         self._pass_on(self._transport, self._transport.publish(output))
 
