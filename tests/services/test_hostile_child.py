@@ -15,7 +15,7 @@ from elitescript.codec.values import CodecError
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.kernel.restart import restored_config, restored_inputs
+from elitescript.kernel.restart import restored_inputs, restored_options
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.outputs import Output
 from elitescript.services.child import frames, output_changes
@@ -90,7 +90,7 @@ def test_any_structure_is_refused_or_can_be_served_and_gone_on_from(seed: int) -
 
 
 def goes_on_from(output: Output, description: Any) -> None:
-    config = restored_config(RobotOptions(), description, output.snapshot, 7)
+    config = restored_options(RobotOptions(), description, output.snapshot, 7)
     config = options_from_data(from_text(to_text(options_data(config))))
     Kernel(config).tick_and_snapshot(restored_inputs(output.snapshot))
 

@@ -340,7 +340,7 @@ class Kernel:
         """Script line of the main thread; 0 while no program runs."""
         return self.controller.task.program.line
 
-    # ---------------------------------------------------------------- what is beside the robot
+    # ---------------------------------------------------------------- `RobotAccess`
 
     def read(self, name: str, index: int) -> Value:
         return self.controller.read(name, index)

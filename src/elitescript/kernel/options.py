@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 ROBOT_SECTION: Final = "robot"
 """Section of a world file that sets options by their names."""
 
-# ---------------------------------------------------------------- what values an option takes
+# ---------------------------------------------------------------- kinds of values
 #
 # The text of a kind describes its values. `accept` returns a value in the form in which options hold it, or raises
 # `UsageError` with a text that begins with `must be`.

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 def robot_link(
-    config: RobotOptions,
+    options: RobotOptions,
     *,
     task_dir: Path | None,
     task_dir_limit: int = TASK_DIR_BYTES,
@@ -45,7 +45,7 @@ def robot_link(
     """Return the way to one robot.
 
     Args:
-        config: of the robot.
+        options: of the robot.
         task_dir: its task folder; an empty one in memory if None.
         task_dir_limit: bytes that its programs may add to it.
         in_process: keep it in this process.
@@ -57,12 +57,12 @@ def robot_link(
     """
     allowance = Allowance(task_dir_limit)
     files: Files = MemoryFiles({}, allowance) if task_dir is None else LocalFiles(task_dir.resolve(), allowance)
-    record = None if journal is None else Journal(journal, config)
+    record = None if journal is None else Journal(journal, options)
     if not in_process:
-        return ChildLink(config, files=files, is_jailed=is_jailed, journal=record)
+        return ChildLink(options, files=files, is_jailed=is_jailed, journal=record)
     if record is None:
-        return InProcessLink(Kernel(config, RequestEnvironment(files)))
-    return _RecordedLink(RecordedRobot(config, files, record), record)
+        return InProcessLink(Kernel(options, RequestEnvironment(files)))
+    return _RecordedLink(RecordedRobot(options, files, record), record)
 
 
 def served_robot(

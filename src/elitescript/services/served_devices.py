@@ -83,7 +83,7 @@ class ServedDevices:
         self._refusals: list[Input] = []
         world.on_device_failure = self._failed
 
-    # ---------------------------------------------------------------- what the devices call
+    # ---------------------------------------------------------------- called by devices
 
     @property
     def present_tick(self) -> int:
@@ -129,7 +129,7 @@ class ServedDevices:
     def _failed(self, error: DeviceError) -> None:
         self._say(f"{error}; the device is disconnected", True)
 
-    # ---------------------------------------------------------------- what the server calls
+    # ---------------------------------------------------------------- called by the robot server
 
     def check_fault(self, fault: Fault) -> Fault:
         """See `World.check_fault`."""

@@ -193,7 +193,7 @@ class FaultyChannels:
                 return active
         return None
 
-    # ---------------------------------------------------------------- the program's side
+    # ---------------------------------------------------------------- requests
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
         place = (TCP, address, port)
@@ -259,7 +259,7 @@ class FaultyChannels:
 
             self._pass(found, TO_DEVICE, 0, close)
 
-    # ---------------------------------------------------------------- what comes back
+    # ---------------------------------------------------------------- events
 
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
         arrived = self._inner.arrivals(tick)
@@ -385,7 +385,7 @@ class FaultyChannels:
             shift += max(0, channel.last[direction] - at)
             self._pass(channel, direction, ticks + shift, lambda piece=piece: act(piece), len(piece))  # type: ignore[misc]
 
-    # ---------------------------------------------------------------- what goes wrong
+    # ---------------------------------------------------------------- faults
 
     def _pieces(self, channel: _FaultyChannel, direction: str, data: bytes) -> Pieces:
         """Return what becomes of a message, or of one part of it."""

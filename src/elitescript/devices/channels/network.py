@@ -280,7 +280,7 @@ class VirtualNetwork:
         """The tick that runs, or ran last."""
         return self.agenda.tick
 
-    # ---------------------------------------------------------------- what is there
+    # ---------------------------------------------------------------- servers and lines
 
     def server(self, address: str, port: int) -> Server | None:
         """Return the server that listens there."""

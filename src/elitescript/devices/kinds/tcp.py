@@ -54,7 +54,7 @@ class TcpConnection(Peer):
             self.link.close()
             self.server.forget(self)
 
-    # ---------------------------------------------------------------- what the network calls
+    # ---------------------------------------------------------------- called by the network
 
     def answer(self, answer: Answer) -> None:
         """Send what a method of the server has returned."""

@@ -57,7 +57,7 @@ Post = Callable[[list[Input]], object]
 
 
 class Broker:
-    """All channels of one robot.
+    """Holds all channels of one robot.
 
     Args:
         post: takes inputs of the robot.
@@ -190,7 +190,7 @@ class Broker:
         """Return a connection to the first address that accepts one.
 
         Raises:
-            OSError: none does; why the first one does not.
+            OSError: none does; of the first one.
         """
         failure: OSError | None = None
         for family, *_, address in found:
@@ -280,7 +280,7 @@ class _BrokerChannel(asyncio.BufferedProtocol):
         self._read_or_not()
 
     def send(self, data: bytes) -> bool:
-        """Send; whether there is room for it."""
+        """Send bytes; return whether there is room for them."""
         transport = self._transport
         if transport is None or self._is_closed:
             return True
@@ -312,7 +312,7 @@ class _BrokerChannel(asyncio.BufferedProtocol):
         if self._transport is not None:
             self._transport.abort()
 
-    # ---------------------------------------------------------------- what the event loop calls
+    # ---------------------------------------------------------------- called by the event loop
 
     def connection_made(self, transport: Any) -> None:
         self._transport = transport
@@ -379,7 +379,7 @@ def _allowed(found: list[Any], request: OpenChannel, policy: ConnectPolicy | Non
     """Return the addresses that a program may connect to, of those that were found.
 
     Raises:
-        OSError: nothing; why it may not connect to the first of it.
+        OSError: there are none; with the reason of the first.
     """
     if policy is None:
         return found

@@ -16,7 +16,7 @@ from typing import Final
 
 from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import RobotOptions
-from elitescript.kernel.restart import restored_config, restored_inputs
+from elitescript.kernel.restart import restored_inputs, restored_options
 from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
@@ -61,7 +61,7 @@ class ChildLink:
     """The way to one robot in a child process. See `robot_link.RobotLink`.
 
     Args:
-        config: of the robot.
+        options: of the robot.
         files: its task folder; none if None.
         is_jailed: lock the child in.
         journal: where to write the session down.
@@ -75,7 +75,6 @@ class ChildLink:
 
     __slots__ = (
         "_changed",
-        "_config",
         "_description",
         "_desk",
         "_grace_left_s",
@@ -86,6 +85,7 @@ class ChildLink:
         "_lost",
         "_memory_max",
         "_next",
+        "_options",
         "_outputs",
         "_pending",
         "_snapshot_tick",
@@ -96,7 +96,7 @@ class ChildLink:
 
     def __init__(
         self,
-        config: RobotOptions,
+        options: RobotOptions,
         *,
         files: Files | None = None,
         is_jailed: bool = True,
@@ -105,7 +105,7 @@ class ChildLink:
         grace_s: float = GRACE_S,
         memory_max: int = MEMORY_MAX,
     ) -> None:
-        self._config = config
+        self._options = options
         self._is_jailed = is_jailed
         self._journal = journal
         self._supervision = Supervision(hang_limit_s)
@@ -113,7 +113,7 @@ class ChildLink:
         self._grace_left_s = grace_s
         self._memory_max = memory_max
         self._desk = FileDesk(FilesRefused() if files is None else files)
-        self._next = config.first_tick
+        self._next = options.first_tick
         self._transport: ChildTransport | None = None
         self._description: RobotDescription | None = None
         self._outputs = OutputBuffer()
@@ -162,7 +162,7 @@ class ChildLink:
             await self._wait_until(lambda: transport.layers is not None or bool(transport.end_reason), BOOT_S)
             self.layers = transport.layers or ()
             if transport.layers is not None:
-                transport.begin(self._config)
+                transport.begin(self._options)
             await self._wait_until(lambda: transport.description is not None or bool(transport.end_reason), BOOT_S)
         finally:
             self._description = transport.description
@@ -228,9 +228,9 @@ class ChildLink:
         last = self._outputs.newest
         assert last is not None
         if self._supervision.boots >= BOOTS_FROM_SNAPSHOT:
-            transport.begin(replace(self._config, first_tick=tick))
+            transport.begin(replace(self._options, first_tick=tick))
             return
-        transport.begin(restored_config(self._config, self.description, last, tick))
+        transport.begin(restored_options(self._options, self.description, last, tick))
         self._pending.put_first(restored_inputs(last))
         if self._journal is not None:
             self._journal.restart(tick, self._supervision.reason, last, self._lost)

@@ -102,7 +102,7 @@ class Supervision:
         self.answered = self.boots = self.restarts = 0
         self.reason = ""
 
-    # ---------------------------------------------------------------- what happens
+    # ---------------------------------------------------------------- events
 
     def note_start(self) -> None:
         """Count a child that was started."""
@@ -148,7 +148,7 @@ class Supervision:
         self._restart_at = tick + pause
         return pause
 
-    # ---------------------------------------------------------------- what is to be done
+    # ---------------------------------------------------------------- decisions
 
     def may_start(self, tick: int) -> bool:
         """Return whether the next child is to start at a tick."""

@@ -139,10 +139,10 @@ class ChildTransport:
 
     # ---------------------------------------------------------------- down
 
-    def begin(self, config: RobotOptions) -> None:
+    def begin(self, options: RobotOptions) -> None:
         """Have the child make its robot."""
         self.is_begun = True
-        self.process.send(frames.BEGIN, to_text(options_data(config)))
+        self.process.send(frames.BEGIN, to_text(options_data(options)))
 
     def send_tick(self, number: int, inputs: Sequence[Input], *, has_snapshot: bool) -> None:
         """Send a tick with its inputs, and whether its snapshot is asked for."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.kernel.restart import restored_config
+from elitescript.kernel.restart import restored_options
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import Snapshot
@@ -24,19 +24,19 @@ class RecordedRobot(Kernel):
     """Runs a robot in this process whose session goes into a journal.
 
     Args:
-        config: of the robot.
+        options: of the robot.
         files: its task folder; what was read from it goes into the journal too.
         journal: where to write.
     """
 
     __slots__ = ("_answers", "_desk", "_journal", "_snapshot")
 
-    def __init__(self, config: RobotOptions, files: Files, journal: Journal) -> None:
+    def __init__(self, options: RobotOptions, files: Files, journal: Journal) -> None:
         self._journal = journal
         self._desk = FileDesk(files)
         self._answers: list[Any] = []
         self._snapshot: Snapshot
-        super().__init__(config, RequestEnvironment(RemoteFiles(self._ask)))
+        super().__init__(options, RequestEnvironment(RemoteFiles(self._ask)))
 
     def tick(self, inputs: Sequence[Input] = ()) -> TickResult:
         """Run one tick; the digests of the journal cover every snapshot."""
@@ -95,11 +95,11 @@ class Replay:
         self._answers: list[Any] = []
         self._text = output_text if reader.old is None else reader.old.output_text
         self._digest = Digest()
-        self._kernel = self._fresh(reader.config)
+        self._kernel = self._fresh(reader.options)
         self._last: Output | None = None
         self.difference: Difference | None = None
         self.checked_ticks = 0
-        self.last_tick = reader.config.first_tick - 1
+        self.last_tick = reader.options.first_tick - 1
 
     def outputs(self, on_restart: Callable[[int, str], None] | None = None) -> Iterator[Output]:
         """Return what clients got, tick by tick; ends early where it differs.
@@ -131,16 +131,16 @@ class Replay:
                     return
                 if on_restart is not None:
                     on_restart(record["restart"], str(record["reason"]))
-                config, description = self._reader.config, self._kernel.description
-                self._kernel = self._fresh(restored_config(config, description, record["state"], record["restart"]))
+                options, description = self._reader.options, self._kernel.description
+                self._kernel = self._fresh(restored_options(options, description, record["state"], record["restart"]))
             elif "end" in record:
                 yield from self._run(record["end"] - 1)
             if self.difference is not None or (self._until is not None and self.last_tick >= self._until):
                 return
 
-    def _fresh(self, config: RobotOptions) -> Kernel:
+    def _fresh(self, options: RobotOptions) -> Kernel:
         try:
-            return Kernel(config, RequestEnvironment(RemoteFiles(self._ask)))
+            return Kernel(options, RequestEnvironment(RemoteFiles(self._ask)))
         except UsageError as error:
             raise UsageError(f"{self._reader.place}: {error}") from None
 

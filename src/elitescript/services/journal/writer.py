@@ -73,7 +73,7 @@ class Journal:
 
     Args:
         path: the file; one that is there is replaced.
-        config: of the robot.
+        options: of the robot.
 
     Raises:
         UsageError: the file exists, or cannot be written.
@@ -81,10 +81,10 @@ class Journal:
 
     __slots__ = ("_digest", "_file", "_inputs", "_is_over", "_is_told", "_last_tick")
 
-    def __init__(self, path: Path, config: RobotOptions) -> None:
+    def __init__(self, path: Path, options: RobotOptions) -> None:
         self._inputs = shape_of(Input)
         self._digest = Digest()
-        self._last_tick = config.first_tick - 1
+        self._last_tick = options.first_tick - 1
         self._is_told = False
         self._is_over = False
         self._file = JournalFile(path)
@@ -94,7 +94,7 @@ class Journal:
                 "version": __version__,
                 "python": platform.python_version(),
                 "hash_seed": os.environ.get("PYTHONHASHSEED", "random"),
-                "options": options_data(config),
+                "options": options_data(options),
             }
         )
 
@@ -181,7 +181,7 @@ class JournalReader:
         path: the file.
 
     Attributes:
-        config: of the robot at the start.
+        options: of the robot at the start.
         header: the first line.
         old: translates what the journal has, if it is of format 2; None if it is of today's.
         note: what is wrong with the end of the file; empty if nothing is.
@@ -191,7 +191,7 @@ class JournalReader:
         UsageError: no journal, or one of another format.
     """
 
-    __slots__ = ("_path", "config", "header", "note", "old", "place")
+    __slots__ = ("_path", "header", "note", "old", "options", "place")
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -215,9 +215,9 @@ class JournalReader:
                     f"{format2.FORMAT} and {FORMAT} are known here: replay it with the version that wrote it"
                 )
             if self.old is None:
-                self.config = options_from_data(self.header["options"])
+                self.options = options_from_data(self.header["options"])
             else:
-                self.config = self.old.options(self.header["config"])
+                self.options = self.old.options(self.header["config"])
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             at = getattr(error, "pos", getattr(error, "start", 0))
             raise UsageError(f"{path}: line 1, byte {at}: no journal of this program") from error
@@ -230,8 +230,8 @@ class JournalReader:
         Raises:
             UsageError: a line that makes no sense; the text names file, line and byte.
         """
-        reader = RecordReader(self.config.first_tick, self.old)
-        last, has_end = self.config.first_tick - 1, False
+        reader = RecordReader(self.options.first_tick, self.old)
+        last, has_end = self.options.first_tick - 1, False
         with self._path.open("rb") as file:
             start = len(file.readline(LINE_MAX))
             for number, line in enumerate(file, 2):

@@ -246,7 +246,7 @@ class RobotFiles:
         if parent not in self._folders:
             raise _error(errno.ENOTDIR if self._is_there(parent) else errno.ENOENT, parent)
 
-    # ---------------------------------------------------------------- what open files ask
+    # ---------------------------------------------------------------- called by open files
 
     def _begin(self, file: _File) -> None:
         file.handles += 1

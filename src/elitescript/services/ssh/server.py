@@ -116,7 +116,7 @@ class SshPort:
             with contextlib.suppress(OSError, asyncssh.Error):
                 await self._acceptor.wait_closed()
 
-    # ---------------------------------------------------------------- what connections call
+    # ---------------------------------------------------------------- called by connections
 
     def enter(self, login: _Login) -> bool:
         """Count a connection; whether there is room for it."""
