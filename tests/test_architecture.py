@@ -8,7 +8,8 @@ import subprocess
 import sys
 import tomllib
 from array import array
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import get_args
@@ -187,8 +188,9 @@ class TestPage:
         return re.findall(r"^([a-z_/]+\.py) ", self.section(title), re.MULTILINE)
 
     @staticmethod
-    def files_called(action: Callable[[], object]) -> list[str]:
-        """Files of ours in the order of the calls into them; one entry for calls in a row."""
+    @contextmanager
+    def recorded() -> Iterator[list[str]]:
+        """Record files of ours in the order of the calls into them; one entry for calls in a row."""
         found: list[str] = []
 
         def note(frame: FrameType, event: str, _argument: object) -> None:
@@ -201,10 +203,9 @@ class TestPage:
         before = sys.getprofile()
         sys.setprofile(note)
         try:
-            action()
+            yield found
         finally:
             sys.setprofile(before)
-        return found
 
     @staticmethod
     def not_reached(walk: list[str], called: list[str]) -> str:
@@ -217,7 +218,8 @@ class TestPage:
 
         robot = VirtualRobot()
         text = "def walk():\n    movej([0, -1.5, -1.6, -1.5, 1.5, 0], a=1, v=1)\nend\n"
-        called = self.files_called(lambda: robot.run(text, trace=True))
+        with self.recorded() as called:
+            robot.run(text, trace=True)
         walk = self.walk("Walk 1")
         assert len(walk) > 10
         assert self.not_reached(walk, called) == ""
@@ -230,10 +232,13 @@ class TestPage:
         async def served() -> None:
             async with serving(Kernel(RobotOptions(power_on=True))) as scene:
                 client = await scene.connect("primary")
-                client.send(b'def walk():\n  textmsg("first line")\nend\n')
-                await scene.until(lambda: any(getattr(said, "text", "") == "first line" for said in scene.said))
+                with self.recorded() as files:
+                    client.send(b'def walk():\n  textmsg("first line")\nend\n')
+                    await scene.until(lambda: any(getattr(said, "text", "") == "first line" for said in scene.said))
+                called.extend(files)
 
-        called = self.files_called(lambda: run(served()))
+        called: list[str] = []
+        run(served())
         walk = self.walk("Walk 2")
         assert len(walk) > 5
         assert self.not_reached(walk, called) == ""

@@ -302,6 +302,7 @@ class VirtualRobot:
             self._remember()
             raise
         self._conclude()
+        self._leave_published_tick()
         self._raise_listener_error()
         self._remember()
         return run
@@ -357,6 +358,7 @@ class VirtualRobot:
 
     def advance(self, duration_s: float, *, pace: Pace | None = None) -> None:
         """Let virtual time go by, whether a program runs or not."""
+        self._leave_published_tick()
         self._advance(self.tick + ticks_for(duration_s), pace, None, stays=True)
         if self._interrupted_as:
             self._finish(self._interrupted_as)
@@ -385,7 +387,7 @@ class VirtualRobot:
             >>> client.send(b"robotMode\\n")
             >>> robot.advance(0.004)
             >>> client.receive()
-            b'RobotMode: RUNNING\\r\\n'
+            b'robotMode: RUNNING\\r\\n'
         """
         if self._clients is None:
             from elitescript.kernel.clients import Clients
@@ -397,6 +399,7 @@ class VirtualRobot:
         """Let one tick go by for a client that waits."""
         if self._is_advancing:
             raise UsageError("expect() lets time go by, which it does already; use receive() in `watch` and `on_event`")
+        self._leave_published_tick()
         self._advance(self.tick + 1, None, None, stays=True)
 
     def _leave_published_tick(self) -> None:

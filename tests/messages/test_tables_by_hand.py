@@ -104,6 +104,27 @@ ENUMS = {
         RISING       3
         FALLING      4
     """,
+    # Numbers of our own.
+    "DiscardReason": """
+        COMPILE_ERROR    1
+        INVALID_STATE    2
+        TOO_MANY         3
+        CLEARED_BEFORE   4
+        CLEARED_AT_END   5
+        CLEARED          6
+    """,
+    # errno of Linux: EIO, EPIPE, ENETUNREACH, ECONNRESET, ETIMEDOUT, ECONNREFUSED, EHOSTDOWN, EHOSTUNREACH.
+    "ChannelError": """
+        NOTHING_BOUND         -1
+        OTHER                 5
+        BROKEN_PIPE           32
+        NETWORK_UNREACHABLE   101
+        RESET                 104
+        TIMED_OUT             110
+        REFUSED               111
+        HOST_DOWN             112
+        HOST_UNREACHABLE      113
+    """,
 }
 
 

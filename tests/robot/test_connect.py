@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import struct
 from itertools import pairwise
 
@@ -10,7 +11,7 @@ import pytest
 from elitescript import VirtualRobot
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import DeviceNoted, Popup, TextMessage
+from elitescript.messages.events import Alarm, DeviceNoted, Popup, TextMessage, Warned
 from elitescript.testing.world import TcpClient, World
 from tests.protocol import modbus_client, rtsi_client
 
@@ -138,12 +139,45 @@ class TestTime:
             robot = VirtualRobot()
             names = ("timestamp", "actual_joint_positions", "speed_scaling", "joint_temperatures")
             rtsi, primary = streaming(robot, frequency_hz, names), robot.connect("primary")
-            robot.start("movej([0, -1, 1, -1, -1, 0], a=1, v=1)\nsleep(1)\ntextmsg(1)")
+            robot.start("movej([0, -1, 1, -1, -1, 0], a=1, v=1)\nsleep(1)\nfor n in range(5):\n  textmsg(n)\nend")
             for _ in range(1000 if steps else 1):
                 robot.advance(TICK_S if steps else 4.0)
             streams.append((rtsi.receive(), primary.receive()))
         assert streams[0] == streams[1]
         assert len(timestamps(streams[0][0])) >= 4 * frequency_hz
+
+    def test_a_stream_begins_with_the_tick_before_the_start(self):
+        assert timestamps(streaming(VirtualRobot()).receive()) == [0.0, TICK_S]
+
+    def test_lines_that_are_no_script_are_reported_in_their_tick(self):
+        found = []
+        for steps in (False, True):
+            events = []
+            robot = VirtualRobot(on_event=events.append)
+            client = robot.connect("primary")
+            robot.advance(7 * TICK_S)  # the report is due between two states
+            client.send(b"nonsense()\n" * 20)
+            for _ in range(500 if steps else 1):
+                robot.advance(TICK_S if steps else 2.0)
+            found.append([(event.tick, event.text) for event in events if isinstance(event, Alarm | Warned)])
+        assert found[0] == found[1]
+        assert "10 more lines that are no script" in found[0][-1][1]
+
+    def test_messages_that_wait_leave_seven_ticks_apart(self):
+        robot = VirtualRobot()
+        client = robot.connect("primary")
+        robot.start("for n in range(4):\n  textmsg(n)\nend")
+        robot.advance(TICK_S)
+        client.receive()
+        ticks: list[int] = []
+
+        def watch(robot):
+            ticks.extend(robot.tick for message in primary_messages(client.receive()) if message[0] == 20)
+
+        robot.run("sleep(1)", watch=watch)
+        waited = [tick for tick in ticks if tick < 50]  # those of the second program's end come a second later
+        assert len(waited) > 3
+        assert {later - earlier for earlier, later in pairwise(waited)} == {7}
 
     def test_time_leaps_to_what_is_sent_next(self):
         ticks: list[int] = []
@@ -440,6 +474,17 @@ class TestPorts:
             answers.append(struct.unpack_from(">i", body, 9)[0])
         assert answers == [2, 4, 6, 8, 10]
 
+    def test_rtsi_in_lockstep_goes_on_behind_a_run(self):
+        robot = VirtualRobot()
+        client = streaming(robot)
+        client.send(rtsi_client.input_recipe(["input_int_register0"]))
+        robot.run("sleep(0.1)")
+        client.receive()
+        client.send(rtsi_client.package(1, ["INT32"], [7]))
+        robot.advance(TICK_S)
+        assert [letter for letter, _ in rtsi_client.messages(client.receive())] == ["U"]
+        assert robot.signals["input_int_register[0]"] == 7
+
     def test_a_refused_request_is_a_warning(self):
         robot = VirtualRobot()
         client = robot.connect("primary")
@@ -483,3 +528,9 @@ def test_the_robot_without_its_own_clients_imports_no_port():
     robot = VirtualRobot()
     robot.run("sleep(1)")
     assert robot._kernel._handlers is None
+
+
+def test_the_example_of_the_docstring_is_true():
+    finder = doctest.DocTestFinder(recurse=False)
+    (example,) = finder.find(VirtualRobot.connect, "connect", globs={"VirtualRobot": VirtualRobot})
+    assert doctest.DocTestRunner(verbose=False).run(example).failed == 0
