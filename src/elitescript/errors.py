@@ -1,10 +1,10 @@
 """The exception tree and the table of error codes.
 
-Three families, by whose mistake it is: the script author's (`ScriptError`, `ProgramError`),
-the network peer's (`PeerError`), the caller's of this library (`UsageError`). Anything else
-that escapes is our bug and is never caught to be forgotten.
+Three families, by the source of the mistake: the script (`ScriptError`, `ProgramError`), the
+network peer (`PeerError`), the caller of this library (`UsageError`). Anything else that escapes is
+a bug of this library and is never swallowed.
 
-`CODES` is the one place in which a code, its severity and its title stand. Codes E0xx and E1xx
+`CODES` is the only table of codes, severities and titles. Codes E0xx and E1xx
 stop a program from starting, E3xx are findings against the command catalogue, W2xx are
 warnings, R are alarms at run time.
 """
@@ -23,7 +23,7 @@ class Code(NamedTuple):
     """`error` or `warning`; an alarm at run time is an error."""
     title: str
     is_tolerated: bool = False
-    """A warning unless strictness is asked for, and then an error, whatever `severity` says."""
+    """A warning without `--strict` and an error with it, whatever `severity` is."""
 
     @property
     def default_severity(self) -> str:
@@ -136,8 +136,8 @@ CODES: Final[dict[str, Code]] = {row.code: row for row in _ROWS}
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return `; did you mean 'NAME'?` for the name that `word` is most probably a slip of, or an empty text."""
-    # Not at the top: few calls have anything to suggest.
+    """Return `; did you mean 'NAME'?` for the most similar name, or an empty text."""
+    # Not at the top: few runs need it.
     from difflib import get_close_matches
 
     near = get_close_matches(word, sorted(known), n=1)
@@ -149,7 +149,7 @@ class ElitescriptError(Exception):
 
 
 class UsageError(ElitescriptError):
-    """The caller of this library or of the command line passed something that makes no sense."""
+    """The caller of this library or of the command line passed an invalid value."""
 
 
 class InternalError(ElitescriptError):
@@ -183,13 +183,13 @@ class AlarmError(ElitescriptError):
 
 
 class ScriptError(Exception):
-    """A robot command refused to do what the script asked; scripts may catch it.
+    """A robot command refused a call; scripts may catch it.
 
     Raised on the script's own line. The subclasses are also the built-in exceptions that
     a Python programmer expects (`TypeError`, `ValueError`, `RuntimeError`).
 
     Args:
-        text: what was wrong, in plain words, with the value and the unit.
+        text: what was wrong, with the value and the unit.
         code: row of `CODES`.
         command: the command that refused.
         argument: the parameter that was wrong, if it was one.
@@ -258,7 +258,7 @@ class FirmwareError(ScriptError, NameError):
 
 
 class NotSimulatedError(ScriptError, NotImplementedError):
-    """The command is known but not simulated; it never pretends."""
+    """The command is known but not simulated."""
 
     default_code = "R106"
 
@@ -270,19 +270,19 @@ class MotionError(ScriptError, RuntimeError):
 
 
 class ScriptStateError(ScriptError, RuntimeError):
-    """The command makes no sense in the present state of program or machine."""
+    """The command is not possible in the present state of program or machine."""
 
     default_code = "R115"
 
 
 class ScriptPermissionError(ScriptError, PermissionError):
-    """The script asked for something that scripts may not have."""
+    """The script requested access that scripts do not have."""
 
     default_code = "R123"
 
 
 class RpcError(ScriptError, RuntimeError):
-    """A remote procedure call failed: no connection, no answer in time, or an answer that says so.
+    """A remote procedure call failed: no connection, no answer in time, or a fault as the answer.
 
     Attributes:
         faultCode: number of the server's fault; 0 if it was none.

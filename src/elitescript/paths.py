@@ -1,4 +1,4 @@
-"""What stands at a path of this computer, before something is read that never comes or never ends."""
+"""Tests what kind of file a path is, before a read that would block or never end."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import stat
 from typing import Final
 
 _STREAMS: Final = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
-"""Names of what a shell has opened for us: `elitescript run /dev/stdin`, `elitescript run <(generate)`."""
+"""Names of streams that a shell has opened: `elitescript run /dev/stdin`, `elitescript run <(generate)`."""
 
 _KINDS: Final = (
     (stat.S_ISDIR, "a folder"),
@@ -23,7 +23,7 @@ def why_no_file(path: str | os.PathLike[str], *, is_stream_allowed: bool = False
 
     Args:
         path: of this computer; links are followed.
-        is_stream_allowed: accept standard input and what the shell has opened.
+        is_stream_allowed: accept standard input and other streams of the shell.
     """
     name = os.fspath(path)
     if is_stream_allowed and name.startswith(_STREAMS):

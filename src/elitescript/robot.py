@@ -27,8 +27,8 @@ from elitescript.kernel.arm import named_model
 from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.option_signature import takes_options
 from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, robot_options
-from elitescript.language.compiler import CompiledUnit, Options, compile_task, compile_unit
-from elitescript.language.options import SECONDARY
+from elitescript.language.compiler import CompiledUnit, compile_task, compile_unit
+from elitescript.language.options import SECONDARY, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import UNDELIVERED, Alarm, Event, SignalChanged, Warned
@@ -335,7 +335,7 @@ class VirtualRobot:
         run.look = lambda: self._look(run)
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run
-        if not self.controller.safety.refusal("power_on"):
+        if self.options.power_on and not self.controller.safety.refusal("power_on"):
             self.controller.power_up()
         self._trace = trace if isinstance(trace, Trace) else None
         if trace and self._trace is None:

@@ -1,4 +1,4 @@
-"""What a program did: the record that a run leaves behind."""
+"""The record of a run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ RECORDS_MAX: Final = 50_000
 """Events, and texts of each kind, that a run keeps at least."""
 
 NOT_DELIVERED: Final = "not delivered: "
-"""Begins the warning about something that a program gave away before its end and that did not arrive."""
+"""Begin of the warning about data that a program sent before its end and that did not arrive."""
 
 _Record = TypeVar("_Record")
 
@@ -26,7 +26,7 @@ EndState = Literal["finished", "alarm", "stopped", "time_limit", "stuck"]
 
 
 class Look(NamedTuple):
-    """A run as it stands at a tick; see the properties of `Run`."""
+    """State of a run at a tick; see the properties of `Run`."""
 
     time_s: float = 0.0
     joints: Six | tuple[()] = ()
@@ -36,7 +36,7 @@ class Look(NamedTuple):
 
 
 class Run:
-    """What a program did, or has done by now.
+    """The record of a run, which grows while the program runs.
 
     `time_s`, `globals`, `joints`, `tcp_pose` and `signals` are those of the present tick while it runs.
 
@@ -50,9 +50,9 @@ class Run:
         events: everything that happened, in order, each kind as `docs/reference/events.md` says; of a very long run the
             last `RECORDS_MAX`. So it is with the texts.
         events_dropped: how many events have gone, so that a run of days does not fill the memory.
-        undelivered: what the program gave away and that did not arrive, in words; each is a warning too.
-        trace: rows, if a trace was asked for; `trace[i].signals` has the signals by name.
-        look: gives the present values of the properties; None if nobody has them.
+        undelivered: data that the program sent and that did not arrive, as text; each is a warning too.
+        trace: rows, if a trace was requested; `trace[i].signals` has the signals by name.
+        look: returns the present values of the properties; None before the start and after the end.
         threads: script threads at the end of a program that did not end by itself: where each was.
         is_paced: whether a connection to the outside held virtual time back to the wall clock.
     """
@@ -116,9 +116,9 @@ class Run:
 
     @property
     def signals(self) -> SignalRecord:
-        """Every output and register that is not at its default; asked for any other, it gives the default.
+        """Every output and register that is not at its default; any other name gives its default.
 
-        At the end of a run: when everything that the program gave away has arrived.
+        At the end of a run: when everything that the program sent has arrived.
         """
         if self._signals is not None:
             return self._signals
@@ -137,11 +137,11 @@ class Run:
 
     @property
     def is_closed(self) -> bool:
-        """Whether everything that the program gave away has arrived or was given up: nothing is added any more."""
+        """Whether everything that the program sent has arrived or was given up, so that nothing is added any more."""
         return self._signals is not None
 
     def rest(self, end: Look) -> None:
-        """Program and arm have come to rest."""
+        """Keep the values at the end: program and arm have come to rest."""
         self._end = end
 
     def close(self, signals: SignalRecord) -> None:
@@ -151,7 +151,7 @@ class Run:
 
     @property
     def is_reproducible(self) -> bool:
-        """Whether another process gives the same bytes: Python's string hashing has a fixed seed in this one.
+        """Whether another process gives the same bytes, which needs a fixed seed of Python's string hashing.
 
         Without it, only what depends on the order of a set of strings can differ.
         """
@@ -161,14 +161,14 @@ class Run:
         """Return the run itself.
 
         Raises:
-            AlarmError: the program ended with an alarm, or nothing could ever happen again.
+            AlarmError: the program ended with an alarm, or in a deadlock.
         """
         if self.alarms:
             raise AlarmError(self.alarms[-1], self.unit.source.name)
         return self
 
     def add(self, event: Event) -> None:
-        """Note an event of this run."""
+        """Record an event of this run."""
         self.events_dropped += _keep(self.events, event)
         if type(event) not in _WITH_TEXT:
             return
@@ -194,7 +194,7 @@ _WITH_TEXT: Final = frozenset({TextMessage, Printed, Warned, DeviceNoted, Alarm}
 
 
 def _keep(records: list[_Record], record: _Record) -> int:
-    """Append to a list that stays bounded; return how many old ones had to go."""
+    """Append to a bounded list; return how many old records were dropped."""
     records.append(record)
     surplus = len(records) - RECORDS_MAX
     # A tenth at a time: what is taken from the front of a list costs its length.

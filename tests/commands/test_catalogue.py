@@ -91,7 +91,7 @@ def test_aliases_take_the_same_arguments_from_their_own_release_on(facts: dict[s
 @pytest.mark.parametrize("name", EVERY_NAME)
 def test_every_command_says_what_it_does(name: str) -> None:
     command = command_called(name)
-    assert command.summary.endswith((".", ")."))
+    assert command.details.summary.endswith((".", ")."))
     assert command.family in CHAPTERS
     assert all(param.text.endswith(".") for param in command.params)
     returns = command.function.__annotations__["return"]

@@ -28,7 +28,9 @@ def test_a_page_tells_signature_arguments_units_result_and_source() -> None:
 
 
 def test_a_page_tells_what_to_expect() -> None:
-    assert "Not simulated yet" in describe(command_called("movej").renamed("unsimulated", is_simulated=False))
+    unsimulated = command_called("movej").renamed("unsimulated")
+    unsimulated.is_simulated = False
+    assert "Not simulated yet" in describe(unsimulated)
     assert "Not in secondary programs." in describe(command_called("movej"))
     assert "Another name of serial_config." in describe(command_called("masterboard_serial_config"))
     assert "Also called masterboard_serial_config." in describe(command_called("serial_config"))

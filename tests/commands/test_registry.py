@@ -94,7 +94,7 @@ def test_signature_and_parameters_come_from_the_function() -> None:
     ]
     assert command.params[0].default is REQUIRED
     assert command.params[1].spellings == ("time",)
-    assert command.summary == "Shift."
+    assert command.details.summary == "Shift."
 
 
 def test_nothing_is_worked_out_before_somebody_asks() -> None:

@@ -11,9 +11,6 @@ import pytest
 import elitescript
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import (
-    HOOKS,
-    MAIN,
-    Options,
     check_unit,
     column_of,
     compile_expression,
@@ -21,6 +18,8 @@ from elitescript.language.compiler import (
     compile_task,
     compile_unit,
 )
+from elitescript.language.hooks import HOOKS, MAIN
+from elitescript.language.options import Options
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from tests.language.marked import check_marks, codes

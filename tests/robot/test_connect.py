@@ -97,6 +97,14 @@ class TestBytes:
         with pytest.raises(UsageError, match=r"the ports dashboard, .*, modbus, not 'telnet'"):
             VirtualRobot().connect("telnet")
 
+    def test_a_misspelt_port_is_answered_with_the_one_that_was_meant(self):
+        with pytest.raises(UsageError, match=r"not 'dashbord'; did you mean 'dashboard'\?"):
+            VirtualRobot().connect("dashbord")
+
+    def test_a_text_is_refused(self):
+        with pytest.raises(TypeError, match=r"bytes are sent, not str; a text needs \.encode\(\)"):
+            VirtualRobot().connect("dashboard").send("robotMode\n")  # type: ignore[arg-type]
+
     def test_an_old_firmware_has_no_interpreter_port(self):
         with pytest.raises(UsageError, match="not 'interpreter'"):
             VirtualRobot(firmware="2.10").connect("interpreter")
@@ -534,3 +542,11 @@ def test_the_example_of_the_docstring_is_true():
     finder = doctest.DocTestFinder(recurse=False)
     (example,) = finder.find(VirtualRobot.connect, "connect", globs={"VirtualRobot": VirtualRobot})
     assert doctest.DocTestRunner(verbose=False).run(example).failed == 0
+
+
+def test_a_robot_without_power_stays_so_until_a_client_asks_for_it():
+    robot = VirtualRobot(power_on=False)
+    robot.run("movej([0.3, -1.4, -1.7, -1.6, 1.57, 0])", until_s=1.0)
+    assert robot.state.robot_mode.name == "POWER_OFF"
+    assert robot.current is not None
+    assert robot.current.state == "alarm"

@@ -290,7 +290,7 @@ class TestErrors:
         )
         assert printed == ["0"]
         assert cell.device.requests == []
-        assert cell.result.warnings == ["nobody answers a broadcast: the MODBUS signal 'x' stays at 0"]
+        assert cell.result.warnings == ["a broadcast gets no answer: the MODBUS signal 'x' stays at 0"]
 
 
 class TestCustomCommands:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from elitescript.language.compiler import CompiledUnit, Options, compile_unit
+from elitescript.language.compiler import CompiledUnit, compile_unit
+from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm, Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import PauseTask, ResumeTask, SetLineMark, WriteSignal

@@ -88,9 +88,9 @@ class TestPages:
     def test_cell_and_inputs_belong_to_their_case(self):
         world = "```cell\n[contact]\n```\n```inputs\n0.5: flag[1] = 1\n1: external_wrench[0] = -2.5\n```\n"
         case, other = parse_page(page("") + world + page("").replace("# T", "# U"))
-        assert case.cell == "[contact]\n"
+        assert case.world == "[contact]\n"
         assert case.inputs == ((0.5, "flag[1]", 1.0), (1.0, "external_wrench[0]", -2.5))
-        assert (other.cell, other.inputs) == ("", ())
+        assert (other.world, other.inputs) == ("", ())
 
     @pytest.mark.parametrize(
         ("text", "place"),
@@ -187,8 +187,8 @@ state: running
     def test_what_is_heard_is_compared(self):
         assert self.differences("1 success : 4") == []
         assert self.differences("1 success : ...") == []
-        assert self.differences("1 success : 5") == ["heard '1 success : 4', expected '1 success : 5'"]
+        assert self.differences("1 success : 5") == ["received '1 success : 4', expected '1 success : 5'"]
 
     def test_what_nobody_says_is_missed_and_what_nobody_expects_is_told(self):
-        assert self.differences("1 success : 4\n< more") == ["heard '', expected 'more'"]
-        assert self.differences("1 success : 4\n> req 2 5") == ["heard '2 success : 5\\n' besides"]
+        assert self.differences("1 success : 4\n< more") == ["received '', expected 'more'"]
+        assert self.differences("1 success : 4\n> req 2 5") == ["received '2 success : 5\\n' besides"]

@@ -18,10 +18,12 @@ _EncoderIndex = Annotated[int, Choice(0, 1)]
 _Ticks = Annotated[float, Number("ticks")]
 
 _FEWEST: Final = 1e-6
-"""A number of ticks nearer to zero than this is no resolution of an encoder."""
+"""Smallest number of ticks that is not taken for 0."""
+_ARGUMENTS: Final = {"encoder_index": "number of the conveyor encoder."}
+"""Texts of arguments that several commands share."""
 
 
-@command(family="motion", manual="2.1.20")
+@command(family="motion", manual="2.1.20", arguments=_ARGUMENTS)
 def encoder_enable_set_tick_count(
     robot: Robot, encoder_index: _EncoderIndex, range_id: Annotated[int, Integer(0, 4)]
 ) -> None:
@@ -30,22 +32,18 @@ def encoder_enable_set_tick_count(
     The count is 0 until the first one comes (*assumed*).
 
     Args:
-        encoder_index: number of the conveyor encoder.
         range_id: range in which the real encoder counts: 0 signed 32 bits, 1 unsigned 8 bits, 2 unsigned 16 bits,
             3 unsigned 24 bits, 4 unsigned 32 bits.
     """
     robot.request(PrepareEncoder(encoder_index, range_id))
 
 
-@command(family="motion", manual="2.1.21")
+@command(family="motion", manual="2.1.21", arguments=_ARGUMENTS)
 def encoder_get_tick_count(robot: Robot, encoder_index: _EncoderIndex) -> Real:
-    """Count of an encoder.
+    """Return the count of an encoder.
 
     An encoder that no program has prepared counts from 0 in the range of signed 32 bits (*assumed*: as the
     installation left it).
-
-    Args:
-        encoder_index: number of the conveyor encoder.
 
     Returns:
         The count.
@@ -53,16 +51,15 @@ def encoder_get_tick_count(robot: Robot, encoder_index: _EncoderIndex) -> Real:
     return robot.machine.encoder_count(encoder_index)
 
 
-@command(family="motion", manual="2.1.22")
+@command(family="motion", manual="2.1.22", arguments=_ARGUMENTS)
 def encoder_set_tick_count(robot: Robot, encoder_index: _EncoderIndex, count: _Ticks) -> None:
-    """Tell the controller the count of an encoder that it does not read itself.
+    """Set the count of an encoder that the controller does not read itself.
 
     `encoder_enable_set_tick_count` must have been called for the encoder. A conveyor that is tracked is taken to go on
     between two counts with the speed of the last 0.2 s; where no further count comes within twice the time between the
     last two, it is taken to stand where it was (*assumed*).
 
     Args:
-        encoder_index: number of the conveyor encoder.
         count: present count, inside the range that was chosen for the encoder.
 
     Raises:
@@ -72,12 +69,11 @@ def encoder_set_tick_count(robot: Robot, encoder_index: _EncoderIndex, count: _T
     robot.request(SetEncoderCount(encoder_index, count))
 
 
-@command(family="motion", manual="2.1.23")
+@command(family="motion", manual="2.1.23", arguments=_ARGUMENTS)
 def encoder_unwind_delta_tick_count(robot: Robot, encoder_index: _EncoderIndex, delta_tick_count: _Ticks) -> _Ticks:
     """Undo the overflow of a counter in the difference of two counts.
 
     Args:
-        encoder_index: number of the conveyor encoder.
         delta_tick_count: difference of two counts of that encoder.
 
     Returns:
@@ -86,7 +82,7 @@ def encoder_unwind_delta_tick_count(robot: Robot, encoder_index: _EncoderIndex, 
     return robot.machine.encoder_unwound(encoder_index, delta_tick_count)
 
 
-@command(family="motion", since="2.12", manual="2.14: 3.1.25")
+@command(family="motion", since="2.12", manual="2.14: 3.1.25", arguments=_ARGUMENTS)
 def encoder_enable_pulse_decode(
     robot: Robot,
     encoder_index: _EncoderIndex,
@@ -101,7 +97,6 @@ def encoder_enable_pulse_decode(
     whichever way the wheel turns (*assumed*).
 
     Args:
-        encoder_index: number of the conveyor encoder.
         decoder_type: 1 quadrature, 2 rising and falling edges, 3 rising edges, 4 falling edges.
         A: input of channel A. The manual names 16 and 17, the vendor's wiring page 16 to 19.
         B: input of channel B for quadrature; otherwise 0 will do.
@@ -120,25 +115,24 @@ def encoder_enable_pulse_decode(
     robot.request(DecodePulses(encoder_index, decoder, A, B))
 
 
-@command(family="motion", manual="2.1.30", works_in_sec=False)
+@command(family="motion", manual="2.1.30", works_in_sec=False, arguments=_ARGUMENTS)
 def track_conveyor_linear(
     robot: Robot,
     direction: Annotated[Six, Vector(Number(), 6, names="[x, y, z, 0, 0, 0]")],
     ticks_per_meter: Annotated[float, Number("ticks/m")],
     encoder_index: _EncoderIndex = 0,
 ) -> None:
-    """Let the moves that follow go along with a straight conveyor, until `stop_conveyor_tracking`.
+    """Track a straight conveyor with the moves that follow, until `stop_conveyor_tracking`.
 
     The call returns at once. Moves that follow are commanded as if the conveyor had stood still since then. The tool
     catches up what it loses while it gets up to the conveyor's speed (0.2 s for 0.25 m/s), and goes exactly with the
     part from then on; a move that ends sooner ends behind the part. The speed percentage has no part in that. A pause
-    brings the arm to rest, after it the tool catches up again. Where the arm cannot go along any further it brakes
+    brings the arm to rest, after it the tool catches up again. Where the arm cannot follow any further it brakes
     and the program ends with a protective stop (R140). (All *assumed*.)
 
     Args:
         direction: direction of travel in the base frame: the first three numbers, whatever their length.
         ticks_per_meter: encoder ticks for one metre of travel; negative if the encoder counts backwards.
-        encoder_index: number of the conveyor encoder.
 
     Raises:
         ArgumentRangeError: no direction, or no ticks.
@@ -156,7 +150,7 @@ def track_conveyor_linear(
     robot.track(TrackLinear((x, y, z), ticks_per_meter, encoder_index))
 
 
-@command(family="motion", manual="2.1.29", works_in_sec=False)
+@command(family="motion", manual="2.1.29", works_in_sec=False, arguments=_ARGUMENTS)
 def track_conveyor_circular(
     robot: Robot,
     center: Pose,
@@ -164,7 +158,7 @@ def track_conveyor_circular(
     rotate_tool: Bool = False,
     encoder_index: _EncoderIndex = 0,
 ) -> None:
-    """Let the moves that follow go along with a turntable, until `stop_conveyor_tracking`.
+    """Track a turntable with the moves that follow, until `stop_conveyor_tracking`.
 
     The table turns about the z axis of `center`, by the right-hand rule when the encoder counts up (*assumed*). For
     the rest see `track_conveyor_linear`.
@@ -173,7 +167,6 @@ def track_conveyor_circular(
         center: pose of the turntable's centre in the base frame.
         ticks_per_revolution: encoder ticks for one turn; negative if the encoder counts backwards.
         rotate_tool: True turns the tool with the table, False keeps the orientation that the moves command.
-        encoder_index: number of the conveyor encoder.
 
     Raises:
         ArgumentRangeError: no ticks.

@@ -112,7 +112,7 @@ def force(robot: Robot) -> Annotated[float, Number("N")]:
 
 @command(family="force", since="2.14", manual="2.14: 4.6")
 def get_tcp_force(robot: Robot, enable_compensation: Bool) -> _Wrench:
-    """External wrench at the TCP: what the surroundings exert on the arm (*assumed*).
+    """Return the external wrench at the TCP: what the surroundings exert on the arm (*assumed*).
 
     An arm that presses against a surface with `force_mode` reads the negative of its target.
 

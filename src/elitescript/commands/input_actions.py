@@ -14,6 +14,11 @@ if TYPE_CHECKING:
 _FREEDRIVE: Final = "freedrive"
 
 _Action = Annotated[str, Choice("default", _FREEDRIVE)]
+_ARGUMENTS: Final = {
+    "port": "index of the input.",
+    "action": '`"freedrive"`: hand guiding while the input is high; `"default"`: nothing.',
+}
+"""Texts of arguments that several commands share."""
 
 
 @command(family="io", manual="3.24")
@@ -22,33 +27,23 @@ def set_input_actions_to_default(robot: Robot) -> None:
     robot.request(ResetInputActions())
 
 
-@command(family="io", manual="3.25")
+@command(family="io", manual="3.25", arguments=_ARGUMENTS)
 def set_configurable_digital_input_action(
     robot: Robot, port: Annotated[int, signal_index("configurable_digital_in")], action: _Action
 ) -> None:
-    """Bind a configurable input.
-
-    Args:
-        port: index of the input.
-        action: `"freedrive"`: hand guiding while the input is high; `"default"`: nothing.
-    """
+    """Bind a configurable input."""
     robot.request(SetInputAction("configurable_digital_in", port, action == _FREEDRIVE))
 
 
-@command(family="io", manual="3.26")
+@command(family="io", manual="3.26", arguments=_ARGUMENTS)
 def set_standard_digital_input_action(
     robot: Robot, port: Annotated[int, signal_index("standard_digital_in")], action: _Action
 ) -> None:
-    """Bind a standard input.
-
-    Args:
-        port: index of the input.
-        action: `"freedrive"`: hand guiding while the input is high; `"default"`: nothing.
-    """
+    """Bind a standard input."""
     robot.request(SetInputAction("standard_digital_in", port, action == _FREEDRIVE))
 
 
-@command(family="io", manual="3.27")
+@command(family="io", manual="3.27", arguments=_ARGUMENTS)
 def set_tool_digital_input_action(
     robot: Robot, port: Annotated[int, signal_index("tool_digital_in")], action: _Action
 ) -> None:
@@ -56,7 +51,6 @@ def set_tool_digital_input_action(
 
     Args:
         port: index of the pin.
-        action: `"freedrive"`: hand guiding while the input is high; `"default"`: nothing.
     """
     robot.request(SetInputAction("tool_digital_in", port, action == _FREEDRIVE))
 

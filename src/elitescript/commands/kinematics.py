@@ -1,8 +1,8 @@
-"""Joint positions from poses and back (manual 2.10 sections 2.2.1 to 2.2.3)."""
+"""Converts joint positions to poses and back (manual 2.10 sections 2.2.1 to 2.2.3)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.definition.quantities import (
     Bool,
@@ -21,44 +21,42 @@ from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Machine, Robot
+_ARGUMENTS: Final = {
+    "p": "pose of the TCP in the base frame.",
+    "qnear": "joint positions to stay near; without them the present ones.",
+    "tcp": "transform from the flange to the TCP; without it the active one.",
+}
+"""Texts of arguments that several commands share."""
 
 
-def _flange_target(machine: Machine, p: Six, tcp: Six | None) -> Transform:
-    """`T_base_flange` that brings the TCP to `p`."""
+def flange_target(machine: Machine, p: Six, tcp: Six | None = None) -> Transform:
+    """Return `T_base_flange` that brings the TCP to `p`; without `tcp` the active one."""
     offset = machine.tcp_offset if tcp is None else tcp
     return compose(transform_from_pose(p), inverse(transform_from_pose(offset)))
 
 
-def _nearest(
-    machine: Machine, T_base_flange: Transform, qnear: Six | None
+def nearest_solution(
+    machine: Machine, T_base_flange: Transform, qnear: Six | None = None
 ) -> tuple[Solution | None, tuple[Solution, ...]]:
-    """Return the solution to take, and all that there are."""
+    """Return the solution nearest to `qnear`, or to the present joint positions, and all solutions."""
     q_near = machine.joints().q_actual if qnear is None else qnear
     candidates = solutions(machine.arm, T_base_flange, q_near[5])
     return nearest(candidates, q_near, machine.joint_ranges), candidates
 
 
-@command(family="math", manual="2.2.1")
+@command(family="math", manual="2.2.1", arguments=_ARGUMENTS)
 def get_inverse_kin(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: OptionalTcp = None) -> JointPositions:
     """Return joint positions that bring the TCP to a pose.
 
     Of all solutions and their full turns inside the joint limits it is the one with the least sum of squared joint
     differences to `qnear` (*assumed*: the manual says nearest).
 
-    Args:
-        p: pose of the TCP in the base frame.
-        qnear: joint positions to stay near; without them the present ones.
-        tcp: transform from the flange to the TCP; without it the active one.
-
-    Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
-
     Raises:
-        MotionError: the pose is out of reach or outside the joint limits; `get_inverse_kin_has_solution` tells before.
+        MotionError: the pose is out of reach or outside the joint limits; `get_inverse_kin_has_solution` tests that.
     """
     machine = robot.machine
-    T_base_flange = _flange_target(machine, p, tcp)
-    solution, candidates = _nearest(machine, T_base_flange, qnear)
+    T_base_flange = flange_target(machine, p, tcp)
+    solution, candidates = nearest_solution(machine, T_base_flange, qnear)
     if solution is not None:
         return solution.q
     reason = reason_unreachable(machine.arm, T_base_flange)
@@ -75,46 +73,36 @@ def get_inverse_kin(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: Op
     )
 
 
-@command(family="math", manual="2.2.2")
+@command(family="math", manual="2.2.2", arguments=_ARGUMENTS)
 def get_inverse_kin_has_solution(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: OptionalTcp = None) -> Bool:
     """Return whether `get_inverse_kin` would find joint positions.
-
-    Args:
-        p: pose of the TCP in the base frame.
-        qnear: joint positions to stay near; without them the present ones.
-        tcp: transform from the flange to the TCP; without it the active one.
 
     Returns:
         True if it would.
     """
-    solution, _ = _nearest(robot.machine, _flange_target(robot.machine, p, tcp), qnear)
+    solution, _ = nearest_solution(robot.machine, flange_target(robot.machine, p, tcp), qnear)
     return solution is not None
 
 
-@command(family="math", since="2.14", manual="2.14: 3.2.3")
+@command(family="math", since="2.14", manual="2.14: 3.2.3", arguments=_ARGUMENTS)
 def get_all_inverse_kin(
     robot: Robot, p: Pose, tcp: OptionalTcp = None
 ) -> Annotated[tuple[Six, ...], Vector(Vector(Number(), 6, "rad"), None, "rad")]:
     """Return all joint positions that bring the TCP to a pose, without full turns; joint limits do not count.
 
-    Args:
-        p: pose of the TCP in the base frame.
-        tcp: transform from the flange to the TCP; without it the active one.
-
     Returns:
         One list of six angles in [-pi, pi] for each solution, empty when there is none: shoulder on the near side
         first, inside that wrist 2 positive first, inside that the elbow positive first.
     """
-    return tuple(solution.q for solution in solutions(robot.machine.arm, _flange_target(robot.machine, p, tcp)))
+    return tuple(solution.q for solution in solutions(robot.machine.arm, flange_target(robot.machine, p, tcp)))
 
 
-@command(family="math", manual="2.2.3")
+@command(family="math", manual="2.2.3", arguments=_ARGUMENTS)
 def get_forward_kin(robot: Robot, q: OptionalJoints = None, tcp: OptionalTcp = None) -> Pose:
     """Return the pose of the TCP that joint positions give.
 
     Args:
         q: joint positions; without them the present ones.
-        tcp: transform from the flange to the TCP; without it the active one.
 
     Returns:
         [x, y, z, Rx, Ry, Rz] in the base frame, roll-pitch-yaw.

@@ -1,4 +1,4 @@
-"""Lists, their lengths, and lists of bits (manual 2.10 sections 2.2.4 to 2.2.7)."""
+"""Lengths of lists, and lists of bits (manual 2.10 sections 2.2.4 to 2.2.7)."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ _Numbers = Annotated[tuple[float, ...], Vector(Number(), None)]
 
 @command(family="math", manual="2.2.8")
 def acos(f: _SineOrCosine) -> Radians:
-    """Return arc cosine.
+    """Return the arc cosine.
 
     Args:
         f: the cosine.
@@ -33,7 +33,7 @@ def acos(f: _SineOrCosine) -> Radians:
 
 @command(family="math", manual="2.2.9")
 def asin(f: _SineOrCosine) -> Radians:
-    """Return arc sine.
+    """Return the arc sine.
 
     Args:
         f: the sine.
@@ -46,7 +46,7 @@ def asin(f: _SineOrCosine) -> Radians:
 
 @command(family="math", manual="2.2.10")
 def atan(f: Real) -> Radians:
-    """Return arc tangent.
+    """Return the arc tangent.
 
     Args:
         f: the tangent.
@@ -112,7 +112,7 @@ def tan(f: Radians) -> Real:
 
 @command(family="math", manual="2.2.15")
 def d2r(d: _Degrees) -> Radians:
-    """Return degrees to radians.
+    """Convert degrees to radians.
 
     Args:
         d: angle in degrees.
@@ -125,7 +125,7 @@ def d2r(d: _Degrees) -> Radians:
 
 @command(family="math", manual="2.2.16")
 def r2d(r: Radians) -> _Degrees:
-    """Return radians to degrees.
+    """Convert radians to degrees.
 
     Args:
         r: angle in radians.
@@ -203,7 +203,7 @@ def sqrt(f: Annotated[float, Number("", 0.0)]) -> Real:
 
 @command(family="math", manual="2.2.21")
 def pow(base: Real, exponent: Real) -> Real:
-    """`base` to the power of `exponent`.
+    """Return `base` to the power of `exponent`.
 
     Args:
         base: base.
@@ -226,7 +226,7 @@ def pow(base: Real, exponent: Real) -> Real:
 
 @command(family="math", manual="2.2.22")
 def norm(a: Annotated[Any, Either(Number(), Vector(Number(), None))]) -> Real:
-    """Return absolute value of a number, Euclidean length of a list or pose.
+    """Return the absolute value of a number, or the Euclidean length of a list or pose.
 
     Of a pose all six numbers count, m and rad mixed.
 
@@ -241,7 +241,7 @@ def norm(a: Annotated[Any, Either(Number(), Vector(Number(), None))]) -> Real:
 
 @command(family="math", manual="2.2.23")
 def normalize(v: _Numbers) -> _Numbers:
-    """Bring a vector to length 1.
+    """Scale a vector to length 1.
 
     Args:
         v: vector with any number of elements.

@@ -41,7 +41,7 @@ def popup(
         title: title of the window.
         warning: mark the window as a warning.
         error: mark the window as an error; goes before `warning` (*assumed*).
-        blocking: True waits until somebody confirms the window; in a secondary program it never waits.
+        blocking: True waits until the window is confirmed; in a secondary program it never waits.
     """
     level = "error" if error else "warning" if warning else "info"
     robot.popup(str(s), str(title), level, is_blocking=blocking and not robot.is_secondary)

@@ -45,7 +45,7 @@ def read_points(data: bytes, name: str, *, is_cartesian: bool, is_degrees: bool)
     lines = text.split("\n")
     blank = text.replace(" ", "").replace("\t", "") if "," in text else ""
     if "_" in text or ",," in blank or "\n," in blank or blank.startswith(","):
-        # Rarely right, and wrong in ways that the quick reading below does not see.
+        # Rarely right, and wrong in ways that the quick reading below does not detect.
         _refuse_bad_line(lines, name)
     words: list[str] = []
     file_lines = array("I")

@@ -1,8 +1,8 @@
-"""Paths of many densely sampled points from a file (manual 2.10 sections 2.1.34 to 2.1.37).
+"""Plays paths of densely sampled points from a file (manual 2.10 sections 2.1.34 to 2.1.37).
 
-The manual says little. What follows is *assumed*: a file is a text file in the task folder (`commands.micro_file`);
+What follows is *assumed*: a file is a text file in the task folder (`commands.micro_file`);
 every load gives the next index, from 0, and it holds until the program ends; lines without a point do not count.
-How the points are played is the business of the motion package.
+How the points are played is part of the motion package.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.definition.quantities import Choice, Integer, Number, Pose, Str, Vector, Whole
 from elitescript.commands.definition.registry import command
+from elitescript.commands.kinematics import nearest_solution
 from elitescript.errors import ArgumentRangeError, InvalidValueError, MotionError
-from elitescript.kinematics.inverse import nearest, reason_unreachable, solutions
+from elitescript.kinematics.inverse import reason_unreachable
 from elitescript.kinematics.transforms import compose, inverse, pose_from_transform, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveML, Six
 
@@ -140,9 +141,7 @@ def get_micro_line_values_by_index(
     if pos_type == 1:
         return pose_from_transform(T_base_tcp)
     T_base_flange = compose(T_base_tcp, inverse(transform_from_pose(machine.tcp_offset)))
-    q_near = machine.joints().q_actual
-    candidates = solutions(machine.arm, T_base_flange, q_near[5])
-    solution = nearest(candidates, q_near, machine.joint_ranges)
+    solution, candidates = nearest_solution(machine, T_base_flange)
     if solution is None:
         reason = reason_unreachable(machine.arm, T_base_flange)
         raise MotionError(

@@ -1,4 +1,4 @@
-"""The controller's own MODBUS server, from inside (manual 2.10 chapter 4.1).
+"""Access to the controller's own MODBUS server (manual 2.10 chapter 4.1).
 
 Programs see the same registers and coils as clients. A program may set whatever a client may set; a write to any other
 address changes nothing, with one warning for each address in a program (*assumed*).

@@ -27,12 +27,15 @@ _Register = Annotated[int, Integer(0, 65535)]
 _RegisterCount = Annotated[int, Integer(1, 123)]
 _TcpPort = Annotated[int, Integer(1, 65535)]
 _Slave = Annotated[int, Integer(0, 255)]
+_ARGUMENTS: Final = {
+    "IP": "address of the device.",
+    "signal_name": "name of the signal.",
+    "port": "TCP port of the device.",
+}
+"""Texts of arguments that several commands share."""
 
 
-@command(
-    family="modbus",
-    manual="4.1.1",
-)
+@command(family="modbus", manual="4.1.1", arguments=_ARGUMENTS)
 def modbus_add_signal(
     robot: Robot,
     IP: Str,
@@ -44,7 +47,7 @@ def modbus_add_signal(
     registers_count: _RegisterCount = 1,
     port: _TcpPort = 502,
 ) -> None:
-    """Add a signal; the call does not wait for an answer. Firmware 2.10 knows the first five arguments.
+    """Add a signal; the call does not wait for an answer. Firmware 2.10 has the first five arguments.
 
     Outputs are read until a program sets them for the first time, and written from then on, 10 times a second
     (*assumed*) unless `modbus_set_signal_update_frequency` says otherwise. Signals stay when the program ends
@@ -52,8 +55,7 @@ def modbus_add_signal(
     ends.
 
     Args:
-        IP: address of the device.
-        slave_number: number of the slave, usually 255; 0 is broadcast, which nobody answers, so that there is
+        slave_number: number of the slave, usually 255; 0 is broadcast, which gets no answer, so that there is
             nothing to read from it; 248 to 254 count as 255.
         signal_address: first coil or register.
         signal_type: 0 digital input, 1 digital output, 2 input register, 3 register output.
@@ -61,7 +63,6 @@ def modbus_add_signal(
         issequential: True updates the signals in the order in which they were added, each when the one before it was
             answered.
         registers_count: number of coils or registers.
-        port: TCP port of the device.
 
     Raises:
         InvalidValueError: no address or name, or more coils or registers than there are from that address on.
@@ -71,19 +72,16 @@ def modbus_add_signal(
     _check_end("registers_count", signal_address, registers_count)
     slave = _slave(slave_number)
     if slave == _BROADCAST and signal_type in _INPUTS:
-        text = f"nobody answers a broadcast: the MODBUS signal {signal_name!r} stays at 0"
+        text = f"a broadcast gets no answer: the MODBUS signal {signal_name!r} stays at 0"
         robot.warn_once(f"broadcast {signal_name}", text)
     robot.modbus.add(
         IP, port, signal_name, signal_type, slave, signal_address, registers_count, is_sequential=issequential
     )
 
 
-@command(family="modbus", manual="4.1.2")
+@command(family="modbus", manual="4.1.2", arguments=_ARGUMENTS)
 def modbus_delete_signal(robot: Robot, signal_name: Str) -> None:
     """Remove a signal.
-
-    Args:
-        signal_name: name of the signal.
 
     Raises:
         InvalidValueError: there is none of that name.
@@ -91,7 +89,7 @@ def modbus_delete_signal(robot: Robot, signal_name: Str) -> None:
     robot.modbus.delete(signal_name)
 
 
-@command(family="modbus", since="2.14", manual="2.14: 6.1.3")
+@command(family="modbus", since="2.14", manual="2.14: 6.1.3", arguments=_ARGUMENTS)
 def modbus_add_rw_signal(
     robot: Robot,
     IP: Str,
@@ -110,7 +108,6 @@ def modbus_add_rw_signal(
     (*assumed*).
 
     Args:
-        IP: address of the device.
         slave_number: number of the slave, usually 255; 0 is broadcast, 248 to 254 count as 255.
         read_address: first register to read.
         read_register_count: number of registers to read.
@@ -118,7 +115,6 @@ def modbus_add_rw_signal(
         write_register_count: number of registers to write; more than 121 do not fit into a request of MODBUS.
         signal_name: name of the signal; an older signal of that name is replaced.
         issequential: True updates the signals in the order in which they were added.
-        port: TCP port of the device.
 
     Raises:
         InvalidValueError: no address or name, more registers than there are from an address on, or too many to write.
@@ -142,14 +138,13 @@ def modbus_add_rw_signal(
     )
 
 
-@command(family="modbus", manual="4.1.3")
+@command(family="modbus", manual="4.1.3", arguments=_ARGUMENTS)
 def modbus_get_signal_status(
     robot: Robot, signal_name: Str, is_secondary_program: Bool = False
 ) -> Annotated[Any, Either(Boolean(), Integer(), Vector(Integer(), None))]:
     """Return the value of a signal: the last one read, zeros before; of an output, the last one set (*assumed*).
 
     Args:
-        signal_name: name of the signal.
         is_secondary_program: accepted without effect; manual 2.14 names it and does not explain it.
 
     Returns:
@@ -162,7 +157,7 @@ def modbus_get_signal_status(
     return robot.modbus.status(signal_name)
 
 
-@command(family="modbus", manual="4.1.4")
+@command(family="modbus", manual="4.1.4", arguments=_ARGUMENTS)
 def modbus_send_custom_command(
     robot: Robot,
     IP: Str,
@@ -175,16 +170,14 @@ def modbus_send_custom_command(
     """Send a request with a function code and bytes of one's own; the answer is not delivered.
 
     A refusal, or no answer, is a warning. Repeated requests leave 10 times a second, until the program ends or sends
-    another one of that function to that slave, and count as signals (*assumed*). Firmware 2.10 knows the first four
+    another one of that function to that slave, and count as signals (*assumed*). Firmware 2.10 has the first four
     arguments and function code 6 alone.
 
     Args:
-        IP: address of the device.
         slave_number: number of the slave, usually 255; 0 is broadcast; 248 to 254 count as 255 up to firmware 2.10.
         function_code: MODBUS function code.
         data: bytes behind the function code, at most 252.
         oneshot: True sends once, False again and again.
-        port: TCP port of the device.
 
     Raises:
         ArgumentRangeError: another function code than 6 up to firmware 2.10.
@@ -207,14 +200,13 @@ def modbus_send_custom_command(
     robot.modbus.request(IP, port, slave, function_code, bytes(data), is_once=oneshot)
 
 
-@command(family="modbus", manual="4.1.5")
+@command(family="modbus", manual="4.1.5", arguments=_ARGUMENTS)
 def modbus_set_output_register(
     robot: Robot, signal_name: Str, register_value: Annotated[Any, Either(Integer(), Vector(Integer(), None))]
 ) -> None:
     """Set an output register signal, or the registers that a read/write signal writes.
 
     Args:
-        signal_name: name of the signal.
         register_value: value, of which the low 16 bits count; from 2.14 also a list, which may be shorter than the
             signal: the registers behind it keep what they have.
 
@@ -226,14 +218,13 @@ def modbus_set_output_register(
     robot.modbus.set(signal_name, tuple(value & 0xFFFF for value in values), is_digital=False)
 
 
-@command(family="modbus", manual="4.1.6")
+@command(family="modbus", manual="4.1.6", arguments=_ARGUMENTS)
 def modbus_set_output_signal(
     robot: Robot, signal_name: Str, digital_value: Annotated[Any, Either(Boolean(), Vector(Boolean(), None))]
 ) -> None:
     """Set a digital output signal.
 
     Args:
-        signal_name: name of the signal.
         digital_value: level; from 2.14 also a list, which may be shorter than the signal: the coils behind it keep what
             they have.
 
@@ -245,14 +236,13 @@ def modbus_set_output_signal(
     robot.modbus.set(signal_name, tuple(int(value) for value in values), is_digital=True)
 
 
-@command(family="modbus", manual="4.1.7")
+@command(family="modbus", manual="4.1.7", arguments=_ARGUMENTS)
 def modbus_set_runstate_dependent_choice(
     robot: Robot, signal_name: Str, runstate_choice: Annotated[int, Integer(0, 3)]
 ) -> None:
     """Tie a digital output signal to whether a program runs; a paused one does (*assumed*).
 
     Args:
-        signal_name: name of the signal.
         runstate_choice: 0 not tied; 1 low without a program; 2 high without a program; 3 low without, high with a
             program.
 
@@ -262,14 +252,13 @@ def modbus_set_runstate_dependent_choice(
     robot.modbus.tie(signal_name, runstate_choice)
 
 
-@command(family="modbus", manual="4.1.8")
+@command(family="modbus", manual="4.1.8", arguments=_ARGUMENTS)
 def modbus_set_signal_update_frequency(
     robot: Robot, signal_name: Str, update_frequency: Annotated[int, Integer(0, 250, "Hz")]
 ) -> None:
     """Set how often a signal is read or written.
 
     Args:
-        signal_name: name of the signal.
         update_frequency: requests per second; 0 for none but one for each time that a program sets it (*assumed*).
 
     Raises:
@@ -278,14 +267,13 @@ def modbus_set_signal_update_frequency(
     robot.modbus.retime(signal_name, update_frequency)
 
 
-@command(family="modbus", since="2.14", manual="2.14: 6.1.10")
+@command(family="modbus", since="2.14", manual="2.14: 6.1.10", arguments=_ARGUMENTS)
 def modbus_set_signal_watchdog(
     robot: Robot, signal_name: Str, timeout: Annotated[float, Number("s", 0.0, 300.0)]
 ) -> None:
     """Set how long a signal may be faulty before using it is an alarm; 5 s at first.
 
     Args:
-        signal_name: name of the signal.
         timeout: the time.
 
     Raises:
@@ -294,18 +282,17 @@ def modbus_set_signal_watchdog(
     robot.modbus.set_watchdog(signal_name, timeout)
 
 
-@command(family="modbus", since="2.14", manual="2.14: 6.1.15")
+@command(family="modbus", since="2.14", manual="2.14: 6.1.15", arguments=_ARGUMENTS)
 def modbus_get_error(
     robot: Robot, signal_name: Str, error_source: Annotated[int, Integer(0, 2)] = 0
 ) -> Annotated[tuple[int, ...], Vector(Integer(), None)]:
     """Return what is wrong with a signal.
 
     Args:
-        signal_name: name of the signal.
         error_source: 0 both, 1 the device, 2 the connection.
 
     Returns:
-        [code of the device, code of the connection], or the one that was asked for. Devices: -2 not connected, -1
+        [code of the device, code of the connection], or the selected one. Devices: -2 not connected, -1
         connecting or not answered yet, 0 nothing, 1 to 11 MODBUS exceptions, 9 also an answer that makes no sense
         (*assumed*); connections: error numbers of TCP/IP, 110 also for a request without an answer within 1 s
         (*assumed*).
@@ -317,12 +304,9 @@ def modbus_get_error(
     return codes if error_source == 0 else (codes[error_source - 1],)
 
 
-@command(family="modbus", since="2.14", manual="2.14: 6.1.16")
+@command(family="modbus", since="2.14", manual="2.14: 6.1.16", arguments=_ARGUMENTS)
 def modbus_get_time_since_signal_invalid(robot: Robot, signal_name: Str) -> Seconds:
     """Return the time since a faulty signal worked the last time; since it was added if it never did (*assumed*).
-
-    Args:
-        signal_name: name of the signal.
 
     Returns:
         The time; 0 for a signal that works.
@@ -339,6 +323,7 @@ def modbus_get_time_since_signal_invalid(robot: Robot, signal_name: Str) -> Seco
     manual="2.14: 6.1.17",
     spellings={"ip": "connection_id"},
     waits=True,
+    arguments=_ARGUMENTS,
 )
 def modbus_reset_connection(robot: Robot, connection_id: Str, isBlocking: Bool = True, port: _TcpPort = 502) -> None:
     """Connect to a device anew.
@@ -346,7 +331,6 @@ def modbus_reset_connection(robot: Robot, connection_id: Str, isBlocking: Bool =
     Args:
         connection_id: address of the device, as its signals name it.
         isBlocking: True waits for the outcome, at most 2 s; a secondary program does not wait.
-        port: TCP port of the device.
 
     Raises:
         InvalidValueError: no signal uses that device (*assumed*).

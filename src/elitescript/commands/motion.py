@@ -1,7 +1,7 @@
 """Moves to a target and stops (manual 2.10 chapter 2.1).
 
-A move is asked for on the script's own line: limits, reach and the passage of singularities are checked there, before
-anything moves. How the arm gets to its target is the business of the motion package.
+A move is requested on the script's own line: limits, reach and the passage of singularities are checked there, before
+anything moves. How the arm gets to its target is part of the motion package.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def blend_radius(robot: Robot, r: float) -> float:
-    """Return the radius that an argument r stands for, m: below 0 there is none, and a warning says so once."""
+    """Return the radius for an argument r, m: 0 for one below 0, with one warning."""
     if r < 0.0:
         robot.warn_once("negative radius", negative_radius_text(r), code="W250", hint=NEGATIVE_RADIUS_HINT)
         return 0.0
@@ -37,7 +37,7 @@ def blend_radius(robot: Robot, r: float) -> float:
 
 
 def negative_radius_text(r: float) -> str:
-    """Return what is said about a blend radius below 0, before and during the run."""
+    """Return the message about a blend radius below 0, before and during the run."""
     return f"r = {r:g} m is taken for 0: the arm stops at the waypoint"
 
 

@@ -1,4 +1,4 @@
-"""Names that real programs call and no manual describes. What they do here is the least surprising reading.
+"""Names that real programs call and no manual describes, with the least surprising behaviour.
 
 Sources: programs that the pendant generated, the vendor's SDK and support pages, public programs.
 """
@@ -35,7 +35,7 @@ _PointOrPose = Annotated[tuple[float, ...], Vector(Number(), None, "m")]
 
 @command(family="observed", evidence="observed")
 def labelmsg(robot: Robot, n: Whole, name: Any_) -> None:
-    """Note the node of the program tree that was reached; generated programs of software 2.1 call it.
+    """Record the node of the program tree that was reached; generated programs of software 2.1 call it.
 
     Args:
         n: number of the node.
@@ -46,7 +46,7 @@ def labelmsg(robot: Robot, n: Whole, name: Any_) -> None:
 
 @command(family="observed", evidence="observed")
 def set_safety_mode_transition_hardness(robot: Robot, type: Whole) -> None:
-    """Stored without effect; first line of generated programs, with 1.
+    """Store a value without effect; first line of generated programs, with 1.
 
     Args:
         type: what to store.
@@ -56,7 +56,7 @@ def set_safety_mode_transition_hardness(robot: Robot, type: Whole) -> None:
 
 @command(family="observed", evidence="observed")
 def set_tool_digital_io_work_mode(robot: Robot, mode: Whole) -> None:
-    """Stored without effect; in the preamble of generated programs, with 0.
+    """Store a value without effect; in the preamble of generated programs, with 0.
 
     Args:
         mode: what to store.
@@ -66,7 +66,7 @@ def set_tool_digital_io_work_mode(robot: Robot, mode: Whole) -> None:
 
 @command(family="observed", evidence="observed", since="2.16")
 def set_tool_second_power_on(robot: Robot, b: Bool) -> None:
-    """Stored without effect; the vendor's support pages name it for software 2.16.
+    """Store a value without effect; the vendor's support pages name it for software 2.16.
 
     Args:
         b: True for on.
@@ -125,7 +125,7 @@ def cal_rpy_frame(origin: _PointOrPose, x_axis: _PointOrPose, y_axis: _PointOrPo
 
 @command(family="observed", evidence="observed")
 def pin_thread(robot: Robot, thread_id: Whole = 0, core: Whole = 0) -> None:
-    """Stored without effect: threads of a program take turns here, whatever core of a real controller runs them.
+    """Store a value without effect: threads of a program take turns here, whatever core of a real controller runs them.
 
     Only the name has been seen; what it takes is *assumed*.
 
@@ -138,7 +138,7 @@ def pin_thread(robot: Robot, thread_id: Whole = 0, core: Whole = 0) -> None:
 
 @command(family="observed", evidence="observed")
 def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")]:
-    """Return devices of the serial ports that are enabled.
+    """Return the devices of the serial ports that are enabled.
 
     A post-processor knows the name; what it returns is *assumed*.
 
@@ -150,7 +150,7 @@ def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")
 
 @command(family="observed", evidence="observed")
 def get_target_tcp_pose_along_path(robot: Robot) -> Pose:
-    """Return commanded pose of the TCP without the path offset; `get_target_tcp_pose` is the one with it.
+    """Return the commanded pose of the TCP without the path offset; `get_target_tcp_pose` is the one with it.
 
     Returns:
         [x, y, z, Rx, Ry, Rz] in the base frame.
@@ -182,7 +182,7 @@ def ft_rtsi_input_enable(
 
 @command(family="observed", evidence="observed", since="2.14")
 def set_collision_detect_enabled(robot: Robot, enable: Bool) -> None:
-    """Stored without effect: collisions are not detected from the joints; the vendor's SDK 1.4 calls it.
+    """Store a value without effect: collisions are not detected from the joints; the vendor's SDK 1.4 calls it.
 
     What limits contact here is the greatest force of the safety configuration. That firmware 2.14 has the command is
     *assumed*.
@@ -195,7 +195,7 @@ def set_collision_detect_enabled(robot: Robot, enable: Bool) -> None:
 
 @command(family="observed", evidence="observed", since="2.14")
 def set_dyn_collision_force_min_ratio(robot: Robot, ratio: Annotated[float, Number("", 0.0, 100.0)]) -> None:
-    """Stored without effect, see `set_collision_detect_enabled`; the vendor's SDK 1.4 calls it.
+    """Store a value without effect, see `set_collision_detect_enabled`; the vendor's SDK 1.4 calls it.
 
     Args:
         ratio: sensitivity; clients of that SDK give 10 to 100 percent. Whether the script passes percent or a fraction

@@ -1,7 +1,6 @@
 """Path offsets, as generated welding programs use them; no manual describes them.
 
-What is known are the names and how they are called there. The rest is *assumed*, after the commands of the same names
-in URScript.
+Known are their names and arguments there. The rest is *assumed*, after the commands of the same names in URScript.
 """
 
 from __future__ import annotations

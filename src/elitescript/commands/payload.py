@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
 
 GRAVITY_RANGE: Final = (9.6, 10.0)
-"""What `set_gravity` is given on earth, m/s^2; anything else is carried out, with a warning."""
+"""Range of `set_gravity` on earth, m/s^2; other values are accepted with a warning."""
 
 CentreOfGravity = Annotated[
     tuple[float, float, float], Vector(Number(), 3, "m", "[CoGx, CoGy, CoGz]", meaning="centre of gravity")
@@ -50,7 +50,7 @@ def set_payload(
     CoG: CentreOfGravity,
     inertia: Annotated[Six, Vector(Number(), 6, "kg*m^2", "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz]")] = (0, 0, 0, 0, 0, 0),
 ) -> None:
-    """Tell the controller what hangs on the flange; to be called whenever a part is gripped or put down.
+    """Set the load on the flange; to be called whenever a part is gripped or put down.
 
     A centre of gravity farther away than the arm reaches, and an inertia that no body has, are taken as they are, with
     a warning: the manual sets a limit for the mass alone.
@@ -97,7 +97,7 @@ def get_target_payload_mass(robot: Robot) -> Annotated[float, Number("kg")]:
 
 @command(family="motion", manual="2.1.15")
 def set_gravity(robot: Robot, d: Annotated[tuple[float, float, float], Vector(Number(), 3, "m/s^2")]) -> None:
-    """Say how the arm is mounted, by the acceleration that its base feels.
+    """Set how the arm is mounted, by the acceleration that its base feels.
 
     Any vector is taken; one that is not about 9.82 m/s^2 long draws a warning.
 

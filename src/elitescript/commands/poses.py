@@ -31,7 +31,7 @@ def point_dist(p_from: Frame, p_to: Frame) -> Annotated[float, Number("m")]:
 
 @command(family="math", manual="2.2.25")
 def pose_add(p_1: Frame, p_2: Frame) -> Frame:
-    """Return the sum of the positions, product of the orientations: p_1.P + p_2.P and R(p_1) R(p_2).
+    """Return the sum of the positions and the product of the orientations: p_1.P + p_2.P and R(p_1) R(p_2).
 
     Args:
         p_1: first pose.
@@ -104,7 +104,7 @@ def pose_trans(p_from: Frame, p_from_to: Frame) -> Pose:
 
 @command(family="math", manual="2.2.30")
 def rotvec2rpy(rotation_vector: _Angles) -> _Angles:
-    """Roll-pitch-yaw angles of a rotation vector.
+    """Return the roll-pitch-yaw angles of a rotation vector.
 
     Args:
         rotation_vector: unit axis times angle.

@@ -1,4 +1,4 @@
-"""Where the arm is, how fast it moves, how warm its joints are and what they carry (manual 2.10 chapter 2.1).
+"""Positions, speeds, temperatures and torques of the arm (manual 2.10 chapter 2.1).
 
 *Target* is what the controller commands in this tick, *actual* what the encoders measure.
 """
@@ -17,24 +17,17 @@ if TYPE_CHECKING:
 
 @command(family="motion", manual="2.1.4")
 def get_actual_joint_positions(robot: Robot) -> JointPositions:
-    """Return measured joint positions.
+    """Return the measured joint positions.
 
     They are the target positions, unless the plant of the simulated robot has a lag or noise; then they are behind the
     target while the arm moves, as those of a real arm.
-
-    Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
     """
     return robot.machine.joints().q_actual
 
 
 @command(family="motion", manual="2.1.5")
 def get_actual_joint_speeds(robot: Robot) -> JointSpeeds:
-    """Return measured joint speeds.
-
-    Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
-    """
+    """Return the measured joint speeds."""
     return robot.machine.joints().qd_actual
 
 
@@ -50,7 +43,7 @@ def get_actual_tcp_pose(robot: Robot) -> Pose:
 
 @command(family="motion", manual="2.1.7")
 def get_actual_tcp_speed(robot: Robot) -> TcpSpeed:
-    """Return measured velocity of the TCP.
+    """Return the measured velocity of the TCP.
 
     Returns:
         [Vx, Vy, Vz, RVx, RVy, RVz]: linear velocity, then the angular velocity vector, both in the base frame
@@ -71,7 +64,7 @@ def get_controller_temperature(robot: Robot) -> Annotated[float, Number("degC")]
 
 @command(family="motion", manual="2.1.9")
 def get_joint_temperatures(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "degC")]:
-    """Return temperatures of the joints; they rise with torque and speed over some 20 minutes (*assumed*).
+    """Return the temperatures of the joints; they rise with torque and speed over some 20 minutes (*assumed*).
 
     Returns:
         [base, shoulder, elbow, wrist1, wrist2, wrist3].
@@ -81,7 +74,7 @@ def get_joint_temperatures(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "
 
 @command(family="motion", manual="2.1.10")
 def get_joint_torques(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "Nm")]:
-    """Return torques of the joints, without what the arm needs to carry and move itself.
+    """Return the torques of the joints, without what the arm needs to carry and move itself.
 
     The payload is not part of the arm (*assumed*; the manual speaks of the robot itself): what remains is the torque
     that carries and moves the payload set by `set_payload`, and it is zero while none is set. Friction, if the plant
@@ -96,21 +89,13 @@ def get_joint_torques(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "Nm")]
 
 @command(family="motion", manual="2.1.11")
 def get_target_joint_positions(robot: Robot) -> JointPositions:
-    """Return commanded joint positions.
-
-    Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
-    """
+    """Return the commanded joint positions."""
     return robot.machine.joints().q_target
 
 
 @command(family="motion", manual="2.1.12")
 def get_target_joint_speeds(robot: Robot) -> JointSpeeds:
-    """Return commanded joint speeds.
-
-    Returns:
-        [base, shoulder, elbow, wrist1, wrist2, wrist3].
-    """
+    """Return the commanded joint speeds."""
     return robot.machine.joints().qd_target
 
 
@@ -126,7 +111,7 @@ def get_target_tcp_pose(robot: Robot) -> Pose:
 
 @command(family="motion", manual="2.1.14")
 def get_target_tcp_speed(robot: Robot) -> TcpSpeed:
-    """Return commanded velocity of the TCP.
+    """Return the commanded velocity of the TCP.
 
     Returns:
         [Vx, Vy, Vz, RVx, RVy, RVz], as `get_actual_tcp_speed`.
@@ -136,7 +121,7 @@ def get_target_tcp_speed(robot: Robot) -> TcpSpeed:
 
 @command(family="motion", manual="2.1.31")
 def get_actual_tool_flange_pose(robot: Robot) -> Pose:
-    """Return measured pose of the flange in the base frame; the TCP offset does not count.
+    """Return the measured pose of the flange in the base frame; the TCP offset does not count.
 
     Returns:
         [x, y, z, Rx, Ry, Rz], roll-pitch-yaw.

@@ -5,7 +5,7 @@ Input registers are written from outside and read here; output registers are wri
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.definition.quantities import Bool, Integer, Real, Whole, signal_index
 from elitescript.commands.definition.registry import command
@@ -18,14 +18,13 @@ if TYPE_CHECKING:
 _BoolAddress = Annotated[int, signal_index("input_bool_register")]
 _IntAddress = Annotated[int, signal_index("input_int_register")]
 _FloatAddress = Annotated[int, signal_index("input_float_register")]
+_ARGUMENTS: Final = {"address": "number of the register."}
+"""Texts of arguments that several commands share."""
 
 
-@command(family="registers", manual="3.58")
+@command(family="registers", manual="3.58", arguments=_ARGUMENTS)
 def read_input_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
     """Return the value of a boolean input register.
-
-    Args:
-        address: number of the register.
 
     Returns:
         The value.
@@ -33,12 +32,9 @@ def read_input_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
     return bool(robot.machine.read("input_bool_register", address))
 
 
-@command(family="registers", manual="3.59")
+@command(family="registers", manual="3.59", arguments=_ARGUMENTS)
 def read_input_float_register(robot: Robot, address: _FloatAddress) -> Real:
     """Return the value of a float input register.
-
-    Args:
-        address: number of the register.
 
     Returns:
         The value.
@@ -46,12 +42,9 @@ def read_input_float_register(robot: Robot, address: _FloatAddress) -> Real:
     return float(robot.machine.read("input_float_register", address))
 
 
-@command(family="registers", manual="3.60")
+@command(family="registers", manual="3.60", arguments=_ARGUMENTS)
 def read_input_integer_register(robot: Robot, address: _IntAddress) -> Whole:
     """Return the value of an integer input register.
-
-    Args:
-        address: number of the register.
 
     Returns:
         The value, signed 32 bits.
@@ -59,12 +52,9 @@ def read_input_integer_register(robot: Robot, address: _IntAddress) -> Whole:
     return int(robot.machine.read("input_int_register", address))
 
 
-@command(family="registers", manual="3.61")
+@command(family="registers", manual="3.61", arguments=_ARGUMENTS)
 def read_output_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
     """Return the value of a boolean output register.
-
-    Args:
-        address: number of the register.
 
     Returns:
         The value.
@@ -72,12 +62,9 @@ def read_output_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
     return bool(robot.machine.read("output_bool_register", address))
 
 
-@command(family="registers", manual="3.62")
+@command(family="registers", manual="3.62", arguments=_ARGUMENTS)
 def read_output_float_register(robot: Robot, address: _FloatAddress) -> Real:
     """Return the value of a float output register.
-
-    Args:
-        address: number of the register.
 
     Returns:
         The value.
@@ -85,12 +72,9 @@ def read_output_float_register(robot: Robot, address: _FloatAddress) -> Real:
     return float(robot.machine.read("output_float_register", address))
 
 
-@command(family="registers", manual="3.63")
+@command(family="registers", manual="3.63", arguments=_ARGUMENTS)
 def read_output_integer_register(robot: Robot, address: _IntAddress) -> Whole:
     """Return the value of an integer output register.
-
-    Args:
-        address: number of the register.
 
     Returns:
         The value, signed 32 bits.
@@ -98,36 +82,33 @@ def read_output_integer_register(robot: Robot, address: _IntAddress) -> Whole:
     return int(robot.machine.read("output_int_register", address))
 
 
-@command(family="registers", manual="3.64")
+@command(family="registers", manual="3.64", arguments=_ARGUMENTS)
 def write_output_boolean_register(robot: Robot, address: _BoolAddress, value: Bool) -> None:
     """Set a boolean output register.
 
     Args:
-        address: number of the register.
         value: what to store.
     """
     robot.request(WriteSignal("output_bool_register", address, value))
 
 
-@command(family="registers", manual="3.65")
+@command(family="registers", manual="3.65", arguments=_ARGUMENTS)
 def write_output_float_register(robot: Robot, address: _FloatAddress, value: Real) -> None:
     """Set a float output register.
 
     Args:
-        address: number of the register.
         value: what to store.
     """
     robot.request(WriteSignal("output_float_register", address, value))
 
 
-@command(family="registers", manual="3.66")
+@command(family="registers", manual="3.66", arguments=_ARGUMENTS)
 def write_output_integer_register(
     robot: Robot, address: _IntAddress, value: Annotated[int, Integer(INT32_LOW, INT32_HIGH)]
 ) -> None:
     """Set an integer output register.
 
     Args:
-        address: number of the register.
         value: what to store, signed 32 bits (*assumed*).
     """
     robot.request(WriteSignal("output_int_register", address, value))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def rpc_factory(
     robot: Robot, type: Annotated[str, Choice("xmlrpc")], url: Str
 ) -> Annotated[Any, Anything("RPC handle")]:
-    """Handle whose methods are the procedures of a server; it connects when the first method is called.
+    """Return a handle whose methods are the procedures of a server; it connects when the first method is called.
 
     A call that fails is an alarm with the server's text; `except Exception as error` finds the number and the text of a
     fault in `error.faultCode` and `error.faultString`.

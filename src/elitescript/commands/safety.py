@@ -1,4 +1,4 @@
-"""The safety limits, as programs ask for them (manual 2.14 chapter 3.1)."""
+"""Tests targets against the safety limits (manual 2.14 chapter 3.1)."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import POSE, Bool, Choice, OptionalJoints, Optionally, Vector
 from elitescript.commands.definition.registry import command
+from elitescript.commands.kinematics import flange_target, nearest_solution
 from elitescript.errors import ArgumentCountError
-from elitescript.kinematics.inverse import nearest, solutions
-from elitescript.kinematics.transforms import compose, inverse, transform_from_pose
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
@@ -48,7 +47,5 @@ def is_within_safety_limits(
     if p is None:
         assert q is not None
         return machine.is_within_safety_limits(q, pairs)
-    T_base_flange = compose(transform_from_pose(p), inverse(transform_from_pose(machine.tcp_offset)))
-    q_near = machine.joints().q_actual if qNear is None else qNear
-    solution = nearest(solutions(machine.arm, T_base_flange, q_near[5]), q_near, machine.joint_ranges)
+    solution, _ = nearest_solution(machine, flange_target(machine, p), qNear)
     return solution is not None and machine.is_within_safety_limits(solution.q, pairs)

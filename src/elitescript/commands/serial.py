@@ -40,6 +40,12 @@ _Data = Annotated[Any, Either(Text(), Integer(), Octets(), Vector(Integer(), Non
 _Received = Annotated[Any, Anything("list[int] or bytes", "byte")]
 _MODBUS_SIZE: Final = 8
 _ByteCount = Annotated[int, Integer(0, unit="byte")]
+_ARGUMENTS: Final = {
+    "port": "device; `/dev/ttyS2` on B1 and MINI boxes.",
+    "time_out": "longest time to wait; 0 and less wait for ever.",
+    "is_number": "True for a list of numbers 0 to 255, False for bytes.",
+}
+"""Texts of arguments that several commands share."""
 
 
 def cabinet_device(robot: Robot, port: str) -> str:
@@ -55,7 +61,7 @@ def cabinet_device(robot: Robot, port: str) -> str:
 
 
 def _octets(data: Any) -> bytes:
-    """Return what goes over the line for a value: of numbers the low 8 bits."""
+    """Return the bytes to send for a value: of numbers the low 8 bits."""
     if isinstance(data, str):
         return data.encode("utf-8", "replace")
     if isinstance(data, bytes):
@@ -111,14 +117,12 @@ def tool_serial_config(
     return robot.lines.enable(TOOL_PORT, settings, is_modbus=modbus_rtu, is_daemons=usage == 1)
 
 
-@command(family="serial", manual="3.31", waits=True)
+@command(family="serial", manual="3.31", waits=True, arguments=_ARGUMENTS)
 def tool_serial_read(robot: Robot, read_count: _ByteCount, is_number: Bool, time_out: TimeOut) -> _Received:
     """Read from the serial port of the tool.
 
     Args:
         read_count: bytes to read.
-        is_number: True for a list of numbers 0 to 255, False for bytes.
-        time_out: longest time to wait; 0 and less wait for ever.
 
     Returns:
         What arrived in time.
@@ -149,7 +153,7 @@ def tool_serial_mode(robot: Robot) -> Str:
     return robot.lines.mode(TOOL_PORT)
 
 
-@command(family="serial", manual="3.43", waits=True)
+@command(family="serial", manual="3.43", waits=True, arguments=_ARGUMENTS)
 def serial_config(
     robot: Robot,
     enable: Bool,
@@ -173,7 +177,6 @@ def serial_config(
         stop_bit: number of stop bits.
         size: bits of a character; has to be 8 in MODBUS-RTU mode, else the call returns False (*assumed*).
         modbus_rtu: True for MODBUS-RTU, False for plain bytes.
-        port: device; `/dev/ttyS2` on B1 and MINI boxes.
 
     Returns:
         True if it worked.
@@ -189,7 +192,7 @@ def serial_config(
     return robot.lines.enable(device, LineSettings(baud, parity_bit, stop_bit, size), is_modbus=modbus_rtu)
 
 
-@command(family="serial", manual="3.44", waits=True)
+@command(family="serial", manual="3.44", waits=True, arguments=_ARGUMENTS)
 def serial_read(
     robot: Robot,
     len: _ByteCount,
@@ -201,9 +204,6 @@ def serial_read(
 
     Args:
         len: bytes to read.
-        is_number: True for a list of numbers 0 to 255, False for bytes.
-        time_out: longest time to wait; 0 and less wait for ever.
-        port: device; `/dev/ttyS2` on B1 and MINI boxes.
 
     Returns:
         What arrived in time.
@@ -211,13 +211,12 @@ def serial_read(
     return _received(robot.lines.read(cabinet_device(robot, port), len, time_out), is_number)
 
 
-@command(family="serial", manual="3.45")
+@command(family="serial", manual="3.45", arguments=_ARGUMENTS)
 def serial_write(robot: Robot, data: _Data, port: CabinetPort = CABINET_PORT) -> Bool:
     """Send through the serial port of the control box.
 
     Args:
         data: text, bytes, or one or more numbers, of which the low 8 bits are sent.
-        port: device; `/dev/ttyS2` on B1 and MINI boxes.
 
     Returns:
         True if it worked.
@@ -226,12 +225,9 @@ def serial_write(robot: Robot, data: _Data, port: CabinetPort = CABINET_PORT) ->
     return robot.lines.write(cabinet_device(robot, port), octets) == len(octets)
 
 
-@command(family="serial", manual="3.46")
+@command(family="serial", manual="3.46", arguments=_ARGUMENTS)
 def serial_is_open(robot: Robot, port: CabinetPort = CABINET_PORT) -> Bool:
     """Return whether the serial port of the control box is enabled.
-
-    Args:
-        port: device; `/dev/ttyS2` on B1 and MINI boxes.
 
     Returns:
         True if it is.
@@ -239,12 +235,9 @@ def serial_is_open(robot: Robot, port: CabinetPort = CABINET_PORT) -> Bool:
     return robot.lines.is_open(cabinet_device(robot, port))
 
 
-@command(family="serial", manual="3.47")
+@command(family="serial", manual="3.47", arguments=_ARGUMENTS)
 def serial_mode(robot: Robot, port: CabinetPort = CABINET_PORT) -> Str:
     """Return the mode of the serial port of the control box.
-
-    Args:
-        port: device; `/dev/ttyS2` on B1 and MINI boxes.
 
     Returns:
         `"MODBUS-RTU"`, `"RS485"`, or `"CLOSE"` when the port is off.
@@ -252,14 +245,11 @@ def serial_mode(robot: Robot, port: CabinetPort = CABINET_PORT) -> Str:
     return robot.lines.mode(cabinet_device(robot, port))
 
 
-@command(family="serial", manual="3.56")
+@command(family="serial", manual="3.56", arguments=_ARGUMENTS)
 def serial_flush(robot: Robot, port: CabinetPort = CABINET_PORT) -> None:
     """Drop what has arrived in the serial port of the control box and is not read (*assumed*).
 
     What is being sent goes out all the same (*assumed*).
-
-    Args:
-        port: device; `/dev/ttyS2` on B1 and MINI boxes.
     """
     robot.lines.flush(cabinet_device(robot, port))
 

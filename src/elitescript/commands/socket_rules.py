@@ -1,7 +1,7 @@
-"""What the reading commands of a socket look for in the bytes that have arrived.
+"""Rules by which the reading commands of a socket parse received bytes.
 
-A rule gets all that is not read yet and whether that is all it will get; it returns what it found, or None as long as
-that is nothing yet, and how many bytes are used up. See `context.Rule`.
+A rule takes the unread bytes and whether no more will come; it returns the result, or None as long as more is needed,
+and how many bytes are used up. See `context.Rule`.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ TEXT_MAX: Final = 2047
 
 _INT_SIZE: Final = 4
 _SEARCHED_MAX: Final = 16_384
-"""Bytes through which a mark is searched before those at the begin are given up."""
+"""Bytes that are searched for a mark before the first ones are dropped."""
 
 
 def integers(number: int) -> Rule:
-    """Return signed integers of 32 bits in network byte order; those that are complete when time is up."""
+    """Return the rule for signed 32-bit integers in network byte order; after the timeout, the complete ones."""
 
     def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
         count = min(number, len(data) // _INT_SIZE)
@@ -35,7 +35,7 @@ def integers(number: int) -> Rule:
 
 
 def octets(number: int) -> Rule:
-    """Return bytes; those that there are when time is up."""
+    """Return the rule for bytes; after the timeout, those that have arrived."""
 
     def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
         if len(data) < number and not is_last:
@@ -76,7 +76,7 @@ def _numbers(words: list[str]) -> list[float]:
     values = []
     for word in words:
         try:
-            # Python also takes digits in groups, which nobody else writes.
+            # Python also accepts digits in groups, which the protocol does not have.
             values.append(float(word.replace("_", "x")))
         except ValueError:
             break
@@ -120,7 +120,7 @@ class Texts:
 
 
 def _surplus(data: bytearray, mark: bytes) -> int:
-    """Bytes at the begin that are given up: the mark is not in them."""
+    """Return how many bytes at the begin are dropped, as the mark is not in them."""
     return 0 if len(data) <= _SEARCHED_MAX else len(data) - len(mark) + 1
 
 
@@ -136,21 +136,6 @@ class Variable(Texts):
     def __call__(self, data: bytearray, is_last: bool) -> tuple[Any, int]:
         answer, used = super().__call__(data, is_last)
         return (None if answer is None else _value_of(answer, self._name)), used
-
-
-def floats(number: int) -> Rule:
-    """See `Floats`."""
-    return Floats(number)
-
-
-def text(prefix: bytes, suffix: bytes) -> Rule:
-    """See `Texts`."""
-    return Texts(prefix, suffix)
-
-
-def variable(name: str) -> Rule:
-    """See `Variable`."""
-    return Variable(name)
 
 
 def _value_of(answer: str, name: str) -> int:

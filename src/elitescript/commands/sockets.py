@@ -30,12 +30,17 @@ from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 _DEFAULT_SOCKET: Final = "socket_0"
 _LINE_ENDS: Final = ("\n", "\r", "\r\n")
 _ANSWER_S: Final = 2.0
-"""How long `socket_get_var` waits."""
+"""Timeout of `socket_get_var`."""
+_ARGUMENTS: Final = {
+    "socket_name": "name of the connection; empty for the usual one.",
+    "timeout": "longest time to wait; 0 and less wait for ever.",
+}
+"""Texts of arguments that several commands share."""
 _NumberCount = Annotated[int, Integer(1, 30)]
 _Ints = Annotated[tuple[int, ...], Vector(Integer(), None)]
 
 
-@command(family="socket", manual="5.1.1", waits=True)
+@command(family="socket", manual="5.1.1", waits=True, arguments=_ARGUMENTS)
 def socket_open(
     robot: Robot, address: Str, port: Annotated[int, Integer(0, 65535)], socket_name: Str = _DEFAULT_SOCKET
 ) -> Bool:
@@ -46,7 +51,6 @@ def socket_open(
     Args:
         address: address of the server.
         port: port of the server.
-        socket_name: name of the connection; empty for the usual one.
 
     Returns:
         True if the connection stands.
@@ -54,22 +58,15 @@ def socket_open(
     return robot.sockets.open(address, port, socket_name or _DEFAULT_SOCKET)
 
 
-@command(family="socket", manual="5.1.2")
+@command(family="socket", manual="5.1.2", arguments=_ARGUMENTS)
 def socket_close(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> None:
-    """Close a connection; one that is unknown or closed does no harm (*assumed*).
-
-    Args:
-        socket_name: name of the connection; empty for the usual one.
-    """
+    """Close a connection; one that is unknown or closed does no harm (*assumed*)."""
     robot.sockets.close(socket_name or _DEFAULT_SOCKET)
 
 
-@command(family="socket", since="2.14", manual="2.14: 7.1.3")
+@command(family="socket", since="2.14", manual="2.14: 7.1.3", arguments=_ARGUMENTS)
 def socket_is_connected(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> Bool:
     """Return whether a connection stands.
-
-    Args:
-        socket_name: name of the connection; empty for the usual one.
 
     Returns:
         True if it does.
@@ -77,23 +74,22 @@ def socket_is_connected(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> Boo
     return robot.sockets.is_connected(socket_name or _DEFAULT_SOCKET)
 
 
-@command(family="socket", manual="5.1.3", waits=True)
+@command(family="socket", manual="5.1.3", waits=True, arguments=_ARGUMENTS)
 def socket_get_var(robot: Robot, var_name: Str, socket_name: Str = _DEFAULT_SOCKET) -> Whole:
     """Ask the server for a variable: sends `GET <name>` and a line feed, waits 2 s for `<name> <int>`.
 
     Args:
         var_name: name of the variable.
-        socket_name: name of the connection; empty for the usual one.
 
     Returns:
         The value, brought into 32 bits; 0 also after a failure.
     """
     if not _send(robot, f"GET {var_name}\n", socket_name):
         return 0
-    return int(_read(robot, rules.variable(var_name), socket_name, _ANSWER_S))
+    return int(_read(robot, rules.Variable(var_name), socket_name, _ANSWER_S))
 
 
-@command(family="socket", manual="5.1.4", waits=True)
+@command(family="socket", manual="5.1.4", waits=True, arguments=_ARGUMENTS)
 def socket_read_ascii_float(
     robot: Robot, number: _NumberCount, socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
 ) -> Annotated[tuple[float, ...], Vector(Number(allows_non_finite=True), None)]:
@@ -104,16 +100,14 @@ def socket_read_ascii_float(
 
     Args:
         number: how many numbers.
-        socket_name: name of the connection; empty for the usual one.
-        timeout: longest time to wait; 0 and less wait for ever.
 
     Returns:
         How many arrived, then `number` values; those that are missing are nan.
     """
-    return _counted(_read(robot, rules.floats(number), socket_name, timeout), number, float("nan"))
+    return _counted(_read(robot, rules.Floats(number), socket_name, timeout), number, float("nan"))
 
 
-@command(family="socket", manual="5.1.5", waits=True)
+@command(family="socket", manual="5.1.5", waits=True, arguments=_ARGUMENTS)
 def socket_read_binary_integer(
     robot: Robot, number: _NumberCount, socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
 ) -> _Ints:
@@ -121,8 +115,6 @@ def socket_read_binary_integer(
 
     Args:
         number: how many numbers.
-        socket_name: name of the connection; empty for the usual one.
-        timeout: longest time to wait; 0 and less wait for ever.
 
     Returns:
         How many arrived, then `number` values; those that are missing are -1.
@@ -130,7 +122,7 @@ def socket_read_binary_integer(
     return _counted(_read(robot, rules.integers(number), socket_name, timeout), number, -1)
 
 
-@command(family="socket", manual="5.1.6", waits=True)
+@command(family="socket", manual="5.1.6", waits=True, arguments=_ARGUMENTS)
 def socket_read_byte_list(
     robot: Robot, number: Annotated[int, Integer(1, 512)], socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
 ) -> _Ints:
@@ -138,8 +130,6 @@ def socket_read_byte_list(
 
     Args:
         number: how many bytes.
-        socket_name: name of the connection; empty for the usual one.
-        timeout: longest time to wait; 0 and less wait for ever.
 
     Returns:
         How many arrived, then `number` values; those that are missing are -1.
@@ -147,7 +137,7 @@ def socket_read_byte_list(
     return _counted(_read(robot, rules.octets(number), socket_name, timeout), number, -1)
 
 
-@command(family="socket", manual="5.1.7")
+@command(family="socket", manual="5.1.7", arguments=_ARGUMENTS)
 def socket_send_byte_list(
     robot: Robot, value: Annotated[tuple[int, ...], Vector(Integer(0, 255), None)], socket_name: Str = _DEFAULT_SOCKET
 ) -> Annotated[int, Integer(unit="byte")]:
@@ -155,7 +145,6 @@ def socket_send_byte_list(
 
     Args:
         value: the bytes.
-        socket_name: name of the connection; empty for the usual one.
 
     Returns:
         How many were sent.
@@ -163,25 +152,23 @@ def socket_send_byte_list(
     return len(value) if robot.sockets.send(socket_name or _DEFAULT_SOCKET, bytes(value)) else 0
 
 
-@command(family="socket", manual="5.1.8", waits=True)
+@command(family="socket", manual="5.1.8", waits=True, arguments=_ARGUMENTS)
 def socket_read_string(
     robot: Robot, socket_name: Str = _DEFAULT_SOCKET, prefix: Str = "", suffix: Str = "", timeout: TimeOut = 2
 ) -> Str:
     """Read text, if wanted between two marks; at most 2047 bytes. What is not used up stays for the next call.
 
     Args:
-        socket_name: name of the connection; empty for the usual one.
         prefix: mark in front of the text.
         suffix: mark behind the text, such as a line feed.
-        timeout: longest time to wait; 0 and less wait for ever.
 
     Returns:
         The text without its marks; empty when none came in time.
     """
-    return str(_read(robot, rules.text(_mark(prefix, "prefix"), _mark(suffix, "suffix")), socket_name, timeout))
+    return str(_read(robot, rules.Texts(_mark(prefix, "prefix"), _mark(suffix, "suffix")), socket_name, timeout))
 
 
-@command(family="socket", manual="5.1.9")
+@command(family="socket", manual="5.1.9", arguments=_ARGUMENTS)
 def socket_send_byte(
     robot: Robot, value: Annotated[Any, Either(Integer(), Text())], socket_name: Str = _DEFAULT_SOCKET
 ) -> Bool:
@@ -189,7 +176,6 @@ def socket_send_byte(
 
     Args:
         value: a number, of which the low 8 bits are sent, or a text of at most one character.
-        socket_name: name of the connection; empty for the usual one.
 
     Returns:
         True if it was sent.
@@ -208,7 +194,7 @@ def socket_send_byte(
     return robot.sockets.send(socket_name or _DEFAULT_SOCKET, bytes(code & 0xFF for code in codes))
 
 
-@command(family="socket", manual="5.1.10")
+@command(family="socket", manual="5.1.10", arguments=_ARGUMENTS)
 def socket_send_int(
     robot: Robot, value: Annotated[int, Integer(INT32_LOW, INT32_HIGH)], socket_name: Str = _DEFAULT_SOCKET
 ) -> Bool:
@@ -216,7 +202,6 @@ def socket_send_int(
 
     Args:
         value: the number.
-        socket_name: name of the connection; empty for the usual one.
 
     Returns:
         True if it was sent.
@@ -224,7 +209,7 @@ def socket_send_int(
     return robot.sockets.send(socket_name or _DEFAULT_SOCKET, value.to_bytes(4, "big", signed=True))
 
 
-@command(family="socket", manual="5.1.11")
+@command(family="socket", manual="5.1.11", arguments=_ARGUMENTS)
 def socket_send_line(
     robot: Robot, str: Str, linefeed_type: Annotated[int, Integer(0, 2)] = 0, socket_name: Str = _DEFAULT_SOCKET
 ) -> Bool:
@@ -233,7 +218,6 @@ def socket_send_line(
     Args:
         str: the text, ASCII.
         linefeed_type: 0 line feed, 1 carriage return, 2 both.
-        socket_name: name of the connection; empty for the usual one.
 
     Returns:
         True if it was sent.
@@ -241,13 +225,12 @@ def socket_send_line(
     return _send(robot, str + _LINE_ENDS[linefeed_type], socket_name)
 
 
-@command(family="socket", manual="5.1.12")
+@command(family="socket", manual="5.1.12", arguments=_ARGUMENTS)
 def socket_send_string(robot: Robot, str: Any_, socket_name: Str = _DEFAULT_SOCKET) -> Bool:
     """Send a text as it is.
 
     Args:
         str: the text, ASCII; other values are written as `to_str` does (*assumed*).
-        socket_name: name of the connection; empty for the usual one.
 
     Returns:
         True if it was sent.
@@ -255,14 +238,13 @@ def socket_send_string(robot: Robot, str: Any_, socket_name: Str = _DEFAULT_SOCK
     return _send(robot, _written(str), socket_name)
 
 
-@command(family="socket", manual="5.1.13")
+@command(family="socket", manual="5.1.13", arguments=_ARGUMENTS)
 def socket_set_var(robot: Robot, name: Str, value: Whole, socket_name: Str = _DEFAULT_SOCKET) -> None:
     """Set a variable of the server: sends `SET <name> <value>` and a line feed.
 
     Args:
         name: name of the variable.
         value: its new value.
-        socket_name: name of the connection; empty for the usual one.
     """
     _send(robot, f"SET {name} {value}\n", socket_name)
 

@@ -17,7 +17,7 @@ _FlagNumber = Annotated[int, signal_index("flag")]
 
 @command(family="system", manual="6.4.1", waits=True, works_in_sec=False)
 def sleep(robot: Robot, t: Seconds) -> None:
-    """Let the calling thread wait; others go on.
+    """Let the calling thread wait; the others continue.
 
     The time is rounded up to whole control periods.
 
@@ -75,7 +75,7 @@ def get_steptime() -> Seconds:
 
 @command(family="system", since="2.14", manual="2.14: 9.5.5")
 def controller_timestamp(robot: Robot) -> Seconds:
-    """Clock of the controller.
+    """Return the clock of the controller.
 
     Returns:
         Seconds since 1970-01-01 UTC, as Python's `time.localtime` takes them.

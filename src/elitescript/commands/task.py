@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @command(family="task", since="2.14", manual="2.14: 9.2.1", waits=True, works_in_sec=False)
 def pause(robot: Robot) -> None:
-    """Pause the task until somebody resumes it."""
+    """Pause the task until it is resumed."""
     robot.pause()
 
 
@@ -38,11 +38,11 @@ def interpreter_mode(robot: Robot, clearQueueOnEnter: Bool = True, clearOnEnd: B
 
 @command(family="task", since="2.11", manual="2.14: 2.4")
 def end_interpreter(robot: Robot) -> None:
-    """Let the waiting `interpreter_mode` return after the command that runs."""
+    """Let `interpreter_mode` return after the command that runs."""
     robot.end_interpreter()
 
 
 @command(family="task", since="2.11", manual="2.14: 2.5")
 def clear_interpreter(robot: Robot) -> None:
-    """Drop the statements that wait and forget the functions that statements defined."""
+    """Drop the queued statements and the functions that statements defined."""
     robot.clear_interpreter()

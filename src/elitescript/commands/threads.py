@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from elitescript.commands.definition.quantities import Bool, Quantity, Whole
 from elitescript.commands.definition.registry import command
-from elitescript.errors import ScriptError
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -39,14 +38,11 @@ class _Arguments(Quantity):
 
     def coerce(self, value: Any) -> tuple[Any, ...]:
         if not isinstance(value, (tuple, list)):
-            raise self._no_tuple(value)
+            error = self.wrong_type(value, "a tuple")
+            written = value if isinstance(value, (bool, int, float)) else "x"
+            error.hint = f"a tuple of one element needs a comma: ({written},)"
+            raise error
         return tuple(value)
-
-    def _no_tuple(self, value: Any) -> ScriptError:
-        error = self.wrong_type(value, "a tuple")
-        written = value if isinstance(value, (bool, int, float)) else "x"
-        error.hint = f"a tuple of one element needs a comma: ({written},)"
-        return error
 
 
 @command(family="thread", manual="6.1.1", spellings={"fundef": "function", "arg": "args"}, works_in_sec=False)

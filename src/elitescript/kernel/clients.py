@@ -47,8 +47,11 @@ class Client:
         """Send bytes.
 
         Raises:
+            TypeError: no bytes.
             ConnectionError: the connection is closed.
         """
+        if not isinstance(data, bytes | bytearray | memoryview):
+            raise TypeError(f"{self.name}: bytes are sent, not {type(data).__name__}; a text needs .encode()")
         if not self.is_open:
             raise ConnectionError(self._closed_text())
         self._transport.send(data)

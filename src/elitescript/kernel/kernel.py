@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.signals import Signals
 from elitescript.controller.views.warning_limit import WarningLimit
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.kernel.arm import model_of
 from elitescript.kernel.options import RobotOptions
 from elitescript.kernel.parts import PopupWindow, RobotParts
@@ -278,7 +278,8 @@ class Kernel:
 
             rows = {row.name: row for row in services_of(self.description.firmware)}
             if service not in rows:
-                raise UsageError(f"service: the robot has the ports {', '.join(rows)}, not {service!r}")
+                near = did_you_mean(service, rows)
+                raise UsageError(f"the robot has the ports {', '.join(rows)}, not {service!r}{near}")
             self._ports[service] = rows[service].open(self.description)
         return self._ports[service](origin)
 

@@ -36,11 +36,10 @@ class _Signature:
         written = signature(owner.__init__)
         _, *own, _ = written.parameters.values()  # without `self` and `**options`
         defaults, types = {**DEFAULTS, **IN_VIRTUAL_TIME}, RobotOptions.__annotations__
-        parameters = [parameter.replace(default=defaults.get(parameter.name, parameter.default)) for parameter in own]
-        parameters += [
+        options = [
             Parameter(name, Parameter.KEYWORD_ONLY, default=defaults[name], annotation=types[name]) for name in KEYWORDS
         ]
-        return written.replace(parameters=parameters, return_annotation=Parameter.empty)
+        return written.replace(parameters=[*own, *options], return_annotation=Parameter.empty)
 
 
 class _Docstring:

@@ -1,4 +1,4 @@
-"""The arm: six link lengths and the forward kinematics.
+"""Arm geometry: six link lengths and the forward kinematics.
 
 All CS arms have the same structure: joints 2, 3 and 4 are parallel, the last three are mutually
 perpendicular in pairs. The standard Denavit-Hartenberg form is
@@ -117,7 +117,7 @@ class Arm:
         """Return the position of the elbow in the base frame, m.
 
         The elbow is the intersection of the elbow joint with the vertical plane through the
-        shoulder; how far its housing stands out beside that plane is left out.
+        shoulder; the width of its housing is left out.
         """
         if self.calibration is not None:
             return self.calibration.elbow(q)
@@ -161,14 +161,12 @@ class Arm:
             UsageError: an array that does not hold six finite numbers, or that is further from
                 nominal than any calibration (`MAX_CALIBRATION_OFFSET`).
         """
-        # Calibrated arms are rare; the others need not pay for the import.
+        # Calibrated arms are rare, so the import is not made for the others.
         from elitescript.kinematics.chain import CalibratedChain
 
         nominal = replace(self, calibration=None).modified_dh
         present = self.modified_dh
-        given = tuple(
-            values if values is not None else kept for values, kept in zip((a, d, alpha), present, strict=True)
-        )
+        given = (kept if values is None else values for values, kept in zip((a, d, alpha), present, strict=True))
         chain = CalibratedChain(*(tuple(values) for values in given))  # type: ignore[arg-type]
         for name, measured, expected in zip(("a", "d", "alpha"), (chain.a, chain.d, chain.alpha), nominal, strict=True):
             for index, (value, reference) in enumerate(zip(measured, expected, strict=True)):
@@ -182,7 +180,7 @@ class Arm:
 
 
 MAX_CALIBRATION_OFFSET: Final = 0.02
-"""Largest believable difference between a measured and a nominal parameter, m or rad. Real arms
+"""Largest plausible difference between a measured and a nominal parameter, m or rad. Real arms
 stay below a millimetre and a milliradian; beyond this the refinement of the inverse may end on
 another branch."""
 

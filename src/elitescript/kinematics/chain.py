@@ -1,4 +1,4 @@
-"""The measured chain of a calibrated arm: forward kinematics, joint axes, Newton steps.
+"""Measured chain of a calibrated arm: forward kinematics, joint axes, Newton steps.
 
 A real arm reports link parameters that differ a little from the nominal ones. Its joint axes
 are then no longer exactly parallel and the closed-form inverse does not hold; here the chain
@@ -14,8 +14,8 @@ from typing import Final
 
 from elitescript.errors import UsageError
 from elitescript.kinematics.limits import REACH_TOLERANCE_M, JointVector, SixFloats, wrap_to_pi
-from elitescript.kinematics.rotations import Vector3, rotvec_from_rotation
-from elitescript.kinematics.transforms import IDENTITY, Transform
+from elitescript.kinematics.rotations import Vector3, multiply, rotvec_from_rotation, transpose
+from elitescript.kinematics.transforms import IDENTITY, Transform, rotation_of
 
 MAX_ITERATIONS: Final = 40
 """Offsets of real arms need four steps; the rest is for poses close to a singularity."""
@@ -100,12 +100,7 @@ def refine(chain: CalibratedChain, T_base_flange: Transform, q_start: Sequence[f
         residual_square = sum(e * e for e in error)
         if residual_square <= CONVERGED * CONVERGED:
             break
-        px, py, pz = T[9], T[10], T[11]
-        columns = []
-        for (ox, oy, oz), (zx, zy, zz) in axes:
-            rx, ry, rz = px - ox, py - oy, pz - oz
-            columns.append((zy * rz - zz * ry, zz * rx - zx * rz, zx * ry - zy * rx, zx, zy, zz))
-        step = _damped_step(columns, error, residual_square)
+        step = _damped_step(jacobian_columns(axes, (T[9], T[10], T[11])), error, residual_square)
         q = [angle + change for angle, change in zip(q, step, strict=True)]
     else:
         error = _pose_error(chain.forward(q), T_base_flange)
@@ -113,6 +108,16 @@ def refine(chain: CalibratedChain, T_base_flange: Transform, q_start: Sequence[f
             return None
     q1, q2, q3, q4, q5, q6 = q
     return wrap_to_pi(q1), wrap_to_pi(q2), wrap_to_pi(q3), wrap_to_pi(q4), wrap_to_pi(q5), wrap_to_pi(q6)
+
+
+def jacobian_columns(axes: Sequence[tuple[Vector3, Vector3]], p: Vector3) -> list[SixFloats]:
+    """Return the columns of the Jacobian of point p, from a point on each joint and the joint's direction."""
+    px, py, pz = p
+    columns = []
+    for (ox, oy, oz), (zx, zy, zz) in axes:
+        dx, dy, dz = px - ox, py - oy, pz - oz
+        columns.append((zy * dz - zz * dy, zz * dx - zx * dz, zx * dy - zy * dx, zx, zy, zz))
+    return columns
 
 
 def solve_linear(rows: Sequence[Sequence[float]], right: Sequence[float]) -> tuple[float, ...] | None:
@@ -153,22 +158,8 @@ def six_floats(name: str, values: Sequence[float]) -> SixFloats:
 
 def _pose_error(T: Transform, T_target: Transform) -> SixFloats:
     """Return the position and the rotation vector from T to the target, in the base frame."""
-    a1, a2, a3, a4, a5, a6, a7, a8, a9, ax, ay, az = T_target
-    b1, b2, b3, b4, b5, b6, b7, b8, b9, bx, by, bz = T
-    rotation = rotvec_from_rotation(
-        (
-            a1 * b1 + a2 * b2 + a3 * b3,
-            a1 * b4 + a2 * b5 + a3 * b6,
-            a1 * b7 + a2 * b8 + a3 * b9,
-            a4 * b1 + a5 * b2 + a6 * b3,
-            a4 * b4 + a5 * b5 + a6 * b6,
-            a4 * b7 + a5 * b8 + a6 * b9,
-            a7 * b1 + a8 * b2 + a9 * b3,
-            a7 * b4 + a8 * b5 + a9 * b6,
-            a7 * b7 + a8 * b8 + a9 * b9,
-        )
-    )
-    return (ax - bx, ay - by, az - bz, *rotation)
+    rotation = rotvec_from_rotation(multiply(rotation_of(T_target), transpose(rotation_of(T))))
+    return (T_target[9] - T[9], T_target[10] - T[10], T_target[11] - T[11], *rotation)
 
 
 def _damped_step(columns: Sequence[Sequence[float]], error: Sequence[float], damping: float) -> list[float]:

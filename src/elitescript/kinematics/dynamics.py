@@ -1,4 +1,4 @@
-"""Inverse dynamics: the joint torques that a motion asks for.
+"""Inverse dynamics: the joint torques of a motion.
 
 Recursive Newton-Euler over the link frames of the modified Denavit-Hartenberg form (Luh, Walker and Paul 1980; Craig,
 *Introduction to Robotics*, chapter 6): velocities and accelerations go outwards from the base, forces and moments
@@ -99,7 +99,7 @@ def joint_torques(
         qdd: joint accelerations, rad/s^2.
         gravity: acceleration that the base feels, m/s^2 in the base frame; it points away from the earth, as the
             vector of `set_gravity` does (manual 2.10 chapter 2.1.15).
-        payload: what hangs on the flange, in the flange frame.
+        payload: load on the flange, in the flange frame.
     """
     rows = [body.about_origin for body in bodies]
     if payload is not None:

@@ -1,4 +1,4 @@
-"""Which tensors of inertia a rigid body can have."""
+"""Tests whether a rigid body can have a tensor of inertia."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Final
 from elitescript.kinematics.limits import SixFloats
 
 _ROUNDING: Final = 0.02
-"""Share of the trace that counts as rounding: people type two digits."""
+"""Share of the trace that counts as rounding: inertias are often given with two digits."""
 
 
 def is_inertia_of_a_body(inertia: SixFloats) -> bool:

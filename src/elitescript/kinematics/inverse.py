@@ -1,4 +1,4 @@
-"""Inverse kinematics: closed form, all branches, the nearest solution, and why there is none.
+"""Inverse kinematics: closed form, all branches, the nearest solution, and the reason if there is none.
 
 The method is the usual one for arms with three parallel joints: the wrist centre gives q1, the
 flange axes along n give q5 and q6, what remains is a triangle of upper arm and forearm. Symbols
@@ -15,6 +15,7 @@ them (script manual 2.14, example of `get_all_inverse_kin`).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import atan2, cos, inf, isfinite, pi, sin, sqrt
 from typing import Final, NamedTuple
 
@@ -33,7 +34,7 @@ BRANCHES: Final = 8
 
 
 class Solution(NamedTuple):
-    """One answer of the inverse kinematics."""
+    """One solution of the inverse kinematics."""
 
     branch: int
     """4 * shoulder + 2 * wrist + elbow."""
@@ -66,7 +67,7 @@ def solve_branch(arm: Arm, T_base_flange: Transform, branch: int, q6_near: float
     """Return the solution of one branch, angles in (-pi, pi], or None when the branch has none.
 
     For motions along a path, which keep the branch they start in. Where the wrist is singular
-    both wrist branches give the same answer, with q6 = `q6_near`.
+    both wrist branches give the same solution, with q6 = `q6_near`.
     """
     shoulder, wrist, elbow = _PICKS[branch]
     if arm.calibration is None:
@@ -121,7 +122,7 @@ def branch_of(arm: Arm, q: Sequence[float]) -> int:
 
 
 def reason_unreachable(arm: Arm, T_base_flange: Transform) -> str:
-    """Return in plain words, with numbers and units, why the pose has no solution; "" if it has one.
+    """Return why the pose has no solution, with numbers and units; empty if it has one.
 
     The numbers are those of the nominal lengths and of the branch that comes nearest.
     """
@@ -139,8 +140,9 @@ def reason_unreachable(arm: Arm, T_base_flange: Transform) -> str:
         )
     # Orientation and q1 are exact in these candidates, so what they miss is the length of the triangle.
     miss, q3 = inf, 0.0
+    nominal = replace(arm, calibration=None)
     for _, q in _closed_form(arm, T_base_flange, 0.0, _BOTH, _BOTH, _BOTH, inf, 0.0):
-        x, y, z = Arm.forward(_nominal(arm), q)[9:]
+        x, y, z = nominal.forward(q)[9:]
         dx, dy, dz = T_base_flange[9] - x, T_base_flange[10] - y, T_base_flange[11] - z
         distance = sqrt(dx * dx + dy * dy + dz * dz)
         if distance < miss:
@@ -166,7 +168,7 @@ millimetres; the start value of q1, kept off the shoulder singularity, shifts jo
 
 START_INSET: Final = 2e-3
 """Start values of a refinement keep this distance (m, rad) from the nominal singularities, where
-the Jacobian would not show which way to go."""
+the Jacobian gives no direction."""
 
 _BOTH: Final = (1.0, -1.0)
 
@@ -316,10 +318,6 @@ def _closed_form(
 
 def _same_joints(q: JointVector, q_other: JointVector) -> bool:
     return all(abs(wrap_to_pi(a - b)) < _SAME_SOLUTION_RAD for a, b in zip(q, q_other, strict=True))
-
-
-def _nominal(arm: Arm) -> Arm:
-    return Arm(arm.d1, arm.a2, arm.a3, arm.d4, arm.d5, arm.d6)
 
 
 def _metres(length: float) -> str:

@@ -34,7 +34,7 @@ SHOULDER_GIVE_UP_M: Final = 0.001
 would turn with the tool speed divided by X."""
 
 EXACT_SINGULAR: Final = 1e-9
-"""Below it (m, or sine) `joint_speeds` has no answer: what is left of the digits is noise."""
+"""Below it (m, or sine) `joint_speeds` has no result: what is left of the digits is noise."""
 
 
 class Singularity(NamedTuple):
@@ -70,8 +70,12 @@ def singularity(arm: Arm, q: Sequence[float]) -> Singularity:
 def jacobian(arm: Arm, q: Sequence[float], T_flange_tcp: Transform = IDENTITY) -> Matrix6:
     """Return the geometric Jacobian of the TCP in the base frame; twist = J qd."""
     if arm.calibration is not None:
+        from elitescript.kinematics.chain import jacobian_columns
+
         axes, T_base_flange = arm.calibration.axes(q)
-        return _jacobian_of_axes(axes, apply(T_base_flange, T_flange_tcp[9:]))
+        columns = jacobian_columns(axes, apply(T_base_flange, T_flange_tcp[9:]))
+        vx, vy, vz, wx, wy, wz = zip(*columns, strict=True)
+        return vx, vy, vz, wx, wy, wz
     q1, q2, q3, q4, q5, q6 = q
     q23 = q2 + q3
     q234 = q23 + q4
@@ -217,14 +221,3 @@ def _wrist_to_tcp(
     w = tx * s6 + ty * c6
     along = u * c5 - tz * s5
     return c234 * along - s234 * w, s234 * along + c234 * w, u * s5 + tz * c5
-
-
-def _jacobian_of_axes(axes: Sequence[tuple[Vector3, Vector3]], p: Vector3) -> Matrix6:
-    """Return the Jacobian of point p from a point on each joint and the joint's direction."""
-    px, py, pz = p
-    columns = []
-    for (ox, oy, oz), (zx, zy, zz) in axes:
-        dx, dy, dz = px - ox, py - oy, pz - oz
-        columns.append((zy * dz - zz * dy, zz * dx - zx * dz, zx * dy - zy * dx, zx, zy, zz))
-    vx, vy, vz, wx, wy, wz = zip(*columns, strict=True)
-    return vx, vy, vz, wx, wy, wz

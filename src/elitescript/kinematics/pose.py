@@ -3,7 +3,7 @@
 A pose is a sequence [x, y, z, rx, ry, rz]: position in metres, orientation as roll-pitch-yaw
 angles in radians (see `rotations`). Results are tuples with canonical angles, so a pose given
 with a pitch beyond +-pi/2 comes back as the same orientation in other numbers. The functions
-expect six finite numbers; checking what a script passes is the command's business.
+expect six finite numbers; the command checks its arguments.
 
 Source: script manual 2.14, chapter on mathematical commands; the printed examples of 2.10 and
 2.14 decide where the text is unclear.
@@ -44,20 +44,16 @@ of a pose do not define a direction."""
 
 def pose_add(p_1: Sequence[float], p_2: Sequence[float]) -> Pose:
     """Return the sum of the positions with the product R_1 R_2 of the orientations."""
-    rx, ry, rz = rpy_from_rotation(
-        multiply(rotation_from_rpy(p_1[3], p_1[4], p_1[5]), rotation_from_rpy(p_2[3], p_2[4], p_2[5]))
-    )
+    R_1, R_2 = rotation_from_rpy(p_1[3], p_1[4], p_1[5]), rotation_from_rpy(p_2[3], p_2[4], p_2[5])
+    rx, ry, rz = rpy_from_rotation(multiply(R_1, R_2))
     return p_1[0] + p_2[0], p_1[1] + p_2[1], p_1[2] + p_2[2], rx, ry, rz
 
 
 def pose_sub(p_to: Sequence[float], p_from: Sequence[float]) -> Pose:
     """Return the difference of the positions, in the axes they are given in, with R_from^-1 R_to."""
-    rx, ry, rz = rpy_from_rotation(
-        multiply(
-            transpose(rotation_from_rpy(p_from[3], p_from[4], p_from[5])),
-            rotation_from_rpy(p_to[3], p_to[4], p_to[5]),
-        )
-    )
+    R_from = rotation_from_rpy(p_from[3], p_from[4], p_from[5])
+    R_to = rotation_from_rpy(p_to[3], p_to[4], p_to[5])
+    rx, ry, rz = rpy_from_rotation(multiply(transpose(R_from), R_to))
     return p_to[0] - p_from[0], p_to[1] - p_from[1], p_to[2] - p_from[2], rx, ry, rz
 
 
@@ -79,14 +75,8 @@ def pose_dist(p_from: Sequence[float], p_to: Sequence[float]) -> float:
     """
     x_0, y_0, z_0, rx_0, ry_0, rz_0 = p_from
     x_1, y_1, z_1, rx_1, ry_1, rz_1 = p_to
-    return sqrt(
-        (x_1 - x_0) ** 2
-        + (y_1 - y_0) ** 2
-        + (z_1 - z_0) ** 2
-        + (rx_1 - rx_0) ** 2
-        + (ry_1 - ry_0) ** 2
-        + (rz_1 - rz_0) ** 2
-    )
+    position = (x_1 - x_0) ** 2 + (y_1 - y_0) ** 2 + (z_1 - z_0) ** 2
+    return sqrt(position + (rx_1 - rx_0) ** 2 + (ry_1 - ry_0) ** 2 + (rz_1 - rz_0) ** 2)
 
 
 def point_dist(p_from: Sequence[float], p_to: Sequence[float]) -> float:
@@ -97,7 +87,7 @@ def point_dist(p_from: Sequence[float], p_to: Sequence[float]) -> float:
 def interpolate_pose(p_from: Sequence[float], p_to: Sequence[float], alpha: float) -> Pose:
     """Return the pose a fraction alpha of the way along the straight line; alpha may leave [0, 1].
 
-    The orientation turns about a fixed axis (`transforms.interpolate`). With alpha 0 the answer
+    The orientation turns about a fixed axis (`transforms.interpolate`). With alpha 0 the result
     is `p_from` in canonical angles, as the example of manual 2.14 shows.
     """
     return pose_from_transform(interpolate(transform_from_pose(p_from), transform_from_pose(p_to), alpha))

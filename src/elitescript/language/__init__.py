@@ -1,15 +1,15 @@
-"""The language: text in, Python code out. Knows no robot, no clock and no catalogue.
+"""Compiles EliteScript text to Python code. Depends on no robot, clock or catalogue.
 
 Import the module you need; this package imports nothing by itself. From text to code:
 
     source        the text of a program, its lines
-    options       what a text is to be, and how strictly it is read
+    options       kinds of text, and how strictly one is read
     lexer         logical lines, comments and brackets; `strings` and `masked` help it
     dialect       what EliteScript has beyond Python, rewritten without moving a line, by
                   `blocks` (indentation, `end`, `sec`), `python2`, `foreign` (other languages)
-                  and `rewriting` (the way back to the author's places)
-    parser        text to syntax tree, several mistakes in one pass; `syntax_errors` puts
-                  Python's messages into plain words
+                  and `rewriting` (the author's positions)
+    parser        text to syntax tree, several mistakes in one pass; `syntax_errors`
+                  rewords Python's messages
     policy        what programs may name; `nodes` is the table of known syntax
     checkpoints   where a running program can be paused, stopped and counted
     hoisting      `global` statements that come late

@@ -1,4 +1,4 @@
-"""Checkpoints: where a running script can be paused, stopped and counted.
+"""Inserts checkpoints, at which a running script can be paused, stopped and counted.
 
 A checkpoint is the expression `@tick() or @cp()`. It stands at the start of every loop body, at
 the entry of every function, in every comprehension and lambda, so that no code of a script runs
@@ -23,7 +23,7 @@ _NOT = ast.Not()
 
 
 def insert_checkpoints(census: Census) -> None:
-    """Put checkpoints and stop handlers into the counted tree. New nodes take the line of what they guard.
+    """Insert checkpoints and stop handlers into the tree. New nodes get the line of what they guard.
 
     Raises:
         ValueError: the tree holds nodes of unknown kinds, which might be loops.

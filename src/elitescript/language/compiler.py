@@ -1,7 +1,7 @@
-"""Text in, code out.
+"""Compiles text to Python code.
 
-`compile_unit` makes of a text one function; calling it runs the program. The body is compiled as
-the body of a function, whatever the text looks like: names are local to it and visible to the
+`compile_unit` compiles a text to one function; calling it runs the program. The body is compiled as
+the body of a function, even without a `def` around it: names are local to it and visible to the
 functions inside it, and `global` makes them program globals, which the variable monitor shows.
 """
 
@@ -18,30 +18,15 @@ from elitescript.errors import ProgramError
 from elitescript.language.advice.syntax_errors import explain
 from elitescript.language.checkpoints import insert_checkpoints
 from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
-from elitescript.language.hooks import HOOKS, MAIN
+from elitescript.language.hooks import MAIN
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, syntax_tree
 from elitescript.language.policy import first_too_deep, guard_formats, review
 from elitescript.language.text.source import SourceFile
 
-__all__ = [
-    "HOOKS",
-    "MAIN",
-    "CompiledUnit",
-    "Options",
-    "Statement",
-    "check_unit",
-    "column_of",
-    "compile_expression",
-    "compile_parsed",
-    "compile_statement",
-    "compile_task",
-    "compile_unit",
-]
-
 _SCRIPT_NAME: Final = "main"
-"""What a program without a name is called in qualified names and stack listings."""
+"""The name of an unnamed program in qualified names and stack listings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +65,7 @@ def compile_unit(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit
 
 
 def compile_task(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit:
-    """Compile a text that is about to run, and say so if nothing in it runs.
+    """Compile a text that is about to run, and report if nothing in it runs.
 
     Raises:
         ProgramError: as `compile_unit`; in a strict run also a text in which nothing runs.
@@ -137,12 +122,9 @@ def compile_expression(source: SourceFile) -> CodeType:
         if not any(problem.is_error for problem in problems):
             insert_checkpoints(census)
             guard_formats(tree, census)
-            try:
-                return _named(_python(tree, "eval"), source.name, "")
-            except SyntaxError as error:
-                problems.append(_syntax_problem(error, parsed.source))
-            except (RecursionError, MemoryError, ValueError, OverflowError):
-                problems.append(diagnostic("E001", 1, 1, "the expression is nested too deeply to be compiled"))
+            code = _code_or_problem(tree, "eval", parsed.source, "expression", problems)
+            if code is not None:
+                return code
     raise ProgramError(in_order(problems))
 
 
@@ -169,7 +151,7 @@ def compile_statement(source: SourceFile, has_global: Callable[[str], bool]) -> 
         has_global: whether a program global exists; `global` makes no new ones.
 
     Raises:
-        ProgramError: it is none.
+        ProgramError: it does not compile.
     """
     parsed = parse(source, Options(kind=LINE, one_line_blocks=True))
     problems = list(parsed.diagnostics)
@@ -186,12 +168,9 @@ def compile_statement(source: SourceFile, has_global: Callable[[str], bool]) -> 
         if first_too_deep(census) is None and not any(problem.is_error for problem in problems):
             insert_checkpoints(census)
             guard_formats(parsed.tree, census)
-            try:
-                return Statement(source, _named(_python(parsed.tree, "exec"), source.name, ""), calls)
-            except SyntaxError as error:
-                problems.append(_syntax_problem(error, parsed.source))
-            except (RecursionError, MemoryError, ValueError, OverflowError):
-                problems.append(diagnostic("E001", 1, 1, "the statement is nested too deeply to be compiled"))
+            code = _code_or_problem(parsed.tree, "exec", parsed.source, "statement", problems)
+            if code is not None:
+                return Statement(source, code, calls)
     raise ProgramError(in_order(problems))
 
 
@@ -224,31 +203,28 @@ def _compile(parsed: Parsed) -> tuple[CodeType | None, frozenset[str], tuple[Dia
 
 
 def _header_problems(parsed: Parsed) -> list[Diagnostic]:
-    """Return parameters of a unit that nobody could give a value."""
+    """Report parameters of a unit that have no default value, as a program gets no arguments."""
     if parsed.unit is None:
         return []
     args = parsed.unit.args
     positional = [*args.posonlyargs, *args.args]
     missing = positional[: len(positional) - len(args.defaults)]
     missing += [arg for arg, default in zip(args.kwonlyargs, args.kw_defaults, strict=True) if default is None]
-    problems = []
-    for argument in missing:
-        column = column_of(parsed.source, argument.lineno, argument.col_offset)
-        problems.append(
-            diagnostic(
-                "E107",
-                argument.lineno,
-                column,
-                f"the parameter `{argument.arg}` of the program has no default value",
-                end_column=column + len(argument.arg),
-                hint=f"nobody passes arguments to a program; remove it or write {argument.arg}=...",
-            )
+    return [
+        diagnostic(
+            "E107",
+            argument.lineno,
+            column := column_of(parsed.source, argument.lineno, argument.col_offset),
+            f"the parameter `{argument.arg}` of the program has no default value",
+            end_column=column + len(argument.arg),
+            hint=f"a program gets no arguments; remove it or write {argument.arg}=...",
         )
-    return problems
+        for argument in missing
+    ]
 
 
 def _own_yields(parsed: Parsed) -> list[Diagnostic]:
-    """`yield` in the body of the program, which would make it a generator that never runs."""
+    """Report `yield` in the body of the program, which would make it a generator that never runs."""
     problems = []
     stack: list[ast.AST] = list(parsed.body)
     while stack:
@@ -265,7 +241,7 @@ def _own_yields(parsed: Parsed) -> list[Diagnostic]:
 
 
 def _code(parsed: Parsed, problems: list[Diagnostic]) -> CodeType | None:
-    """Compile; a mistake that only Python's compiler finds is reported and left out, to find the next."""
+    """Compile; report a mistake that only Python's compiler finds, and leave it out to find the next."""
     known = {(problem.code, problem.line, problem.column) for problem in problems}
     blamed = {problem.line for problem in problems if problem.is_error}
     current: Parsed | None = parsed
@@ -295,8 +271,21 @@ def _code(parsed: Parsed, problems: list[Diagnostic]) -> CodeType | None:
     return None
 
 
+def _code_or_problem(
+    tree: ast.AST, mode: str, source: SourceFile, what: str, problems: list[Diagnostic]
+) -> CodeType | None:
+    """Compile a tree; None if that fails, with the reason added to `problems`."""
+    try:
+        return _named(_python(tree, mode), source.name, "")
+    except SyntaxError as error:
+        problems.append(_syntax_problem(error, source))
+    except (RecursionError, MemoryError, ValueError, OverflowError):
+        problems.append(diagnostic("E001", 1, 1, f"the {what} is nested too deeply to be compiled"))
+    return None
+
+
 def _is_hidden(parsed: Parsed, message: str) -> bool:
-    """Return whether the name in a message of Python's stands in a line that was left out."""
+    """Return whether the name in Python's message stands in a line that was left out."""
     name = message.split("'")[1]
     lines = (parsed.translation.lines[index] for index in parsed.hidden)
     return any(name in parsed.source.line(row) for line in lines for row in range(line.line, line.last_line + 1))
@@ -324,7 +313,7 @@ def _wrapped(parsed: Parsed) -> ast.Module:
 
 
 def _named(code: CodeType, file: str, name: str) -> CodeType:
-    """Give the program its own names back wherever Python shows one: of its file, and of itself."""
+    """Set the names of the file and of the program wherever Python shows one."""
     constants = tuple(_named(item, file, name) if isinstance(item, CodeType) else item for item in code.co_consts)
     qualified = code.co_qualname
     if qualified != MAIN and not qualified.startswith(f"{MAIN}."):

@@ -1,4 +1,4 @@
-"""One finding about a text: where it is, what is wrong, what to do, and how to repair it."""
+"""Findings about a text: place, problem, hint and repair."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from elitescript.errors import CODES
 
 
 class Severity(StrEnum):
-    """Whether a finding keeps the program from starting."""
+    """Severity of a finding. An error keeps the program from starting."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -32,7 +32,7 @@ class Edit(NamedTuple):
 class Fix(NamedTuple):
     """A repair that a tool can make.
 
-    `safe` says that the repaired text certainly means what the author meant.
+    `safe`: the repaired text certainly means what the author meant.
     """
 
     title: str
@@ -97,12 +97,12 @@ def diagnostic(
 
 
 def in_order(diagnostics: tuple[Diagnostic, ...] | list[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Sort by place in the text; of two findings in one place the error comes first."""
+    """Sort by place in the text; at the same place errors come first."""
     return tuple(sorted(diagnostics, key=lambda d: (d.line, d.column, d.severity, d.code)))
 
 
 def render(diagnostic: Diagnostic, file: str, line: str) -> str:
-    """Return the finding as people read it: place, text, the line with a caret under it, the hint.
+    """Format a finding as text: place, message, the line with a caret under it, the hint.
 
     Args:
         diagnostic: the finding.
@@ -140,7 +140,7 @@ def _carets(diagnostic: Diagnostic, line: str) -> str:
 
 
 def _cells(character: str) -> int:
-    """Terminal cells of one character: wide East Asian ones take two."""
+    """Return the terminal cells of one character: two for wide East Asian ones."""
     if character.isascii():
         return 1
     import unicodedata

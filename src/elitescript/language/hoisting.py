@@ -1,7 +1,7 @@
-"""`global` statements that come after a use of their name.
+"""Moves `global` statements that come after a use of their name to the top of their function.
 
 Python refuses them. Older controllers accepted them, and some program generators write them in
-every program, so they are moved to the top of their function, with a warning.
+every program, so they only give a warning.
 """
 
 from __future__ import annotations

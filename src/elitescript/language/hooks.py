@@ -1,4 +1,4 @@
-"""Names that compiled programs use and no program can spell.
+"""Names that compiled programs use and no source text can contain.
 
 The runtime puts them into the builtins of a run. They start with `@`, which no identifier can;
 a leading `__` would be mangled inside classes.
@@ -23,7 +23,7 @@ HOOKS: Final[dict[str, str]] = {
     LINE: '`(number, label, after=None) -> None`: the program reached a `$ LINE: (number, "label")` mark',
     FORMAT: "`(object, name) -> value`: stands for `object.format` and `object.format_map`, with `name` one of the two",
 }
-"""What the builtins of a run must hold besides what scripts may call.
+"""Names that the builtins of a run must hold besides what scripts may call.
 
 Python itself also takes `__build_class__`, `__import__` and `__name__` from there.
 """

@@ -1,7 +1,7 @@
-"""Texts in which nothing runs: they only define functions.
+"""Detects texts in which nothing runs: they only define functions.
 
 A `def` that stands alone is the program. With a line beside it the whole text is the program and each `def` in it a
-function, which somebody has to call.
+function, which runs only if it is called.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from collections.abc import Callable
 from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, Edit, Fix, Severity, diagnostic
-from elitescript.language.kinds import SCRIPT, is_text
+from elitescript.language.kinds import is_text
+from elitescript.language.options import SCRIPT
 from elitescript.language.parser import Parsed, character_offset
 
 _MOST_NAMES: Final = 4
@@ -19,11 +20,11 @@ _MOST_NAMES: Final = 4
 
 
 def idle_problem(parsed: Parsed, has_effect: Callable[[ast.expr], bool]) -> Diagnostic | None:
-    """Return what to say about a text that only defines functions (W214); None about any other.
+    """Return the finding about a text that only defines functions (W214); None for any other.
 
     Args:
         parsed: the text.
-        has_effect: whether evaluating a constant's or a parameter's value may do anything else.
+        has_effect: whether evaluating an expression may do anything besides giving a value.
     """
     if parsed.kind != SCRIPT or parsed.translation.secondaries:
         return None
@@ -63,7 +64,7 @@ def calls_something(value: ast.expr) -> bool:
 
 
 def _does_nothing(statement: ast.stmt, has_effect: Callable[[ast.expr], bool]) -> bool:
-    """It imports, declares, defines, or gives a name a value without doing anything for that."""
+    """Return whether a statement only imports, declares, defines, or assigns a value without side effects."""
     if isinstance(statement, (ast.Assign, ast.AnnAssign)):
         return statement.value is None or not has_effect(statement.value)
     if isinstance(statement, ast.FunctionDef):
@@ -75,7 +76,7 @@ def _does_nothing(statement: ast.stmt, has_effect: Callable[[ast.expr], bool]) -
 
 
 def _beginning(functions: list[ast.FunctionDef]) -> tuple[ast.FunctionDef, bool]:
-    """Return the function that was probably meant to run, and whether only it can be, as others use the rest."""
+    """Return the function that was probably meant to run, and whether it is the only candidate."""
     used = {node.id for function in functions for node in ast.walk(function) if isinstance(node, ast.Name)}
     roots = [function for function in functions if function.name not in used and _runs_without_arguments(function)]
     return (roots or functions)[-1], len(roots) == 1

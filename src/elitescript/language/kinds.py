@@ -1,12 +1,10 @@
-"""Which kind of program a text is."""
+"""Determines which kind of program a text is."""
 
 from __future__ import annotations
 
 import ast
 
-from elitescript.language.options import KINDS, LINE, PROGRAM, SCRIPT, SECONDARY
-
-__all__ = ["KINDS", "LINE", "PROGRAM", "SCRIPT", "SECONDARY", "is_text", "kind_of", "outer_definition"]
+from elitescript.language.options import PROGRAM, SCRIPT, SECONDARY
 
 
 def outer_definition(tree: ast.Module) -> ast.FunctionDef | None:
@@ -21,11 +19,11 @@ def outer_definition(tree: ast.Module) -> ast.FunctionDef | None:
 
 
 def kind_of(tree: ast.Module, secondaries: frozenset[int]) -> str:
-    """`program`, `secondary` or `script`.
+    """Return `program`, `secondary` or `script`.
 
     Args:
         tree: the syntax tree of the whole text.
-        secondaries: lines on which the text says `sec` where the tree says `def`.
+        secondaries: lines of `sec` headers, which the tree has as `def`.
     """
     definition = outer_definition(tree)
     if definition is None:

@@ -1,6 +1,6 @@
-"""The modules that a program can import, by the way in which they are made for it.
+"""Lists the modules that a program can import, by how they are provided.
 
-Plain data, below both who checks programs and who runs them.
+Plain data, shared by the checker and the runtime.
 """
 
 from __future__ import annotations

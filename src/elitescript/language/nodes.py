@@ -1,4 +1,4 @@
-"""The kinds of syntax nodes that this package knows, and a census of a tree.
+"""Lists the known kinds of syntax nodes, and takes a census of a tree.
 
 The table fails closed: a kind that is not in it, or a field that a newer Python added to one, is
 never looked into and always refused.

@@ -1,4 +1,4 @@
-"""What a text is to be: its kind, and how it is read and compiled."""
+"""Kinds of text, and options for reading one."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ KINDS: Final = (PROGRAM, SECONDARY, SCRIPT, LINE)
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Choices of the caller.
+    """Options for reading and compiling a text.
 
     Args:
         strict: refuse what only this implementation accepts (remains of Python 2, late `global`).
-        kind: one of `KINDS` when the caller knows what the text must be; None to find out.
+        kind: one of `KINDS` when the caller knows what the text must be; None to determine it.
         one_line_blocks: accept `def f(): ; a() ; end` on a single line, as the interpreter
             channel does.
     """

@@ -1,4 +1,4 @@
-"""Text to syntax tree, with as many mistakes as possible found in one pass.
+"""Parses a text to a syntax tree, and finds as many mistakes as possible in one pass.
 
 Python's parser stops at the first mistake. Here the logical line with the mistake is replaced by
 a harmless one and the rest is read again. Line and column of every node and every finding are
@@ -26,10 +26,10 @@ from elitescript.language.text.source import SourceFile
 
 MAX_SYNTAX_ERRORS = 20
 NO_FILE = "<elitescript>"
-"""Python looks into the file of this name to report a mistake, so it gets a name that no file has."""
+"""File name for Python, which reads the file of this name to report a mistake; no file has it."""
 
 _BESIDE_SYNTAX = ("E104", "E105")
-"""Errors about the block of a header, which say nothing about what stands in the header."""
+"""Errors about the block of a header, not about the header itself."""
 
 _PLACEHOLDERS = {
     "if": "if 1:",
@@ -61,7 +61,7 @@ class Parsed(NamedTuple):
         unit: the outer definition of a program or secondary program, else None.
         diagnostics: findings, in the order of the text.
         has_line_marks: it holds `$ LINE` marks.
-        is_complete: the tree is that of the whole text; False if the reader gave up.
+        is_complete: the tree is that of the whole text; False if reading was abandoned.
         translation: the text as Python saw it.
         options: how it was read.
         hidden: logical lines that are not in the tree, by index, with how often each was replaced.
@@ -112,7 +112,7 @@ def parse_without(parsed: Parsed, line: int) -> Parsed | None:
 
 
 def syntax_tree(text: str) -> ast.Module:
-    """Python's parser, without its warnings on standard error."""
+    """Call Python's parser without its warnings on standard error."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         tree = compile(text, NO_FILE, "exec", ast.PyCF_ONLY_AST, dont_inherit=True)
@@ -121,7 +121,7 @@ def syntax_tree(text: str) -> ast.Module:
 
 
 def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
-    """Return the text without characters that Python cannot even look at, and what to say about them."""
+    """Return the text without characters that Python cannot read, and the findings about them."""
     text = source.text
     if text.isascii() and "\0" not in text:
         return source, []
@@ -144,7 +144,7 @@ def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
 
 
 class _TextReader:
-    """One attempt after the other to read a text, with ever more lines replaced."""
+    """Reads a text repeatedly, with one more line replaced each time."""
 
     __slots__ = ("_starts", "blamed", "complete", "hidden", "options", "problems", "rows", "source", "translation")
 
@@ -323,21 +323,13 @@ class _TextReader:
             return kind, outer_definition(tree)
         for statement in tree.body:
             if isinstance(statement, ast.FunctionDef) and statement.lineno in self.translation.secondaries:
-                self.problems.append(
-                    diagnostic(
-                        "E105",
-                        statement.lineno,
-                        1,
-                        "a secondary program cannot be part of a longer text",
-                        end_column=4,
-                        hint="send it by itself, or write `def`",
-                    )
-                )
+                text, hint = "a secondary program cannot be part of a longer text", "send it by itself, or write `def`"
+                self.problems.append(diagnostic("E105", statement.lineno, 1, text, end_column=4, hint=hint))
         return kind, None
 
 
 def character_offset(row: str, byte_offset: int) -> int:
-    """Return characters before a UTF-8 offset into a line."""
+    """Return the number of characters before a UTF-8 offset into a line."""
     if row.isascii():
         return byte_offset
     return len(row.encode("utf-8")[:byte_offset].decode("utf-8", "ignore"))
@@ -348,7 +340,7 @@ def _byte_offset(row: str, characters: int) -> int:
 
 
 def _move_back(tree: ast.Module, positions: PositionMap, rows: list[str], source: SourceFile) -> None:
-    """Give the nodes on rewritten lines the author's places. Columns of nodes are UTF-8 offsets."""
+    """Set nodes on rewritten lines to the author's positions. Columns of nodes are UTF-8 offsets."""
 
     def back(line: int, offset: int) -> tuple[int, int]:
         if not positions.moves(line):
@@ -387,7 +379,7 @@ def _name_marks(tree: ast.Module, marks: frozenset[tuple[int, int]], source: Sou
         if place in left and isinstance(call.func, ast.Name) and _is_mark(call):
             call.func.id = LINE_HOOK
             left.remove(place)
-    # The filler is no name of the author's, so nobody else should meet it either.
+    # The filler is not a name of the author's text and must not show in findings.
     for node in ast.walk(tree) if left else ():
         if isinstance(node, ast.Name) and _place_of(node, source) in left:
             node.id = LINE_HOOK

@@ -1,12 +1,12 @@
-"""What a program may name.
+"""Checks which names and attributes a program uses.
 
 Programs are compiled to ordinary Python functions. From almost any Python object a chain of
-attributes leads to the interpreter itself; this module cuts those chains where they are written.
-It keeps honest mistakes away from the computer and explains them; against a hostile program it
-is a second line of defence, not a boundary.
+attributes leads to the interpreter itself; this module refuses those chains where they are written.
+It protects the computer from mistakes and explains them; against a hostile program it is a second
+line of defence, not a security boundary.
 
-The rules look at the syntax tree alone, and what they do not know they refuse. Names computed at
-run time (`getattr`) are the runtime's part, which asks `is_attribute_allowed`.
+The rules use the syntax tree alone, and refuse unknown syntax. Names computed at run time
+(`getattr`) are checked by the runtime with `is_attribute_allowed`.
 """
 
 from __future__ import annotations
@@ -78,6 +78,17 @@ _ADVICE: Final = {
 }
 _DEFAULT_ADVICE: Final = "names between double underscores belong to Python itself"
 
+_NAME_FIELDS: Final[tuple[tuple[type[ast.AST], str], ...]] = (
+    (ast.arg, "arg"),
+    (ast.keyword, "arg"),
+    (ast.ExceptHandler, "name"),
+    (ast.alias, "asname"),
+    (ast.MatchAs, "name"),
+    (ast.MatchStar, "name"),
+    (ast.MatchMapping, "rest"),
+)
+"""Nodes besides `Name` that hold a name, and its field."""
+
 _SYNTAX: Final = {
     "AsyncFunctionDef": ("`async def`", "start_thread() runs functions side by side"),
     "AsyncFor": ("`async for`", "start_thread() runs functions side by side"),
@@ -108,7 +119,7 @@ def review(source: SourceFile, census: Census) -> list[Diagnostic]:
 
 
 def first_too_deep(census: Census) -> ast.AST | None:
-    """Return the first comprehension that is nested deeper than Python's compiler can be trusted with."""
+    """Return the first comprehension nested deeper than `COMPREHENSION_DEPTH_MAX`; None if there is none."""
     kinds = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
     if sum(len(census.of(kind)) for kind in kinds) <= COMPREHENSION_DEPTH_MAX:
         return None
@@ -204,19 +215,14 @@ class _Reviewer:
         for node in census.of(ast.Name):
             if node.id[:2] == "__" and is_dunder(node.id) and id(node) not in allowed:
                 yield self._special(node, node.id)
-        for argument in census.of(ast.arg):
-            if is_dunder(argument.arg):
-                yield self._special(argument, argument.arg)
-        for keyword in census.of(ast.keyword):
-            if keyword.arg and is_dunder(keyword.arg):
-                yield self._special(keyword, keyword.arg)
-        for handler in census.of(ast.ExceptHandler):
-            if handler.name and is_dunder(handler.name):
-                yield self._special(handler, handler.name)
-        for shared in census.of(ast.Global):
-            yield from (self._special(shared, name) for name in shared.names if is_dunder(name))
-        for outer in census.of(ast.Nonlocal):
-            yield from (self._special(outer, name) for name in outer.names if is_dunder(name))
+        for kind, field in _NAME_FIELDS:
+            for other in census.by_kind[kind]:
+                name = getattr(other, field)
+                if name and is_dunder(name):
+                    yield self._special(other, name)
+        declarations: list[ast.Global | ast.Nonlocal] = [*census.of(ast.Global), *census.of(ast.Nonlocal)]
+        for declaration in declarations:
+            yield from (self._special(declaration, name) for name in declaration.names if is_dunder(name))
 
     def _class_variables(self) -> set[int]:
         """Return the names that class bodies assign and may assign."""
@@ -293,33 +299,18 @@ class _Reviewer:
             for alias in node.names:
                 if not is_attribute_allowed(alias.name):
                     yield self._special(alias, alias.name)
-        for alias in self.census.of(ast.alias):
-            if alias.asname and is_dunder(alias.asname):
-                yield self._special(alias, alias.asname)
         for statement in self.census.of(ast.Import):
             for alias in statement.names:
                 if any(is_dunder(part) for part in alias.name.split(".")):
                     yield self._special(alias, alias.name)
 
     def _patterns(self) -> Iterator[Diagnostic]:
-        census = self.census
-        if not census.of(ast.Match):
-            return
-        for pattern in census.of(ast.MatchClass):
+        for pattern in self.census.of(ast.MatchClass):
             if pattern.patterns:
-                # A class of any name can say which attributes its positions stand for.
+                # Any class can define which attributes its positions stand for.
                 text = "this class pattern needs names for its values"
                 yield self._finding(pattern, text, "write `case int() as n`, or `case Point(x=a, y=b)`")
             for name in pattern.kwd_attrs:
                 if not is_attribute_allowed(name) or name in GUARDED_ATTRIBUTES:
                     text = f"the attribute `{name}` is not available in patterns"
                     yield self._finding(pattern, text, "test it with `if`", name)
-        for bound in census.of(ast.MatchAs):
-            if bound.name and is_dunder(bound.name):
-                yield self._special(bound, bound.name)
-        for star in census.of(ast.MatchStar):
-            if star.name and is_dunder(star.name):
-                yield self._special(star, star.name)
-        for mapping in census.of(ast.MatchMapping):
-            if mapping.rest and is_dunder(mapping.rest):
-                yield self._special(mapping, mapping.rest)

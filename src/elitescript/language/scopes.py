@@ -1,4 +1,4 @@
-"""The regions of a program that have variables of their own.
+"""Scopes: the regions of a program that have variables of their own.
 
 The outermost scope is the body of the program; what Python calls global are here only the names
 that a `global` statement declares. What no scope binds comes from outside: robot commands,
@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 
 class Resolution(StrEnum):
-    """Where a name leads from a scope."""
+    """What a name refers to in a scope."""
 
     LOCAL = "local"
     CELL = "cell"
@@ -43,6 +43,7 @@ class Binding:
     column: int
 
 
+@dataclass(slots=True, eq=False, repr=False)
 class Scope:
     """A region with variables of its own: the program, a function, lambda, comprehension or class.
 
@@ -61,39 +62,25 @@ class Scope:
         calls: the calls made here, in the order of the text.
     """
 
-    __slots__ = (
-        "_global_names",
-        "bindings",
-        "calls",
-        "children",
-        "globals",
-        "kind",
-        "name",
-        "node",
-        "nonlocals",
-        "parameters",
-        "parent",
-        "reads",
-        "statements",
-    )
+    _global_names: set[str]
+    kind: str
+    name: str
+    node: ast.AST
+    parent: Scope | None
+    children: list[Scope] = field(default_factory=list)
+    parameters: dict[str, ast.arg] = field(default_factory=dict)
+    bindings: dict[str, list[Binding]] = field(default_factory=dict)
+    reads: dict[str, list[ast.Name]] = field(default_factory=dict)
+    globals: dict[str, list[ast.Global]] = field(default_factory=dict)
+    nonlocals: dict[str, list[ast.Nonlocal]] = field(default_factory=dict)
+    calls: list[ast.Call] = field(default_factory=list)
+    statements: list[ast.stmt] = field(init=False)
 
-    def __init__(self, global_names: set[str], kind: str, name: str, node: ast.AST, parent: Scope | None) -> None:
-        self._global_names = global_names
-        self.kind = kind
-        self.name = name
-        self.node = node
-        self.parent = parent
-        self.children: list[Scope] = []
-        body = getattr(node, "body", None)
-        self.statements: list[ast.stmt] = body if isinstance(body, list) else []
-        self.parameters: dict[str, ast.arg] = {}
-        self.bindings: dict[str, list[Binding]] = {}
-        self.reads: dict[str, list[ast.Name]] = {}
-        self.globals: dict[str, list[ast.Global]] = {}
-        self.nonlocals: dict[str, list[ast.Nonlocal]] = {}
-        self.calls: list[ast.Call] = []
-        if parent is not None:
-            parent.children.append(self)
+    def __post_init__(self) -> None:
+        body = getattr(self.node, "body", None)
+        self.statements = body if isinstance(body, list) else []
+        if self.parent is not None:
+            self.parent.children.append(self)
 
     def __repr__(self) -> str:
         return f"<{self.kind} {self.name}>" if self.name else f"<{self.kind}>"
@@ -102,20 +89,13 @@ class Scope:
         return name in self.bindings and name not in self.globals and name not in self.nonlocals
 
     def resolve(self, name: str) -> Resolution:
-        """Return where `name` leads when it is used here."""
+        """Return what `name` refers to when it is used here."""
         if name in self.globals:
             return Resolution.GLOBAL
-        if self.has_local(name):
+        home = self.home(name)
+        if home is self:
             return Resolution.LOCAL
-        scope = self.parent
-        while scope is not None:
-            if scope.kind != "class":
-                if name in scope.globals:
-                    return Resolution.GLOBAL
-                if scope.has_local(name):
-                    return Resolution.CELL
-            scope = scope.parent
-        if name in self.nonlocals:
+        if home is not None or name in self.nonlocals:
             return Resolution.CELL
         return Resolution.GLOBAL if name in self._global_names else Resolution.BUILTIN
 
@@ -136,7 +116,7 @@ class Scope:
         return None
 
     def walk(self) -> Iterator[Scope]:
-        """This scope and all inside it, outer ones first."""
+        """Yield this scope and all inside it, outer ones first."""
         stack = [self]
         while stack:
             scope = stack.pop()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -52,8 +52,7 @@ class Symbols:
         root: ast.AST = parsed.unit or parsed.tree
         self.body = Scope(self._declared, "body", parsed.name, root, None)
         _Walk(self).run()
-        self.scopes = tuple(self.body.walk())
-        for scope in self.scopes:
+        for scope in tuple(self.body.walk()):
             scope.calls.sort(key=_position)
             scope.children.sort(key=lambda child: _position(child.node))
             for bindings in scope.bindings.values():
@@ -67,12 +66,12 @@ class Symbols:
     # Places
 
     def place(self, node: ast.AST) -> tuple[int, int]:
-        """(line, column) where a node starts, from 1, in characters."""
+        """Return (line, column) where a node starts, from 1, in characters."""
         line = getattr(node, "lineno", 1)
         return line, character_offset(self.parsed.source.line(line), getattr(node, "col_offset", 0)) + 1
 
     def range_of(self, node: ast.AST) -> tuple[int, int, int, int]:
-        """(line, column, end line, end column) of a node, from 1, in characters, the end exclusive."""
+        """Return (line, column, end line, end column) of a node, from 1, in characters, the end exclusive."""
         line, column = self.place(node)
         end_line = getattr(node, "end_lineno", None) or line
         end = getattr(node, "end_col_offset", None) or 0
@@ -108,6 +107,24 @@ class Symbols:
         nodes = [binding.node for place in places for binding in place.bindings.get(name, ()) if binding.kind == "def"]
         return tuple(made for node in nodes if (made := self.scope_made_by(node)) is not None)
 
+    def bindings(self, name: str, scope: Scope) -> list[Binding]:
+        """Return the places that give a value to the variable that `name` is in `scope`."""
+        home = scope.home(name)
+        return home.bindings[name] if home else self.global_bindings(name)
+
+    def imported(self, name: str, scope: Scope) -> str:
+        """Return what an `import` lets `name` mean in `scope`, such as `time.sleep`; empty if that is uncertain."""
+        origins = set()
+        for binding in self.bindings(name, scope):
+            if not isinstance(binding.node, ast.alias):
+                return ""
+            statement = self.parent(binding.node)
+            if isinstance(statement, ast.ImportFrom):
+                origins.add(f"{statement.module}.{binding.node.name}")
+            else:
+                origins.add(binding.node.name if binding.node.asname else name)
+        return origins.pop() if len(origins) == 1 else ""
+
     def global_bindings(self, name: str) -> list[Binding]:
         """Return the places that give the program global `name` a value, in the order of the text."""
         found = [binding for scope in self.scopes if name in scope.globals for binding in scope.bindings.get(name, ())]
@@ -134,7 +151,7 @@ def _position(node: ast.AST) -> tuple[int, int]:
 
 
 class _Walk:
-    """Visits every node once; `kind` tells what a stored name is bound by."""
+    """Visits every node once; `kind` is how a stored name is bound."""
 
     __slots__ = ("stack", "symbols")
 
@@ -160,13 +177,16 @@ class _Walk:
 
     def _push(self, node: ast.AST | None, scope: Scope, parent: ast.AST, kind: str = "assign") -> None:
         if node is not None:
-            self.symbols._parents[node] = parent
-            self.symbols._scope_of[node] = scope
+            self._note(node, scope, parent)
             self.stack.append((node, scope, kind))
 
-    def _push_all(self, nodes: list[ast.AST], scope: Scope, parent: ast.AST, kind: str = "assign") -> None:
+    def _note(self, node: ast.AST, scope: Scope, parent: ast.AST) -> None:
+        self.symbols._parents[node] = parent
+        self.symbols._scope_of[node] = scope
+
+    def _push_all(self, nodes: Iterable[ast.AST], scope: Scope, parent: ast.AST) -> None:
         for node in nodes:
-            self._push(node, scope, parent, kind)
+            self._push(node, scope, parent)
 
     def _below(self, node: ast.AST, scope: Scope) -> None:
         for child in ast.iter_child_nodes(node):
@@ -178,15 +198,12 @@ class _Walk:
         scope.bindings.setdefault(name, []).append(Binding(name, node, kind, line, column))
 
     def _parameters(self, args: ast.arguments, inner: Scope, outer: Scope, parent: ast.AST) -> None:
-        everyone = [*args.posonlyargs, *args.args, args.vararg, *args.kwonlyargs, args.kwarg]
-        self.symbols._parents[args] = parent
-        self.symbols._scope_of[args] = outer
-        for argument in everyone:
+        self._note(args, outer, parent)
+        for argument in (*args.posonlyargs, *args.args, args.vararg, *args.kwonlyargs, args.kwarg):
             if argument is not None:
                 inner.parameters[argument.arg] = argument
                 self._bind(argument.arg, argument, inner, "parameter")
-                self.symbols._parents[argument] = args
-                self.symbols._scope_of[argument] = inner
+                self._note(argument, inner, args)
                 self._push(argument.annotation, outer, argument)
         for default in (*args.defaults, *args.kw_defaults):
             self._push(default, outer, args)
@@ -216,10 +233,10 @@ class _Walk:
     def function(self, node: ast.FunctionDef, scope: Scope, kind: str) -> None:
         self._bind(node.name, node, scope, "def")
         inner = Scope(self.symbols._declared, "function", node.name, node, scope)
-        self._push_all(list(node.decorator_list), scope, node)
+        self._push_all(node.decorator_list, scope, node)
         self._parameters(node.args, inner, scope, node)
         self._push(node.returns, scope, node)
-        self._push_all(list(node.body), inner, node)
+        self._push_all(node.body, inner, node)
 
     def anonymous(self, node: ast.Lambda, scope: Scope, kind: str) -> None:
         inner = Scope(self.symbols._declared, "lambda", "", node, scope)
@@ -230,16 +247,15 @@ class _Walk:
         self._bind(node.name, node, scope, "class")
         inner = Scope(self.symbols._declared, "class", node.name, node, scope)
         self._push_all([*node.decorator_list, *node.bases, *node.keywords], scope, node)
-        self._push_all(list(node.body), inner, node)
+        self._push_all(node.body, inner, node)
 
     def comprehension(self, node: ast.ListComp, scope: Scope, kind: str) -> None:
         inner = Scope(self.symbols._declared, "comprehension", "", node, scope)
         for index, generator in enumerate(node.generators):
-            self.symbols._parents[generator] = node
-            self.symbols._scope_of[generator] = inner
+            self._note(generator, inner, node)
             self._push(generator.target, inner, generator, "for")
             self._push(generator.iter, scope if index == 0 else inner, generator)
-            self._push_all(list(generator.ifs), inner, generator)
+            self._push_all(generator.ifs, inner, generator)
         for field in ("elt", "key", "value"):
             self._push(getattr(node, field, None), inner, node)
 
@@ -251,16 +267,9 @@ class _Walk:
         self._push(node.context_expr, scope, node)
         self._push(node.optional_vars, scope, node, "with")
 
-    def augmented(self, node: ast.AugAssign, scope: Scope, kind: str) -> None:
-        self._push(node.target, scope, node, "augmented")
-        self._push(node.value, scope, node)
-
-    def annotated(self, node: ast.AnnAssign, scope: Scope, kind: str) -> None:
-        self._push(node.target, scope, node, "annotated")
-        self._push_all([node.annotation, *([node.value] if node.value else [])], scope, node)
-
-    def walrus(self, node: ast.NamedExpr, scope: Scope, kind: str) -> None:
-        self._push(node.target, scope, node, "walrus")
+    def assignment(self, node: ast.AugAssign | ast.AnnAssign | ast.NamedExpr, scope: Scope, kind: str) -> None:
+        self._push(node.target, scope, node, _ASSIGNMENTS[type(node)])
+        self._push(getattr(node, "annotation", None), scope, node)
         self._push(node.value, scope, node)
 
     def declaration(self, node: ast.Global | ast.Nonlocal, scope: Scope, kind: str) -> None:
@@ -273,8 +282,7 @@ class _Walk:
 
     def imports(self, node: ast.Import | ast.ImportFrom, scope: Scope, kind: str) -> None:
         for alias in node.names:
-            self.symbols._parents[alias] = node
-            self.symbols._scope_of[alias] = scope
+            self._note(alias, scope, node)
             name = alias.asname or (alias.name.partition(".")[0] if isinstance(node, ast.Import) else alias.name)
             if name != "*":
                 self._bind(name, alias, scope, "import")
@@ -291,6 +299,7 @@ class _Walk:
         self._below(node, scope)
 
 
+_ASSIGNMENTS: Final = {ast.AugAssign: "augmented", ast.AnnAssign: "annotated", ast.NamedExpr: "walrus"}
 _VISITS: dict[type[ast.AST], Callable[[_Walk, Any, Scope, str], None]] = {
     ast.Name: _Walk.name,
     ast.Tuple: _Walk.spread,
@@ -305,9 +314,7 @@ _VISITS: dict[type[ast.AST], Callable[[_Walk, Any, Scope, str], None]] = {
     ast.For: _Walk.loop,
     ast.AsyncFor: _Walk.loop,
     ast.withitem: _Walk.withitem,
-    ast.AugAssign: _Walk.augmented,
-    ast.AnnAssign: _Walk.annotated,
-    ast.NamedExpr: _Walk.walrus,
+    **dict.fromkeys(_ASSIGNMENTS, _Walk.assignment),
     ast.Global: _Walk.declaration,
     ast.Nonlocal: _Walk.declaration,
     ast.Import: _Walk.imports,

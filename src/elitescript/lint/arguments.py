@@ -1,4 +1,4 @@
-"""Calls of commands before the run: which expression goes to which parameter.
+"""Matches the expressions of a call with the parameters of its command, before the run.
 
 The rules are those of `Command.place`, which binds values at run time.
 """
@@ -20,7 +20,7 @@ class Misfit(NamedTuple):
 
 
 class Arguments(NamedTuple):
-    """A call's arguments, brought into order.
+    """A call's arguments, by parameter.
 
     Attributes:
         given: each parameter that gets a value, with the expression.
@@ -32,7 +32,7 @@ class Arguments(NamedTuple):
 
 
 def arrange(command: Command, call: ast.Call) -> Arguments:
-    """Bring the arguments of a call into order, as far as that is certain before the run."""
+    """Return the arguments of a call by parameter, as far as that is certain before the run."""
     spreads_list = any(isinstance(argument, ast.Starred) for argument in call.args)
     spreads_dict = any(keyword.arg is None for keyword in call.keywords)
     by_position = [] if spreads_list else call.args

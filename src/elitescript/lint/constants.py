@@ -1,4 +1,4 @@
-"""Expressions whose value is certain before the run.
+"""Evaluates expressions whose value is certain before the run.
 
 Literals, arithmetic of literals, `d2r(90)`, `math.pi`, `pose_trans` and its like, elements of lists, names that the
 program sets once and that nothing else can change, and parameters of functions that are called once. What is not
@@ -53,7 +53,7 @@ _SIGNS: Final[dict[type[ast.unaryop], Callable[[Any], Any]]] = {
 
 
 class Unknown:
-    """A value that only the run will show; `text` is what stands there."""
+    """A value that is not known before the run; `text` is its source text."""
 
     __slots__ = ("text",)
 
@@ -146,16 +146,9 @@ class Constants:
 
     def _attribute(self, node: ast.Attribute, scope: Scope) -> Any:
         base = node.value
-        if isinstance(base, ast.Name) and base.id == "math" and self._is_module(base.id, scope):
+        if isinstance(base, ast.Name) and base.id == "math" and self._symbols.imported(base.id, scope) == "math":
             return _MATH.get(node.attr, UNKNOWN)
         return UNKNOWN
-
-    def _is_module(self, name: str, scope: Scope) -> bool:
-        home = scope.home(name)
-        bindings = home.bindings[name] if home else self._symbols.global_bindings(name)
-        return bool(bindings) and all(
-            isinstance(binding.node, ast.alias) and binding.node.name == name for binding in bindings
-        )
 
     def _call(self, node: ast.Call, scope: Scope, depth: int) -> Any:
         name = node.func.id if isinstance(node.func, ast.Name) else ""
@@ -174,7 +167,7 @@ class Constants:
         return _computed(command.function, angle) if isinstance(angle, (int, float)) else UNKNOWN
 
     def _pose(self, name: str, node: ast.Call, scope: Scope, depth: int) -> Any:
-        """Return what a command of the algebra of poses makes of certain poses."""
+        """Return the result of a command of the pose algebra."""
         command = CATALOGUE.get(name)
         if command is None or node.keywords or scope.resolve(name) is not Resolution.BUILTIN:
             return UNKNOWN
@@ -190,12 +183,12 @@ class Constants:
 
     def _named(self, node: ast.Name, scope: Scope, depth: int) -> Any:
         home = scope.home(node.id)
-        bindings = home.bindings[node.id] if home else self._symbols.global_bindings(node.id)
+        bindings = self._symbols.bindings(node.id, scope)
         if len(bindings) != 1:
             return UNKNOWN
         binding = bindings[0]
         if binding not in self._values:
-            # Whoever comes here again before there is a value asks in a circle: `a = b; b = a`.
+            # Read again before there is a value, it is a circle: `a = b; b = a`.
             self._values[binding] = UNKNOWN
             source = self._source(binding, home)
             if source is not None:
@@ -253,7 +246,7 @@ class Constants:
         return [read for user in users for read in user.reads.get(name, ())]
 
     def _is_never_changed(self, binding: Binding, home: Scope | None, levels: int) -> bool:
-        """Return whether nothing can change the list in a variable, or a list in it, or get hold of one."""
+        """Return whether nothing can change the list in a variable, or a list in it, or take a reference to one."""
         if binding not in self._unchanged:
             self._unchanged[binding] = False
             reads = self._reads(binding.name, home)
@@ -265,7 +258,7 @@ class Constants:
 
         Args:
             read: the use, of a variable or of an element.
-            levels: how deep lists lie in each other there; 1 for a list of numbers.
+            levels: nesting depth of the lists there; 1 for a list of numbers.
         """
         symbols = self._symbols
         above = symbols.parent(read)
@@ -300,13 +293,12 @@ class Constants:
         if len(statement.targets) != 1 or not isinstance(target, ast.Name):
             return False
         scope = self._symbols.scope_of(target)
-        home = scope.home(target.id)
-        bindings = home.bindings[target.id] if home else self._symbols.global_bindings(target.id)
-        return len(bindings) == 1 and self._is_never_changed(bindings[0], home, levels)
+        bindings = self._symbols.bindings(target.id, scope)
+        return len(bindings) == 1 and self._is_never_changed(bindings[0], scope.home(target.id), levels)
 
 
 def _computed(compute: Callable[..., Any], *values: Any) -> Any:
-    """Return a result, `UNKNOWN` if an operand is or if it is no plain, short value."""
+    """Return a result; `UNKNOWN` if an operand is unknown, or the result is not a plain, short value."""
     if not all(isinstance(value, _EXACT_KINDS) for value in values):
         return UNKNOWN
     try:
@@ -321,7 +313,7 @@ def _computed(compute: Callable[..., Any], *values: Any) -> Any:
 
 
 def _joined(op: ast.operator, left: Any, right: Any) -> Any:
-    """Return the sum of two lists, a list times a number."""
+    """Return the sum of two lists, or a list times a number."""
     result: Any = UNKNOWN
     if isinstance(op, ast.Add) and type(left) is type(right):
         result = left + right
@@ -333,7 +325,7 @@ def _joined(op: ast.operator, left: Any, right: Any) -> Any:
 
 
 def _levels(value: Any) -> int:
-    """Return how deep lists lie in each other; 0 for no list."""
+    """Return the nesting depth of lists; 0 for no list."""
     return 1 + max((_levels(item) for item in value), default=0) if isinstance(value, (list, tuple)) else 0
 
 

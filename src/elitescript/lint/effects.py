@@ -1,4 +1,4 @@
-"""Which expressions have no other effect than their value."""
+"""Determines which expressions have no effect besides their value."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
     if isinstance(function, ast.Attribute):
         base = function.value
         scope = program.symbols.scope_of(call)
-        return isinstance(base, ast.Name) and program.imported(base.id, scope) == "math"
+        return isinstance(base, ast.Name) and program.symbols.imported(base.id, scope) == "math"
     if not isinstance(function, ast.Name):
         return False
     scope = program.symbols.scope_of(function)
@@ -64,16 +64,4 @@ def has_effect(root: ast.expr, program: AnalysedProgram) -> bool:
             return True
         if not isinstance(node, ast.Lambda):
             stack.extend(ast.iter_child_nodes(node))
-    return False
-
-
-def is_tried(node: ast.AST, program: AnalysedProgram) -> bool:
-    """Return whether a `try` in the same function catches what a node raises, so that the program may only ask."""
-    child = node
-    for above in program.symbols.ancestors(node):
-        if isinstance(above, (ast.FunctionDef, ast.Lambda)):
-            return False
-        if isinstance(above, ast.Try) and above.handlers and child in above.body:
-            return True
-        child = above
     return False

@@ -1,4 +1,4 @@
-"""A text in, all its problems out."""
+"""Checks a text with all rules."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from elitescript.errors import CODES, ProgramError
 from elitescript.language.compiler import CompiledUnit, compile_parsed
 from elitescript.language.diagnostics import Diagnostic, Severity, diagnostic, in_order
 from elitescript.language.options import Options
-from elitescript.language.parser import Parsed, parse
+from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, Rule, all_rules
@@ -19,7 +19,7 @@ from elitescript.messages.profile import Profile
 
 _ANY_SYNTAX = "E001"
 _BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")
-"""Errors in lines that could be read: they are about something else than a syntax error there."""
+"""Errors in lines that could be read: not syntax errors."""
 
 
 class CheckResult(NamedTuple):
@@ -58,7 +58,7 @@ def check_source(
     Args:
         source: the text.
         profile: the firmware that it is for.
-        strict: what only this implementation accepts is an error, and what cannot be meant.
+        strict: make an error of what only this implementation accepts, and of what cannot be meant.
         presets: names of globals that have a value before the program begins.
         arm: the arm that it is for, a `RobotModel`; None leaves out what depends on it.
     """
@@ -85,9 +85,14 @@ def compile_checked(
         arm: the arm that it is for; None leaves out what depends on it.
     """
     parsed = parse(source, options)
-    problems = [] if not parsed.is_complete else _findings(parsed, profile, options.strict, presets, arm)
+    problems: list[Diagnostic] = []
+    if parsed.is_complete:
+        program = AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm)
+        for rule in all_rules():
+            if not (rule.needs_all_lines and parsed.has_errors):
+                problems += [_located(finding, rule, program) for finding in rule.check(program)]
     unit = None
-    # Compiling uses up the tree, so the rules have looked at it before.
+    # Compiling uses up the tree, so the rules come first.
     try:
         unit = compile_parsed(parsed)
     except ProgramError as error:
@@ -96,17 +101,6 @@ def compile_checked(
         problems += unit.diagnostics
     found = in_order(_merged(without_suppressed(problems, parsed.source)))
     return CheckResult(unit, found, options.strict)
-
-
-def _findings(
-    parsed: Parsed, profile: Profile, strict: bool, presets: Collection[str], arm: ArmFacts | None
-) -> list[Diagnostic]:
-    program = AnalysedProgram(parsed, profile, is_strict=strict, presets=presets, arm=arm)
-    found = []
-    for rule in all_rules():
-        if not (rule.needs_all_lines and parsed.has_errors):
-            found += [_located(finding, rule, program) for finding in rule.check(program)]
-    return found
 
 
 def _located(finding: Finding, rule: Rule, program: AnalysedProgram) -> Diagnostic:
@@ -126,7 +120,7 @@ def _located(finding: Finding, rule: Rule, program: AnalysedProgram) -> Diagnost
 
 
 def _merged(problems: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Return one problem where several say the same: in one place the most specific, of each code the first."""
+    """Drop duplicates: keep in each place the most specific problem, and the first of each code."""
     places: dict[tuple[int, int], dict[str, Diagnostic]] = {}
     refused_lines = set()
     for problem in problems:

@@ -1,4 +1,4 @@
-"""What each code of `errors.CODES` means: why, an example, what to do.
+"""Explains each code of `errors.CODES`: reason, example, remedy.
 
 A rule carries its text as the docstring of its file. The texts of all other codes stand here, in the same form: what it
 is and why in the first paragraphs, then an indented example whose comment says what to do.
@@ -23,7 +23,7 @@ _KINDS: Final = {
 
 
 _LENIENT: Final = frozenset(("E106", "E109", "E110", "W209"))
-"""What a Python 3 controller refuses."""
+"""Codes of what a Python 3 controller refuses."""
 
 
 def explanation(code: str) -> str:
@@ -40,17 +40,14 @@ def explanation(code: str) -> str:
 
 def markdown(code: str) -> str:
     """Return the text of one code as Markdown, without a heading."""
-    blocks = []
-    for block in body(code).split("\n\n"):
-        if block.startswith("    "):
-            blocks.append("```elite\n" + cleandoc(block) + "\n```")
-        else:
-            blocks.append(block)
+    blocks = (
+        f"```elite\n{cleandoc(block)}\n```" if block.startswith("    ") else block for block in body(code).split("\n\n")
+    )
     return f"*{_facts(code)}*\n\n" + "\n\n".join(blocks)
 
 
 def body(code: str) -> str:
-    """Return what a code means, why, and an example; empty if nothing is written down."""
+    """Return what a code means, why, and an example; empty if there is no text."""
     for rule in all_rules():
         if rule.code == code:
             return cleandoc(rule.explanation)
@@ -78,8 +75,8 @@ def _near(name: str) -> str:
 
 _TEXTS: Final[dict[str, str]] = {
     "E001": """
-        A line that is no Python. EliteScript is Python in which a block may also end with `end`. The message says what
-        is wrong in plain words, and one mistake does not hide the next.
+        A line that is no Python. EliteScript is Python in which a block may also end with `end`. The message names the
+        mistake, and one mistake does not hide the next.
 
             def job():
               x = (1 + 2               # E001: this '(' is never closed
@@ -220,7 +217,7 @@ _TEXTS: Final[dict[str, str]] = {
             textmsg("C:\\path")        # W210: write "C:\\\\path"
         """,
     "R100": """
-        An exception of Python that nothing caught. The text says in plain words what was wrong, with the values.
+        An exception of Python that nothing caught. The text says what was wrong, with the values.
 
             parts = [1, 2]
             textmsg(parts[2])          # R100: index 2 is out of range: `parts` has 2 elements
@@ -343,8 +340,7 @@ _TEXTS: Final[dict[str, str]] = {
             open("/etc/passwd")        # R123: paths count from the task folder
         """,
     "R130": """
-        Nothing can ever happen again: all threads wait for something that nobody will do. The text lists what each
-        waits for.
+        A deadlock: every thread waits for something that no other thread can do. The text lists what each waits for.
 
             lock = threading.Lock()
             lock.acquire()
@@ -368,7 +364,7 @@ _TEXTS: Final[dict[str, str]] = {
             x = sum(range(10 ** 12))   # R132: compute it in pieces, with sync() between them
         """,
     "R133": """
-        A remote procedure call that failed: no connection, no answer in time, or an answer that says so. The alarm has
+        A remote procedure call that failed: no connection, no answer in time, or a fault as the answer. The alarm has
         the number and the text of the server's fault.
 
             camera = rpc_factory("xmlrpc", "http://192.168.1.9:8080")
@@ -413,7 +409,7 @@ _TEXTS: Final[dict[str, str]] = {
             socket_read_string()               # W272: begins with the line end
         """,
     "R150": """
-        The program has asked for more memory than the run may have. Make shorter lists and texts, or keep fewer of
+        The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of
         them; `run --memory-limit` sets what a run may have.
 
             rows = [0] * 10**12                # R150

@@ -1,4 +1,4 @@
-"""Repairs of a text that certainly mean what its author meant."""
+"""Repairs a text where the meaning is certain."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from elitescript.lint.engine import check_source
 from elitescript.messages.profile import Profile
 
 _MOST_PASSES: Final = 20
-"""A repair may uncover the next mistake; more often than this no text is read again."""
+"""Limit of passes; a repair may uncover the next mistake."""
 
 
 class Repair(NamedTuple):
@@ -22,7 +22,7 @@ class Repair(NamedTuple):
 
 
 def repaired(name: str, text: str, profile: Profile, *, strict: bool = False) -> tuple[str, tuple[Repair, ...]]:
-    """Return a text with its safe fixes made, and what was done; line ends and byte order mark stay as they are.
+    """Return a text with its safe fixes made, and the repairs; line ends and byte order mark stay as they are.
 
     A repair that would leave more errors than before is not made. Repairing the result again changes nothing.
 
@@ -62,7 +62,7 @@ def _errors(problems: tuple[Diagnostic, ...]) -> int:
 
 
 def _apart(problems: list[Diagnostic]) -> list[Diagnostic]:
-    """Return those whose fixes do not touch the same text; the others wait for the next pass."""
+    """Return those whose fixes do not touch the same text; the others are left for the next pass."""
     taken: list[Edit] = []
     chosen = []
     for problem in problems:

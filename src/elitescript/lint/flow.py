@@ -1,4 +1,4 @@
-"""Whether the end of a block can be reached: what leaves, and what never comes back."""
+"""Determines whether the end of a block can be reached."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from elitescript.lint.program import AnalysedProgram
 
 _LEAVING: Final = frozenset(("exit", "halt", "quit"))
 _DEEPEST: Final = 60
-"""Blocks inside each other that are followed."""
+"""Deepest nesting of blocks that is followed."""
 
 
 class Flow:
@@ -74,18 +74,22 @@ class Flow:
             self._returns[scope] = True
             node = scope.node
             if isinstance(node, ast.FunctionDef) and not node.decorator_list and not own_nodes(node, ast.Return):
-                is_generator = own_nodes(node, ast.Yield) or own_nodes(node, ast.YieldFrom)
-                self._returns[scope] = bool(is_generator) or self.reaches_end(node.body)
+                self._returns[scope] = is_generator(node) or self.reaches_end(node.body)
         return self._returns[scope]
 
 
-def own_nodes(function: ast.FunctionDef, kind: type[ast.AST]) -> list[ast.AST]:
-    """Return the nodes of one kind in a function itself, not in those inside it; in no particular order."""
+def is_generator(function: ast.FunctionDef) -> bool:
+    """Return whether a function has a `yield` of its own."""
+    return bool(own_nodes(function, ast.Yield, ast.YieldFrom))
+
+
+def own_nodes(function: ast.FunctionDef, *kinds: type[ast.AST]) -> list[ast.AST]:
+    """Return the nodes of some kinds in a function itself, not in those inside it; in no particular order."""
     found = []
     stack: list[ast.AST] = list(function.body)
     while stack:
         node = stack.pop()
-        if isinstance(node, kind):
+        if isinstance(node, kinds):
             found.append(node)
         if not isinstance(node, (ast.FunctionDef, ast.Lambda, ast.ClassDef)):
             stack.extend(ast.iter_child_nodes(node))

@@ -1,4 +1,4 @@
-"""Whether six numbers are joint positions or a pose, by where they come from."""
+"""Determines whether six numbers are joint positions or a pose, by their origin."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ _COPIES: Final = ("copy", "list")
 _DEEPEST: Final = 20
 
 _MOST_STORES: Final = 3
-"""So many of six elements may be replaced before a list is taken for another one."""
+"""Number of elements, of six, that may be replaced before a list counts as another one."""
 
 
 class Kinds:
-    """What commands return, followed through assignments and copies.
+    """Follows what commands return through assignments and copies.
 
     A name has a kind only if every statement that binds it gives it that kind.
     """
@@ -28,7 +28,7 @@ class Kinds:
         self._known: dict[Binding, str] = {}
 
     def kind(self, node: ast.expr, scope: Scope) -> str:
-        """`joints`, `pose`, or nothing for what may be something else."""
+        """Return `joints` or `pose`; empty if it may be something else."""
         return self._kind(node, scope, 0)
 
     def _kind(self, node: ast.expr, scope: Scope, depth: int) -> str:
@@ -52,20 +52,18 @@ class Kinds:
         return "" if command is None else command.details.kind
 
     def _named(self, name: str, scope: Scope, depth: int) -> str:
-        home = scope.home(name)
-        bindings = home.bindings[name] if home else self._symbols.global_bindings(name)
-        if not bindings or self._is_replaced(name, home):
+        bindings = self._symbols.bindings(name, scope)
+        if not bindings or self._is_replaced(name, scope.home(name)):
             return ""
         kinds = {self._bound(binding, depth) for binding in bindings}
         return kinds.pop() if len(kinds) == 1 else ""
 
     def _bound(self, binding: Binding, depth: int) -> str:
         if binding not in self._known:
-            # Whoever comes here again before there is a kind asks in a circle: `a = b; b = a`.
+            # Read again before there is a kind, it is a circle: `a = b; b = a`.
             self._known[binding] = ""
             statement = self._symbols.parent(binding.node)
-            is_plain = isinstance(statement, ast.Assign) and binding.node in statement.targets
-            if is_plain and isinstance(statement, ast.Assign):
+            if isinstance(statement, ast.Assign) and binding.node in statement.targets:
                 scope = self._symbols.scope_of(binding.node)
                 self._known[binding] = self._kind(statement.value, scope, depth + 1)
         return self._known[binding]

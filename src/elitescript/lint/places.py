@@ -1,11 +1,10 @@
-"""Where the arm would be: the TCP that a program sets, and what its constant targets are for one arm.
+"""Computes where the arm would be: the TCPs that a program sets, and its constant targets.
 
 Nothing of kinematics is loaded before there is an arm and a target to judge.
 """
 
 from __future__ import annotations
 
-import ast
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -31,7 +30,7 @@ def six(value: object) -> Six | None:
 
 
 class TargetPlaces:
-    """Targets of one program."""
+    """Evaluates the targets of one program."""
 
     def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
@@ -48,10 +47,10 @@ class TargetPlaces:
     def tcps(self) -> tuple[Six, ...]:
         """The TCPs that may be active in moves; empty if one of them is not certain.
 
-        A program that sets none has its TCP at the flange, as every program that `run` begins with.
+        Without one the TCP is the flange, as at the start of `run`.
         """
         program = self._program
-        if any(node.id == _SETS_TCP for node in self._passed_on):
+        if any(use.name == _SETS_TCP and not use.is_call for use in program.outside):
             return ()
         found: dict[Six, None] = {}
         for place, called in enumerate(program.command_calls):
@@ -62,13 +61,8 @@ class TargetPlaces:
                 found[tcp] = None
         return tuple(found) or (_AT_FLANGE,)
 
-    @property
-    def _passed_on(self) -> list[ast.Name]:
-        """Names that are used for something else than a call."""
-        return [use.node for use in self._program.outside if not use.is_call]
-
     def unreachable(self, arm: ArmFacts, p: Six) -> str:
-        """Return why no TCP of the program comes to a pose; empty if one does, or if that is not certain."""
+        """Return why no TCP of the program reaches a pose; empty if one does, or if that is not certain."""
         from elitescript.kinematics.inverse import nearest, reason_unreachable, solutions
         from elitescript.kinematics.transforms import compose, inverse, transform_from_pose
 
@@ -102,7 +96,7 @@ class TargetPlaces:
         return pose_from_transform(arm.arm.forward_tcp(q, transform_from_pose(self.tcps[0])))
 
     def farthest_m(self, q_from: Six, q_to: Six) -> float | None:
-        """Return the greatest distance from the end of a joint move, m, that the TCP has in its second half."""
+        """Return the greatest distance from the end of a joint move, m, over its second half."""
         end = self._forward(q_to)
         if end is None:
             return None

@@ -11,10 +11,11 @@ from typing import Final, NamedTuple, TypeVar
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.plausibility import JUDGES, KINDS, ArmFacts, Doubt, mistaken
 from elitescript.commands.definition.registry import Command
+from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.commands.definition.vocabulary import vocabulary_of
 from elitescript.language.advice.unknown_names import KNOWN, advice
-from elitescript.language.kinds import SECONDARY
 from elitescript.language.nodes import Census
+from elitescript.language.options import SCRIPT, SECONDARY
 from elitescript.language.parser import Parsed
 from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
@@ -24,14 +25,14 @@ from elitescript.lint.kinds import Kinds
 from elitescript.lint.refusals import ArgumentRefusal, refuse
 from elitescript.messages.profile import Profile, release_of
 
-MOST_SUGGESTIONS: Final = 20
-"""Names of one program that are looked up; a text with more unknown names is no program for this robot."""
+_MOST_SUGGESTIONS: Final = 20
+"""Limit of unknown names of one program for which similar names are searched."""
 
 _Node = TypeVar("_Node", bound=ast.AST)
 
 
 class Span(NamedTuple):
-    """A stretch of the text; lines and columns from 1, columns in characters, the end exclusive."""
+    """A range of the text; lines and columns from 1, columns in characters, the end exclusive."""
 
     line: int
     column: int
@@ -45,7 +46,7 @@ class Use(NamedTuple):
     node: ast.Name
     scope: Scope
     is_call: bool
-    """It is called on the spot."""
+    """Whether it is called there."""
 
     @property
     def name(self) -> str:
@@ -135,9 +136,13 @@ class AnalysedProgram:
 
     # Names
 
+    def is_in_secondary(self, node: ast.expr) -> bool:
+        """Return whether a node stands inside a secondary program."""
+        return any(outer.lineno <= node.lineno <= (outer.end_lineno or 0) for outer in self.secondaries)
+
     @property
     def shares_globals(self) -> bool:
-        """It is a secondary program, which finds the globals of the running program."""
+        """Whether it is a secondary program, which shares the globals of the running program."""
         return self.parsed.kind == SECONDARY
 
     @cached_property
@@ -182,60 +187,53 @@ class AnalysedProgram:
             and CATALOGUE.get(use.name) is None
         )
 
-    def meant_by(self, use: Use, *, is_searched: bool) -> tuple[str, str]:
-        """Return the name that is meant, if one can take the place of an unknown one, and the hint; both may be empty.
+    def undefined(self, *, is_call: bool) -> Iterator[tuple[Use, str, str]]:
+        """Yield calls, or other uses, of `unknown` names, each with the name that is meant and the hint.
 
-        The words are those of the alarm at run time.
+        Both may be empty. The hint is that of the alarm at run time.
         """
-        return advice(use.node, use.scope, self.symbols, vocabulary_of(self.profile), is_searched=is_searched)
+        advised: dict[tuple[str, Scope], tuple[str, str]] = {}
+        for use in self.unknown:
+            if use.is_call is not is_call or self.expects_missing_names(use.node):
+                continue
+            # A script without a `def` may be a node of a program whose other parts the pendant writes.
+            if self.parsed.kind == SCRIPT and use.name.startswith(GENERATED_PREFIXES):
+                continue
+            key = (use.name, use.scope)
+            if key not in advised:
+                is_searched = len(advised) < _MOST_SUGGESTIONS
+                names = vocabulary_of(self.profile)
+                advised[key] = advice(use.node, use.scope, self.symbols, names, is_searched=is_searched)
+            yield use, *advised[key]
 
     def command(self, name: str, scope: Scope) -> Command | None:
         """Return the command that `name` means in `scope`; None if the program gives it another meaning."""
         found = CATALOGUE.get(name)
         return found if found is not None and scope.resolve(name) is Resolution.BUILTIN else None
 
-    def imported(self, name: str, scope: Scope) -> str:
-        """Return what an `import` lets `name` mean in `scope`, such as `time.sleep`; empty if that is uncertain."""
-        home = scope.home(name)
-        bindings = home.bindings[name] if home else self.symbols.global_bindings(name)
-        origins = set()
-        for binding in bindings:
-            if not isinstance(binding.node, ast.alias):
-                return ""
-            statement = self.symbols.parent(binding.node)
-            if isinstance(statement, ast.ImportFrom):
-                origins.add(f"{statement.module}.{binding.node.name}")
-            else:
-                origins.add(binding.node.name if binding.node.asname else name)
-        return origins.pop() if len(origins) == 1 else ""
-
     def is_available(self, command: Command) -> bool:
         """Return whether the firmware has a command."""
         return release_of(command.since) <= self.profile.release
 
     def expects_missing_names(self, node: ast.AST) -> bool:
-        """Return whether a `try` around a node catches `NameError`: then the program asks what there is."""
-        child = node
-        for above in self.symbols.ancestors(node):
-            if isinstance(above, (ast.FunctionDef, ast.Lambda)):
-                return False
-            if isinstance(above, ast.Try) and child in above.body:
-                caught = [part for handler in above.handlers if handler.type for part in ast.walk(handler.type)]
-                if any(isinstance(part, ast.Name) and part.id == "NameError" for part in caught):
-                    return True
-            child = above
-        return False
+        """Return whether a `try` around a node catches `NameError`: then the program tests whether a name exists."""
+        types = [handler.type for statement in self._tries(node) for handler in statement.handlers if handler.type]
+        caught = [part for kind in types for part in ast.walk(kind)]
+        return any(isinstance(part, ast.Name) and part.id == "NameError" for part in caught)
 
     def is_tried(self, node: ast.AST) -> bool:
-        """Return whether a `try` of the same function is around a node: then the program expects a refusal there."""
+        """Return whether a `try` of the same function catches what a node raises: then the program expects that."""
+        return any(statement.handlers for statement in self._tries(node))
+
+    def _tries(self, node: ast.AST) -> Iterator[ast.Try]:
+        """Yield the `try` statements of the same function whose bodies hold a node."""
         child = node
         for above in self.symbols.ancestors(node):
             if isinstance(above, (ast.FunctionDef, ast.Lambda)):
-                return False
-            if isinstance(above, ast.Try) and child in above.body and above.handlers:
-                return True
+                return
+            if isinstance(above, ast.Try) and child in above.body:
+                yield above
             child = above
-        return False
 
     # Calls
 
@@ -264,7 +262,7 @@ class AnalysedProgram:
         for called, arguments in zip(self.command_calls, self.arguments, strict=True):
             for param, node in arguments.given:
                 span = self.span(node)
-                # Something harmless stands there in place of what the author wrote.
+                # A placeholder stands there in place of the author's text.
                 if any(span[:2] <= mistake < span[2:] for mistake in mistakes):
                     continue
                 error = refuse(param, self.constants.value(node, called.scope))
@@ -274,7 +272,7 @@ class AnalysedProgram:
 
     @cached_property
     def doubts(self) -> tuple[Doubted, ...]:
-        """The arguments that commands will take, but that are hardly meant; see `commands.definition.plausibility`."""
+        """The arguments that commands accept, but that are hardly meant; see `commands.definition.plausibility`."""
         refused = {refusal.node for refusal in self.refusals}
         kinds = Kinds(self.symbols)
         found = []
@@ -284,11 +282,11 @@ class AnalysedProgram:
                 if not meaning or node in refused:
                     continue
                 value = self.constants.value(node, called.scope)
-                told = list(JUDGES[meaning](value, self.arm))
+                reported = list(JUDGES[meaning](value, self.arm))
                 if meaning in KINDS:
                     other = mistaken(meaning, kinds.kind(node, called.scope))
-                    told += [] if other is None else [other]
-                for doubt in told:
+                    reported += [] if other is None else [other]
+                for doubt in reported:
                     text = f"{called.command.name}: {param.name}{doubt.text}"
                     found.append(Doubted(element(node, doubt.element), doubt._replace(text=text)))
         return tuple(found)

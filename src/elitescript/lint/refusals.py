@@ -1,7 +1,7 @@
-"""What a command says to an argument before the run, when its value is certain.
+"""Applies the checks of a command to its arguments before the run, where their value is certain.
 
-The command's own quantities are asked, so that check and run can never disagree. In a list with uncertain
-elements these are replaced by stand-ins that fit, and only what is wrong with the rest is said.
+These are the command's own quantities, so check and run always agree. In a list, uncertain elements are replaced
+by stand-ins that fit, and only what is wrong with the rest is reported.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class ArgumentRefusal(NamedTuple):
 
     @property
     def text(self) -> str:
-        """What is wrong, as the alarm at run time would say it."""
+        """What is wrong, in the words of the alarm at run time."""
         return f"{self.command.name}: {self.param.name} {self.error}"
 
     @property
@@ -46,7 +46,7 @@ class ArgumentRefusal(NamedTuple):
 
 
 def refuse(param: Param, value: Any) -> ScriptError | None:
-    """Return the error with which a parameter meets a value; None if it takes it, or if that is not certain."""
+    """Return the error that a parameter raises for a value; None if it accepts it, or if that is not certain."""
     if isinstance(value, Unknown):
         return None
     quantity = param.quantity
@@ -62,8 +62,8 @@ def refuse(param: Param, value: Any) -> ScriptError | None:
     return None
 
 
-class _SomeFloat(float):
-    """Stands for a number that is not known yet; a message shows what is written."""
+class _StandIn:
+    """Stands for a value that is not known yet; a message shows its source text."""
 
     text = "..."
 
@@ -71,22 +71,16 @@ class _SomeFloat(float):
         return self.text
 
 
-class _SomeInt(int):
-    """Stands for an int that is not known yet."""
-
-    text = "..."
-
-    def __repr__(self) -> str:
-        return self.text
+class _SomeFloat(_StandIn, float):
+    pass
 
 
-class _SomeText(str):
-    """Stands for a text that is not known yet."""
+class _SomeInt(_StandIn, int):
+    pass
 
-    text = "..."
 
-    def __repr__(self) -> str:
-        return self.text
+class _SomeText(_StandIn, str):
+    pass
 
 
 _SCALARS: Final = (Number, Integer, Choice, Boolean, Text, Octets)
@@ -100,7 +94,7 @@ def _filled(quantity: Quantity, items: list[Any] | tuple[Any, ...]) -> list[Any]
         vectors = [kind for kind in quantity.kinds if isinstance(kind, Vector)]
         return _filled(vectors[0], items) if len(vectors) == 1 else None
     if type(quantity) in _SCALARS:
-        # Whatever the elements are: a list is none of these.
+        # A list is none of these, whatever its elements are.
         return [_stand_in(Number(), item) if isinstance(item, Unknown) else item for item in items]
     if type(quantity) is not Vector:
         return None
@@ -118,7 +112,7 @@ def _filled(quantity: Quantity, items: list[Any] | tuple[Any, ...]) -> list[Any]
 
 
 def _stand_in(quantity: Quantity, unknown: Unknown) -> Any:
-    """Return a value that fits a quantity and is shown as the text that stands there; None if there is none."""
+    """Return a value that fits a quantity and is shown as its source text; None if there is none."""
     candidates: tuple[Any, ...]
     if type(quantity) is Number:
         low, high = quantity.low or 0.0, quantity.high or 0.0

@@ -23,8 +23,8 @@ class Finding(NamedTuple):
     """Holds what a rule yields; the engine adds the code.
 
     Attributes:
-        where: the node, or the stretch of text, that is wrong.
-        text: what is wrong, in plain words, with value, limit and unit.
+        where: the node, or the range of the text, that is wrong.
+        text: what is wrong, with value, limit and unit.
         hint: what to do about it; may be empty.
         fix: a repair that a tool can make.
     """
@@ -49,7 +49,7 @@ class Rule(NamedTuple):
 
     @property
     def explanation(self) -> str:
-        """Say what it finds, why, with an example."""
+        """What it finds, why, and an example."""
         return import_module(self.check.__module__).__doc__ or ""
 
 
@@ -57,19 +57,15 @@ _RULES: Final[dict[str, Rule]] = {}
 
 
 def rule(
-    *,
-    code: str,
-    since: str,
-    instead_of: tuple[str, ...] = (),
-    needs_all_lines: bool = False,
+    *, code: str, since: str, instead_of: tuple[str, ...] = (), needs_all_lines: bool = False
 ) -> Callable[[Check], Check]:
-    """Make the function below a rule.
+    """Register the decorated function as a rule.
 
     Args:
         code: its row of `errors.CODES`.
         since: release of elitescript that brought it.
-        instead_of: codes that say the same less well; their findings at the same place are dropped.
-        needs_all_lines: a line that could not be read may be what it misses, so it is left out then.
+        instead_of: codes that are less specific; their findings at the same place are dropped.
+        needs_all_lines: skip it if a line could not be read, as that line may hold what it misses.
     """
 
     def register(check: Check) -> Check:
@@ -82,7 +78,7 @@ def rule(
 
 
 def doubt_findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
-    """Yield the doubts about values that have a code, as findings of its rule."""
+    """Yield the doubts about values with a code as findings of its rule."""
     for node, doubt in program.doubts:
         if doubt.code == code:
             yield Finding(node, doubt.text, doubt.hint)

@@ -1,4 +1,4 @@
-"""What a loop does that matters for how it ends: what it calls, changes and waits for, and its ways out."""
+"""Analyses how loops end: what they call, change and wait for, and their ways out."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _ENDING: Final = frozenset(("halt", "random"))
 
 
 class Work:
-    """What a stretch of a program does each time.
+    """Effects of a part of a program.
 
     Attributes:
         is_uncertain: it may wait, or may leave in a way that is not followed.
@@ -52,7 +52,7 @@ class Work:
 
 
 class Analyst:
-    """Looks at the loops of one program, and into the functions that they call."""
+    """Analyses the loops of one program, and the functions that they call."""
 
     def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
@@ -70,20 +70,9 @@ class Analyst:
             work.exits.append([loop.test])
             self._expression(loop.test, work)
         self._block(loop.body, [], work, is_nested=False)
-        if work.is_uncertain or self._is_guarded(loop):
+        if work.is_uncertain or self._program.is_tried(loop):
             return False
         return all(guards and all(self._comes_from_outside(test, work) for test in guards) for guards in work.exits)
-
-    def _is_guarded(self, loop: ast.While) -> bool:
-        """Return whether an exception can be the way out."""
-        child: ast.AST = loop
-        for above in self._symbols.ancestors(loop):
-            if isinstance(above, ast.FunctionDef):
-                return False
-            if isinstance(above, ast.Try) and above.handlers and child in above.body:
-                return True
-            child = above
-        return False
 
     # Statements
 
@@ -126,7 +115,7 @@ class Analyst:
             self._expressions(node, work)
 
     def _try(self, node: ast.Try, guards: list[ast.expr], work: Work, *, is_nested: bool) -> None:
-        """What a `try` does; where a handler leaves, an exception may be the way out, which is not followed."""
+        """Add what a `try` does; where a handler leaves, an exception may be the way out, which is not followed."""
         self._block([*node.body, *node.orelse, *node.finalbody], guards, work, is_nested=is_nested)
         exits = len(work.exits)
         for handler in node.handlers:
@@ -168,7 +157,7 @@ class Analyst:
 
     def _method(self, call: ast.Call, function: ast.Attribute, work: Work) -> None:
         base = function.value
-        if isinstance(base, ast.Name) and self._is_module(base):
+        if isinstance(base, ast.Name) and self._symbols.imported(base.id, self._symbols.scope_of(base)) == base.id:
             is_quick = base.id == "math" or (base.id == "time" and function.attr in _CLOCK)
         else:
             is_quick = isinstance(base, ast.Constant) or (
@@ -177,14 +166,6 @@ class Analyst:
             _touch(function, work)
             _touch_arguments(call, work)
         work.is_uncertain = work.is_uncertain or not is_quick
-
-    def _is_module(self, node: ast.Name) -> bool:
-        scope = self._symbols.scope_of(node)
-        home = scope.home(node.id)
-        bindings = home.bindings[node.id] if home else self._symbols.global_bindings(node.id)
-        return bool(bindings) and all(
-            isinstance(binding.node, ast.alias) and binding.node.name == node.id for binding in bindings
-        )
 
     def _function(self, call: ast.Call, function: ast.Name, work: Work) -> None:
         name = function.id
@@ -196,8 +177,7 @@ class Analyst:
             elif name not in _QUICK_BUILTINS:
                 work.is_uncertain = True
             return
-        home = scope.home(name)
-        bindings = home.bindings[name] if home else self._symbols.global_bindings(name)
+        bindings = self._symbols.bindings(name, scope)
         targets = self._symbols.definitions(name, scope)
         if not targets or any(binding.kind != "def" for binding in bindings):
             work.is_uncertain = True
@@ -210,7 +190,7 @@ class Analyst:
             work.read |= inner.read
 
     def _work_of(self, scope: Scope) -> Work:
-        """Return what a function of the program does; one that is being looked at already adds nothing."""
+        """Return what a function of the program does; a recursive call adds nothing."""
         if scope not in self._functions:
             work = self._functions[scope] = Work()
             node = scope.node
@@ -247,7 +227,7 @@ def _executed(root: ast.expr) -> Iterator[ast.AST]:
 
 
 def _touch(node: ast.expr, work: Work) -> None:
-    """The object behind the name that an attribute or element belongs to may change."""
+    """Count the name that an attribute or element belongs to as changed."""
     while isinstance(node, (ast.Attribute, ast.Subscript)):
         node = node.value
     if isinstance(node, ast.Name):

@@ -1,4 +1,4 @@
-"""`# check: ignore` at the end of a line.
+"""Hides findings on lines with `# check: ignore`.
 
 `# check: ignore` hides every finding on its line, `# check: ignore[W203, E305]` those with these codes. What
 keeps the program from starting cannot be hidden.
@@ -33,7 +33,7 @@ def _is_hidden(problem: Diagnostic, hidden: dict[int, frozenset[str]]) -> bool:
 
 
 def _suppressions(source: SourceFile) -> dict[int, frozenset[str]]:
-    """By line, the codes that are hidden there; none means all of them."""
+    """Return by line the codes that are hidden there; none means all of them."""
     pattern = re.compile(r"#\s*check:\s*ignore\b(?:\s*\[(?P<codes>[^\]]*)\])?")
     lexed = lex(source.text)
     found = {}

@@ -1,9 +1,9 @@
-"""Model files: numbers with their sources, read from TOML.
+"""Reads model files: numbers with their sources, in TOML.
 
 In a model file of the package every number stands as `{ value = …, source = "…" }` in SI units, or as
-`{ deg = …, source = "…" }` where people think in degrees; `why` may add a reason. The sources
-themselves are explained once, in `[sources.<tag>]` tables. What all arms share stands in
-`common.toml`; a model file adds to it and may replace any of its entries.
+`{ deg = …, source = "…" }` for angles in degrees; `why` may add a reason. The sources are explained once, in
+`[sources.<tag>]` tables. Numbers that all arms share stand in `common.toml`; a model file adds to it and may replace
+any of its entries.
 
 A file of a user's own arm begins with `base = "CS66"` and holds what differs from that model as plain numbers in SI
 units; an angle may stand in degrees under its name with `_deg`. The keys `about`, `evidence` and `date` say once where
@@ -22,12 +22,12 @@ from elitescript.kinematics.limits import JointVector
 from elitescript.paths import why_no_file
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
-"""How a source knows: the maker wrote it, somebody saw it, or it was chosen here."""
+"""Kinds of evidence: written by the maker, seen on a real robot, or chosen here."""
 
 MODEL_FOLDER: Final = Path(__file__).parent
 COMMON_FILE: Final = "common.toml"
 MAX_FILE_BYTES: Final = 1_000_000
-"""A model file has some kilobytes; a larger one is something else."""
+"""A model file has some kilobytes; a larger one is not a model file."""
 
 
 class NumberSource(NamedTuple):
@@ -125,7 +125,7 @@ class DataFile:
         return tuple(sorted(self._entries))
 
     def refuse_other_keys(self, known: frozenset[str]) -> None:
-        """Raise UsageError when there is an entry that no reader knows, which is a misspelt key."""
+        """Raise UsageError if there is an entry of an unknown key."""
         for key in self._entries.keys() - known:
             raise UsageError(f"{self._entries[key].file}: {key}: unknown key{did_you_mean(key, known)}")
 
@@ -161,7 +161,7 @@ class DataFile:
         self._add_document(path.name, _parsed(path.name, read_text(path)))
 
     def _add_own(self, document: dict[str, Any]) -> None:
-        """Add what an own arm says about itself: plain numbers on top of its base."""
+        """Add the entries of an own arm: plain numbers on top of its base."""
         base = _text(self.file, "base", document.pop("base"))
         try:
             self._add(known_path(base))
@@ -231,9 +231,7 @@ class DataFile:
 
 def known_names() -> tuple[str, ...]:
     """Return the names of the models that come with the package, small arms first."""
-    stems = (
-        path.stem.upper() for path in MODEL_FOLDER.iterdir() if path.suffix == ".toml" and path.name != COMMON_FILE
-    )
+    stems = (path.stem.upper() for path in MODEL_FOLDER.glob("*.toml") if path.name != COMMON_FILE)
     return tuple(sorted(stems, key=lambda stem: (len(stem), stem)))
 
 
@@ -279,7 +277,7 @@ OWN_SOURCE: Final = "own-arm"
 """Source tag of every number in the file of an own arm."""
 
 _OWN_SOURCE: Final = {"about": "file of an own arm", "date": "unknown", "evidence": "assumed"}
-"""What an own arm says of its numbers, and what holds if it says nothing."""
+"""Keys of an own arm about its numbers, with their defaults."""
 
 OTHER_TABLES: Final = frozenset(("plant",))
 """Tables of an own arm that are settings of the robot, not numbers of the model."""

@@ -23,7 +23,7 @@ LINK_NAMES: Final = ("shoulder", "upperarm", "forearm", "wrist_1", "wrist_2", "w
 
 @dataclass(frozen=True, slots=True)
 class JointLimit:
-    """What one joint can do."""
+    """Limits of one joint."""
 
     name: str
     q_min: float
@@ -80,24 +80,24 @@ class ModelSafetyLimits:
     normal: SafetyLevel
     reduced: SafetyLevel
     joint_speed_margin: float
-    """So far above its limit a joint speed violates it, rad/s."""
+    """Excess over its limit at which a joint speed is a violation, rad/s."""
     joint_position_margin: float
-    """So far outside its range a joint position violates it, rad."""
+    """Distance outside its range at which a joint position is a violation, rad."""
     tracking_error_max: float
     """Distance of actual from target joint position that stops the arm, rad."""
 
 
 @dataclass(frozen=True, slots=True)
 class Thermal:
-    """How joints and control box warm up under load; all of it is assumed."""
+    """Thermal model of joints and control box under load; all of it is assumed."""
 
     time_constant_s: float
     joint_rise_torque: float
-    """Above the temperature of a joint without load, when it holds its rated torque for good, K."""
+    """Temperature rise of a joint that holds its rated torque permanently, K."""
     joint_rise_speed: float
-    """The same when it turns at its largest speed for good, K."""
+    """The same for a joint that turns at its largest speed permanently, K."""
     controller_rise: float
-    """Of the control box, when all joints have the mean of both, K."""
+    """Temperature rise of the control box when all joints have the mean of both, K."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +128,7 @@ class RobotModel:
     max_joint_acceleration: float
     """Largest of the joints' `qdd_max`, rad/s^2."""
     planning_joint_acceleration: float
-    """Acceleration with which a move that is only bound by the arm is planned, rad/s^2."""
+    """Acceleration with which a move is planned that only the arm limits, rad/s^2."""
     max_tool_speed: float
     """m/s"""
     max_tool_acceleration: float
@@ -140,23 +140,23 @@ class RobotModel:
     gravity: tuple[float, float, float]
     """Start value of `set_gravity`: the vector that points away from the earth, m/s^2."""
     equivalent_radius_m: float
-    """Weighs a rotation against a translation where one number has to stand for both."""
+    """Weight of a rotation against a translation, m/rad."""
     speed_ramp_s: float
-    """Time in which a new speed percentage takes hold of a planned move (*assumed*)."""
+    """Time in which a planned move adopts a new speed percentage (*assumed*)."""
     tracking_acceleration: float
     """Acceleration with which the tool catches up with a conveyor, m/s^2 (*assumed*)."""
     tracking_speed: float
-    """Speed above that of the conveyor with which it does so at most, m/s (*assumed*)."""
+    """Most speed above that of the conveyor while it does so, m/s (*assumed*)."""
     joint_temperatures: JointVector
-    """Of joints without load, degC; where they begin."""
+    """Start temperatures of the joints, those without load, degC."""
     controller_temperature: float
-    """Of the control box while the arm stands without load, degC."""
+    """Temperature of the control box while the arm stands without load, degC."""
     thermal: Thermal
     safety: ModelSafetyLimits
     plant: PlantConfig | None
-    """How the joints follow their targets, if the file of an own arm says so."""
+    """How the joints follow their targets, if the file of an own arm has it."""
     sources: DataFile = field(repr=False, compare=False)
-    """The file entries behind the numbers; ask it through `source`."""
+    """The file entries of the numbers; read them with `source`."""
 
     @property
     def joint_ranges(self) -> tuple[tuple[float, float], ...]:
@@ -241,37 +241,22 @@ def parse_model(file: str, text: str) -> RobotModel:
         type_id=int(data.number("type_id", positive=True)),
         arm=_arm(data),
         joints=joints,
-        payload_max_kg=data.number("payload_max_kg", positive=True),
         reach_m=_reach_m(data),
         links=tuple([_link(data, name) for name in LINK_NAMES]),
         home=_home(data, joints),
-        default_joint_speed=data.number("default_joint_speed", positive=True),
-        default_joint_acceleration=data.number("default_joint_acceleration", positive=True),
-        default_tool_speed=data.number("default_tool_speed", positive=True),
-        default_tool_acceleration=data.number("default_tool_acceleration", positive=True),
         max_joint_acceleration=max([joint.qdd_max for joint in joints]),
-        planning_joint_acceleration=data.number("planning_joint_acceleration", positive=True),
-        max_tool_speed=data.number("max_tool_speed", positive=True),
-        max_tool_acceleration=data.number("max_tool_acceleration", positive=True),
-        stop_joint_deceleration=data.number("stop_joint_deceleration", positive=True),
-        stop_tool_deceleration=data.number("stop_tool_deceleration", positive=True),
         gravity=data.vector("gravity"),
-        equivalent_radius_m=data.number("equivalent_radius_m", positive=True),
-        speed_ramp_s=data.number("speed_ramp_s", positive=True),
-        tracking_acceleration=data.number("tracking_acceleration", positive=True),
-        tracking_speed=data.number("tracking_speed", positive=True),
         joint_temperatures=data.joint_row("joint_temperatures"),
         controller_temperature=data.number("controller_temperature"),
         thermal=Thermal(*[data.number(f"thermal.{name}", positive=True) for name in _THERMAL]),
         safety=ModelSafetyLimits(
             normal=_safety_level(data, "normal"),
             reduced=_safety_level(data, "reduced"),
-            joint_speed_margin=data.number("safety.joint_speed_margin", positive=True),
-            joint_position_margin=data.number("safety.joint_position_margin", positive=True),
-            tracking_error_max=data.number("safety.tracking_error_max", positive=True),
+            **{name: data.number(f"safety.{name}", positive=True) for name in _SAFETY},
         ),
         plant=_plant(data),
         sources=data,
+        **{name: data.number(name, positive=True) for name in _POSITIVE},
     )
 
 
@@ -281,42 +266,33 @@ _ANGLE_MAX: Final = 4.0 * pi
 _SPEED_MAX: Final = 20.0
 """Beyond these a number is in millimetres or degrees, whatever the arm, m, rad, rad/s."""
 
-_JOINT_ROWS: Final = ("q_min", "q_max", "qd_max", "qdd_max", "effort_max", "torque_constant")
-_THERMAL: Final = ("time_constant_s", "joint_rise_torque", "joint_rise_speed", "controller_rise")
-_SAFETY_LEVEL: Final = (
-    "tool_speed",
-    "elbow_speed",
-    "tool_force",
-    "power",
-    "momentum",
-    "stop_time_s",
-    "stop_distance",
+_POSITIVE: Final = (
+    "payload_max_kg",
+    "default_joint_speed",
+    "default_joint_acceleration",
+    "default_tool_speed",
+    "default_tool_acceleration",
+    "planning_joint_acceleration",
+    "max_tool_speed",
+    "max_tool_acceleration",
+    "stop_joint_deceleration",
+    "stop_tool_deceleration",
+    "equivalent_radius_m",
+    "speed_ramp_s",
+    "tracking_acceleration",
+    "tracking_speed",
 )
+"""Keys of positive numbers that the model has under the same name."""
+
+_JOINT_ROWS: Final = ("q_min", "q_max", "qd_max", "qdd_max", "effort_max", "torque_constant")
+_THERMAL: Final = tuple(Thermal.__dataclass_fields__)
+_SAFETY: Final = ("joint_speed_margin", "joint_position_margin", "tracking_error_max")
+_SAFETY_LEVEL: Final = tuple(SafetyLevel.__dataclass_fields__)
 _KNOWN_KEYS: Final = frozenset(
     (
-        "type_id",
-        "payload_max_kg",
-        "reach_m",
-        "home",
-        "default_joint_speed",
-        "default_joint_acceleration",
-        "default_tool_speed",
-        "default_tool_acceleration",
-        "planning_joint_acceleration",
-        "max_tool_speed",
-        "max_tool_acceleration",
-        "stop_joint_deceleration",
-        "stop_tool_deceleration",
-        "gravity",
-        "equivalent_radius_m",
-        "speed_ramp_s",
-        "tracking_acceleration",
-        "tracking_speed",
-        "joint_temperatures",
-        "controller_temperature",
-        "safety.joint_speed_margin",
-        "safety.joint_position_margin",
-        "safety.tracking_error_max",
+        *("type_id", "reach_m", "home", "gravity", "joint_temperatures", "controller_temperature"),
+        *_POSITIVE,
+        *(f"safety.{name}" for name in _SAFETY),
         *(f"thermal.{name}" for name in _THERMAL),
         *(f"arm.{name}" for name in _LENGTHS),
         *(f"calibration.{name}" for name in ("a", "d", "alpha")),

@@ -1,4 +1,4 @@
-"""Pages to look at: what a run did, as one HTML file that needs nothing else.
+"""Builds plot pages: a run as one self-contained HTML file.
 
 Pure: rows of a trace and events go in, text comes out.
 """

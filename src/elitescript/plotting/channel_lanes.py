@@ -1,4 +1,4 @@
-"""Connections to the outside, one lane each: what was opened, sent, received, closed, refused, or took too long."""
+"""Lanes of connections to the outside: what was opened, sent, received, closed, refused, or timed out."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ KINDS: Final = ("socket", "rpc", "modbus", "serial")
 WHATS: Final = ("open", "sent", "received", "closed", "refused", "timeout")
 
 CHANNELS_MAX: Final = 40
-"""Channels with a lane of their own: those that did something first. The others share one."""
+"""Channels with a lane of their own: those that were active first. The others share one."""
 
 ENTRIES_MAX: Final = 300
 """Marks of one lane."""
@@ -28,8 +28,8 @@ _Entry = tuple[int, ChannelActivity]
 def channel_lanes(events: Sequence[Event]) -> dict[str, Any]:
     """Return lanes of the channels.
 
-    A lane with too many entries keeps, for each of many short stretches of time and for each thing that a channel
-    does, the first entry and how many it stands for.
+    A lane with too many entries keeps, for each of many short stretches of time and for each kind of activity, the
+    first entry and how many it stands for.
 
     Returns:
         `lanes`: for each channel `name`, `kind`, `total` (entries), times `t` (whole ms, each as the difference to the
@@ -73,7 +73,7 @@ def _text(event: ChannelActivity, *, is_shared: bool) -> str:
 
 
 def _thinned(found: list[ChannelActivity], most: int) -> list[_Entry]:
-    """No more than so many marks, in the order of time."""
+    """Return at most `most` marks, in the order of time, though at least one for each kind of activity."""
     if len(found) <= most:
         return [(1, event) for event in found]
     first, last = found[0].tick, found[-1].tick
@@ -84,7 +84,7 @@ def _thinned(found: list[ChannelActivity], most: int) -> list[_Entry]:
             key = ((event.tick - first) * stretches // (last - first + 1), event.what)
             count, kept = marks.get(key, (0, event))
             marks[key] = (count + 1, kept)
-        # One stretch has a mark for each thing that a channel does, so that the loop ends.
+        # One stretch has a mark for each kind of activity, so the loop ends.
         if len(marks) <= most or stretches == 1:
             return sorted(marks.values(), key=lambda entry: entry[1].tick)
         stretches = max(1, stretches * 3 // 4)

@@ -1,4 +1,4 @@
-"""Curves of a trace: joints, their speeds and accelerations, and the TCP, thinned and packed for a page."""
+"""Builds the curves of a trace: joints, their speeds and accelerations, and the TCP, thinned and packed for a page."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _PATH_STEP_M: Final = 0.0001
 
 
 def joint_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, Any]]:
-    """For each joint its name and the curves `q`, `qd`, `qdd` with their limits, rad and s.
+    """Return for each joint its name and the curves `q`, `qd`, `qdd` with their limits, rad and s.
 
     The acceleration of a row is the change of `qd` since the row before, divided by the time between them.
     """
@@ -49,7 +49,10 @@ def joint_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, 
 
 
 def error_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, Any]]:
-    """Tracking error of each joint, target less actual, with the limit that stops the arm, rad; empty if unknown."""
+    """Return the tracking error of each joint, target less actual, and the limit that stops the arm, rad.
+
+    Empty if the trace does not have it.
+    """
     if any(row.q_actual is None for row in rows):
         return []
     times = [row.t for row in rows]
@@ -61,23 +64,21 @@ def error_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, 
 
 
 def accelerations(times: Sequence[float], qd: Sequence[float]) -> list[float]:
-    """Mean acceleration over the time before each sample, rad/s^2; zero at the first."""
+    """Return the mean acceleration over the time before each sample, rad/s^2; zero at the first."""
     steps = zip(pairwise(times), pairwise(qd), strict=True)
     return [0.0, *((v1 - v0) / (t1 - t0) for (t0, t1), (v0, v1) in steps)]
 
 
 def tcp_speeds(rows: Sequence[TraceRow]) -> list[float]:
-    """Mean speed of the TCP over the time before each row, m/s; zero at the first.
+    """Return the mean speed of the TCP over the time before each row, m/s; zero at the first.
 
     A pose that changes while the joints stand is another TCP, not a motion.
     """
-    return [
-        0.0,
-        *(
-            0.0 if row.q == later.q else dist(row.tcp_pose[:3], later.tcp_pose[:3]) / (later.t - row.t)
-            for row, later in pairwise(rows)
-        ),
-    ]
+    speeds = (
+        0.0 if row.q == later.q else dist(row.tcp_pose[:3], later.tcp_pose[:3]) / (later.t - row.t)
+        for row, later in pairwise(rows)
+    )
+    return [0.0, *speeds]
 
 
 def speed_curve(rows: Sequence[TraceRow], speeds: Sequence[float], speed_max: float) -> dict[str, Any]:
@@ -86,7 +87,7 @@ def speed_curve(rows: Sequence[TraceRow], speeds: Sequence[float], speed_max: fl
 
 
 def tcp_path(rows: Sequence[TraceRow], speeds: Sequence[float]) -> dict[str, Any]:
-    """Return the TCP path: times, positions and speeds of its corners, and where the TCP was replaced by another."""
+    """Return the TCP path: times, positions and speeds of its corners, and where the TCP was replaced."""
     times = [row.t for row in rows]
     columns = [[row.tcp_pose[axis] for row in rows] for axis in range(3)]
     jumps = [

@@ -1,7 +1,7 @@
-"""Fewer points for the same picture.
+"""Thins curves.
 
 A screen shows some thousand columns, a run has a row every 4 ms. A curve is thinned to the samples between which
-straight lines stay within a tolerance; a curve too restless for that keeps the lowest and the highest sample of each of
+straight lines stay within a tolerance; a curve with too many of them keeps the lowest and the highest sample of each of
 many short stretches. Either way the lowest and the highest value of the whole curve, its first and its last sample
 survive.
 """
@@ -35,8 +35,8 @@ def within_tolerance(
 ) -> list[int]:
     """Return indices of samples between which straight lines pass every other sample within a tolerance.
 
-    With `enough` the rest of the curve is not looked at any more once there are more indices than that, so that a
-    tolerance that is too small for a long curve is found out early.
+    With `enough` the rest of the curve is skipped once there are more indices than that, so that a tolerance that is
+    too small for a long curve is rejected early.
     """
     count = len(values)
     if count <= 2:
@@ -84,7 +84,7 @@ def _walk(
     kept: list[int],
     enough: int,
 ) -> None:
-    """Append what is needed strictly between two samples, as long as there are no more than `enough`.
+    """Append the indices that are needed strictly between two samples; stop after more than `enough`.
 
     From an anchor, the slopes of all lines that pass the samples so far within the tolerance form an interval. The
     first sample that is seen outside of it ends the line at the sample before.

@@ -1,4 +1,4 @@
-"""Turn events into lanes: moves as bars, signals as levels, connections, messages and alarms as marks."""
+"""Turns events into lanes: moves as bars, signals as levels, connections, messages and alarms as marks."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MARKS_MAX: Final = 800
 
 
 def moves(events: Sequence[Event], end_s: float) -> list[list[Any]]:
-    """Start, end, kind and line of every move that took time, s."""
+    """Return start, end, kind and line of every move that took time, s."""
     found: list[list[Any]] = []
     under_way: MotionStarted | None = None
     for event in events:
@@ -42,7 +42,7 @@ def moves(events: Sequence[Event], end_s: float) -> list[list[Any]]:
 
 
 def marks(events: Sequence[Event]) -> tuple[list[dict[str, Any]], int]:
-    """Return messages, warnings and alarms with time, line, text and hints; and how many more there were.
+    """Return messages, warnings and alarms with time, line, text and hints; and how many were left out.
 
     Alarms are all kept, and of the rest the first.
     """

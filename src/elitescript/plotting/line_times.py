@@ -1,4 +1,4 @@
-"""Where the time goes: stretches of one program line, and the sum for each line."""
+"""Times by program line: stretches in one line, and the sum for each line."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class LineStretch(NamedTuple):
 
 
 class LineTime(NamedTuple):
-    """What one line took in all."""
+    """Time of one line in all."""
 
     line: int
     moving_s: float
@@ -41,7 +41,7 @@ class ThreadLines:
         """For each thread the times at which it came to a line; line 0 while there is no such thread."""
 
     def record(self, time_s: float, threads: Iterable[tuple[str, int]]) -> None:
-        """Note where the threads are.
+        """Record the lines of the threads.
 
         Args:
             time_s: of the tick, s; ascending.
@@ -95,7 +95,7 @@ def line_times(rows: Sequence[TraceRow]) -> list[LineTime]:
 
 
 def merged(found: Sequence[LineStretch], stretches_max: int) -> list[LineStretch]:
-    """No more stretches than so many: runs of short ones become one, under the line that took most of it."""
+    """Return fewer stretches: runs of short ones become one, under the line that took most of it."""
     if len(found) <= stretches_max:
         return list(found)
     shortest_s = 2.0 * (found[-1].end_s - found[0].start_s) / stretches_max

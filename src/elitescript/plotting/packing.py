@@ -1,4 +1,4 @@
-"""Pack numbers and texts for a page: numbers whole and as differences, texts short and without hidden characters."""
+"""Packs numbers and texts for a page: numbers whole and as differences, texts short and without hidden characters."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Final
 TEXT_MAX: Final = 300
 """Characters of a message or of what a channel carried."""
 
-# Control characters but line ends and tabs, and those that turn the direction of what follows, which would make a line
-# of a program read as another one.
+# Control characters except line ends and tabs, and those that change the direction of text, which could disguise a line
+# of a program.
 _HIDDEN: Final = re.compile("[\\x00-\\x08\\x0b\\x0c\\x0e-\\x1f\\x7f-\\x9f\\u200e\\u200f\\u2028-\\u202e\\u2066-\\u2069]")
 
 

@@ -1,4 +1,4 @@
-"""The page: one HTML file with its data, its style and its code, which asks no other computer for anything."""
+"""Writes the page: one HTML file with its data, style and code, which loads nothing from elsewhere."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ SOURCE_TEXT_MAX: Final = 400
 """Characters of a source line on the page."""
 
 SOURCE_MAX: Final = 150_000
-"""Characters of the program on the page; of a longer one the rest is left out but for lines that something names."""
+"""Characters of the program on the page; of a longer one only lines that are referred to follow."""
 
 _FOLDER: Final = Path(__file__).parent
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """What a page is about.
+    """Contents of a page.
 
     Attributes:
-        title: what the page is called.
+        title: of the page.
         model: the arm that moved, whose limits are drawn.
         rows: at least one row of a trace.
         source: text of the program; None if only the trace is known.
-        events: what happened besides motion; times count like those of the rows.
+        events: of the run; times count like those of the rows.
         state: how the run ended; empty if only the trace is known.
         step_s: time between two rows, s; 0 if only the trace is known.
         thread_lines: where each thread beside the main one was, in the order in which they began.
@@ -71,8 +71,7 @@ def page(recording: Recording) -> str:
         # An end tag or a comment in a text of the program must not end the element.
         "data": data.replace("<", "\\u003c"),
     }
-    text = _part("page.html")
-    pieces = text.split("@@")
+    pieces = _part("page.html").split("@@")
     return "".join(parts[piece] if index % 2 else piece for index, piece in enumerate(pieces))
 
 
@@ -131,7 +130,7 @@ def page_data(recording: Recording) -> dict[str, Any]:
 
 
 def _source_lines(source: SourceFile, named: set[int]) -> dict[int, str]:
-    """Return the text of the program by line; of a very long one its begin and the lines that are named."""
+    """Return the text of the program by line; of a very long one its begin and the lines in `named`."""
     lines: dict[int, str] = {}
     size = 0
     for number, text in enumerate(_lines(source), 1):
@@ -143,7 +142,7 @@ def _source_lines(source: SourceFile, named: set[int]) -> dict[int, str]:
 
 
 def _lines(source: SourceFile) -> Sequence[str]:
-    """Without the empty one after the last line end."""
+    """Return the lines without the empty one after the last line end."""
     return source.lines[:-1] if source.lines and not source.lines[-1] else source.lines
 
 

@@ -1,4 +1,4 @@
-"""Rows for a page: one for each control period of a short run, fewer the longer it lasts.
+"""Records rows for a page: one for each control period of a short run, fewer the longer it lasts.
 
 A page shows some thousand points of a curve, so a run of hours need not be kept period by period. Whenever there are
 more rows than `rows_max` every second one is dropped and the step doubles. The first row of each stretch in one program

@@ -1,4 +1,4 @@
-"""Signals that changed, one lane each: from the events of a run, or from the columns of a trace."""
+"""Lanes of the signals that changed, from the events of a run or the columns of a trace."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ OTHERS_MAX: Final = 200
 
 @dataclass(slots=True)
 class _Steps:
-    """The levels of one signal, each from its time on; the first is the one at the start."""
+    """Levels of one signal, each from its time on; the first is that at the start."""
 
     times: list[float]
     values: list[Value]
@@ -47,7 +47,7 @@ class _Steps:
 
 
 def signal_lanes(events: Sequence[Event], start_s: float) -> dict[str, Any]:
-    """Return lanes of the signals that the events say have changed.
+    """Return lanes of the signals that changed, from events.
 
     Args:
         events: of a run, in order.
@@ -82,7 +82,7 @@ def signal_lanes_of_rows(rows: Sequence[TraceRow]) -> dict[str, Any]:
     """Return lanes of the signals in the columns of a trace: all of a few columns, of many those that changed.
 
     Returns:
-        As `signal_lanes`; a trace does not say what caused a change.
+        As `signal_lanes`; a trace has no causes of changes.
     """
     found = {name: _Steps([rows[0].t], [value]) for name, value in rows[0].signals.items()}
     before = rows[0].signals
@@ -130,7 +130,7 @@ def _value_before(event: SignalChanged) -> Value:
 
 
 def _order(name: str) -> tuple[bool, bool, str, int]:
-    """Terminals before registers and flags, outputs before inputs."""
+    """Sort terminals before registers and flags, outputs before inputs."""
     signal, index = parse_signal_name(name)
     return not signal.name.endswith(("_in", "_out")), signal.is_input, signal.name, index
 

@@ -1,4 +1,4 @@
-"""Reading a trace back from its file, row by row, with the place of everything that is wrong."""
+"""Reads a trace from its file, row by row, and locates every mistake."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from elitescript.messages.signals import Value, parse_signal_name
 from elitescript.paths import why_no_file
 
 SUFFIXES: Final = (".csv", ".jsonl")
-"""What the name of a trace ends in."""
+"""Suffixes of trace files."""
 
 _NUMBERS: Final = tuple(name for name in TRACE_COLUMNS if name not in ("line", "state"))
 
@@ -109,7 +109,7 @@ def _row(place: str, record: Mapping[str, Any]) -> TraceRow:
 
 
 def _kind_of_signal(column: str) -> str:
-    """Return the kind of the signal of that name; empty if the column is no signal."""
+    """Return the kind of the signal of that name; empty if the column is not a signal."""
     if column in TRACE_COLUMNS or column in ACTUAL_COLUMNS:
         return ""
     try:

@@ -11,14 +11,9 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.context import Machine
 from elitescript.errors import ProgramError, ScriptPermissionError
-from elitescript.language.compiler import (
-    MAIN,
-    CompiledUnit,
-    Options,
-    Statement,
-    compile_expression,
-    compile_unit,
-)
+from elitescript.language.compiler import CompiledUnit, Statement, compile_expression, compile_unit
+from elitescript.language.hooks import MAIN
+from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile

@@ -174,7 +174,7 @@ class RobotServer:
         """
         listener = self.listeners.get(service)
         if listener is None:
-            raise UsageError(f"service: the robot has the ports {', '.join(self.listeners)}, not {service!r}")
+            raise UsageError(f"the robot has the ports {', '.join(self.listeners)}, not {service!r}")
         return listener.connect(origin)
 
     @property

@@ -1,6 +1,6 @@
-"""pytest plugin: specification pages are collected as tests.
+"""Collects specification pages as tests: a pytest plugin.
 
-Pages are looked for in the folders of the ini option `elitescript_spec`; without it nothing is collected.
+Pages are collected from the folders of the ini option `elitescript_spec`; without it nothing is collected.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 
 class Page(pytest.File):
-    """One page."""
+    """Collects the cases of one page."""
 
     def collect(self) -> Iterator[pytest.Item]:
         """Yield one test for each expectation of each case."""
@@ -39,7 +39,7 @@ class Page(pytest.File):
 
 
 class SpecItem(pytest.Item):
-    """One case under one set of conditions."""
+    """Runs one case under one set of conditions."""
 
     def __init__(self, *, case: Case, expectation: Expectation, **rest: Any) -> None:
         super().__init__(**rest)

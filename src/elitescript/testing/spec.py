@@ -1,6 +1,6 @@
 """Specification pages: Markdown in which programs and their expected outcome are executed.
 
-A page is cut into cases, a case is run on a `VirtualRobot`, and the outcome is compared with the lines of its
+A page is split into cases, a case is run on a `VirtualRobot`, and the outcome is compared with the lines of its
 `expect` block. The form of a page is described in `tests/spec/README.md` of the source repository.
 """
 
@@ -15,7 +15,7 @@ from elitescript.errors import UsageError
 FENCE: Final = "```"
 
 SERVED: Final = frozenset({"port", "interpreter", "query"})
-"""Words of texts that a served robot takes, through its ports."""
+"""Words of texts that are sent to the ports of a robot."""
 TEXT_WORDS: Final = frozenset({"stream", "close", "bare", "crlf", "cr", "bom", "at", "needs", "idle"}) | SERVED
 EXPECT_WORDS: Final = frozenset({"strict", "firmware", "until"})
 LISTS: Final = ("out", "print", "error", "alarm", "refused", "global", "sent")
@@ -90,21 +90,21 @@ class Case:
     line: int
     texts: tuple[ProgramBlock, ...]
     expectations: tuple[Expectation, ...]
-    cell: str = ""
-    """What is around the robot, as the text of a cell file."""
+    world: str = ""
+    """The surroundings of the robot, as the text of a world file."""
     inputs: tuple[tuple[float, str, float], ...] = ()
     """Signals that change: time in s, name, value."""
     servers: tuple[tuple[int | str, int, str], ...] = ()
-    """What programs can speak to: port or serial line, line in the page, what it does; see `spec_server`."""
+    """Servers and serial devices: port or serial line, line in the page, text; see `spec_server`."""
 
     @property
     def needs(self) -> str:
-        """Feature that the case waits for; empty if it can be run."""
+        """Feature that the case needs and that is missing; empty if it can be run."""
         return next((text.words["needs"] for text in self.texts if "needs" in text.words), "")
 
     @property
     def is_served(self) -> bool:
-        """Whether a served robot takes it, through its ports."""
+        """Whether it runs through the ports of a robot."""
         return not SERVED.isdisjoint(self.texts[0].words)
 
     @property
@@ -115,11 +115,11 @@ class Case:
 
 @dataclass(slots=True)
 class CaseOutcome:
-    """What a case did, in the words of an `expect` block."""
+    """Outcome of a case, in the words of an `expect` block."""
 
     lists: dict[str, list[str]] = field(default_factory=lambda: {key: [] for key in LISTS})
     findings: list[str] = field(default_factory=list)
-    """What the checker said, as `warn: CODE line N` or `finding: CODE line N`."""
+    """Findings of the checker, as `warn: CODE line N` or `finding: CODE line N`."""
     log_warnings: list[str] = field(default_factory=list)
     state: str = ""
     time_s: float = 0.0
@@ -127,7 +127,7 @@ class CaseOutcome:
     node: str = ""
     moves: int = 0
     wrong_replies: list[str] = field(default_factory=list)
-    """What a client heard that it should not have, or the other way round."""
+    """Replies that a client should not have received, or did not receive."""
 
 
 def parse_page(page: str) -> list[Case]:
@@ -141,7 +141,7 @@ def parse_page(page: str) -> list[Case]:
     line = 0
     texts: list[ProgramBlock] = []
     expectations: list[Expectation] = []
-    cell: list[str] = []
+    world: list[str] = []
     inputs: list[tuple[float, str, float]] = []
     servers: list[tuple[int | str, int, str]] = []
 
@@ -153,9 +153,9 @@ def parse_page(page: str) -> list[Case]:
                 raise UsageError(f"line {texts[1].line}: several programs in one case must all be `stream`")
             names = [heading for heading in headings if heading]
             title = "/".join(names[1:] or names)
-            around = "".join(cell), tuple(inputs), tuple(servers)
+            around = "".join(world), tuple(inputs), tuple(servers)
             cases.append(Case(title, line, tuple(texts), tuple(expectations), *around))
-        for found in (texts, expectations, cell, inputs, servers):
+        for found in (texts, expectations, world, inputs, servers):
             found.clear()
 
     for number, kind, info, body in _blocks(page):
@@ -170,7 +170,7 @@ def parse_page(page: str) -> list[Case]:
                 raise UsageError(f"line {number}: a program after the expect block; start a new heading")
             texts.append(ProgramBlock(number + 1, body, _words(number, info, TEXT_WORDS)))
         elif info == "cell":
-            cell.append(body)
+            world.append(body)
         elif info == "inputs":
             inputs += _inputs(number + 1, body)
         elif info.split(" ")[0] == "server":
@@ -254,7 +254,7 @@ def _device(number: int, info: str) -> str:
 
 
 def differences(outcome: CaseOutcome, expectation: Expectation) -> list[str]:
-    """Return what the outcome lacks or has too much of; empty when the expectation holds."""
+    """Return the differences between outcome and expectation; empty if it holds."""
     found = list(outcome.wrong_replies)
     for key in LISTS:
         wanted, had = expectation.values(key), outcome.lists[key]
@@ -282,17 +282,8 @@ def _matches(wanted: str, had: str) -> bool:
     if wanted == had:
         return True
     words = had.split(" ")
-    return (
-        had.startswith("R")
-        and len(words) == 4
-        and wanted.split(" ")
-        in (
-            [words[0]],
-            [words[1]],
-            [words[0], *words[2:]],
-            [words[1], *words[2:]],
-        )
-    )
+    is_alarm = had.startswith("R") and len(words) == 4
+    return is_alarm and wanted.split(" ") in ([name, *place] for name in words[:2] for place in ([], words[2:]))
 
 
 def _list_difference(key: str, wanted: list[str], had: list[str]) -> str:

@@ -1,4 +1,4 @@
-"""Events in the words of an `expect` block."""
+"""Translates events into the words of an `expect` block."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from elitescript.testing.spec import CaseOutcome
 
 
 def note_event(outcome: CaseOutcome, event: Event) -> None:
-    """Note what an event means for an `expect` block."""
+    """Add an event to the outcome of a case."""
     if isinstance(event, TextMessage) and event.level != "warning":
         outcome.lists["out"].append(event.text)
     elif isinstance(event, Printed):

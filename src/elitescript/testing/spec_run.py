@@ -14,7 +14,6 @@ from elitescript.language.options import SECONDARY, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.language.text.units import DiscardedText, Unit, UnitSplitter
 from elitescript.lint.engine import check_source
-from elitescript.messages.events import Event
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
 from elitescript.messages.timing import PERIOD_S
 from elitescript.robot import VirtualRobot
@@ -26,7 +25,7 @@ from elitescript.testing.spec_server import PageServer, network, written
 FILE_LIMIT_S: Final = 100_000.0
 """Virtual time after which a program of a page is cut; a simulated day passes in milliseconds."""
 STREAM_S: Final = 3.0
-"""Virtual time for which a conversation on the script port is watched."""
+"""Virtual time of a conversation on the script port."""
 
 
 def run_case(case: Case, expectation: Expectation) -> list[str]:
@@ -44,7 +43,7 @@ def run_case(case: Case, expectation: Expectation) -> list[str]:
 
 
 class _Observed:
-    """A robot, and what was seen of it."""
+    """A robot and the outcome of its case."""
 
     def __init__(self, case: Case, expectation: Expectation) -> None:
         words = expectation.words
@@ -58,8 +57,8 @@ class _Observed:
             world=MemoryEnvironment(channels=network(self._servers, (end for end, _, _ in case.servers))),
             firmware=self._firmware,
             strict=self._is_strict,
-            contact=ContactConfig.from_table(tomllib.loads(case.cell).get("contact", {})),
-            on_event=lambda event: self._event(event),
+            contact=ContactConfig.from_table(tomllib.loads(case.world).get("contact", {})),
+            on_event=lambda event: note_event(self.outcome, event),
         )
         for time_s, name, value in case.inputs:
             self._robot.at(time_s, name, value)
@@ -80,7 +79,7 @@ class _Observed:
         self._finish(run)
 
     def converse(self, texts: Iterable[ProgramBlock]) -> None:
-        """Let texts arrive on the script port, and do what the port does with their units."""
+        """Send texts to the script port, and run their units as the port does."""
         splitter = UnitSplitter()
         self._check(SourceFile("<page>", "".join(text.sent for text in texts)))
         for text in texts:
@@ -138,11 +137,8 @@ class _Observed:
 
     def _look(self) -> None:
         if self._servers:
-            # What the program sent last is still on its way.
+            # The last data that the program sent is still under way.
             self._robot.advance(2 * PERIOD_S)
         self.outcome.lists["sent"] = [written(server.received) for server in self._servers]
         signals = self._robot.controller.non_default_signals()
         self.outcome.signals = [f"{name} = {value!r}" for name, value in signals.items()]
-
-    def _event(self, event: Event) -> None:
-        note_event(self.outcome, event)

@@ -1,4 +1,4 @@
-"""Servers and serial devices of specification pages: what a program of a page speaks to."""
+"""Servers and serial devices of specification pages."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ Act = Callable[[DeviceLink], None]
 
 
 class PageServer:
-    """A server or a serial device as a page describes it, a row for each thing that it does.
+    """A server or a serial device as a page describes it, one action a row.
 
     `after 0.5 send "text"` and `after 0.5 close` count from the moment when the connection or line is open; `on
-    "question" send "answer"` answers every time that the question has come. Texts are written as in Python.
+    "question" send "answer"` answers each question. Texts are written as in Python.
 
     Args:
         line: of its block in the page.
@@ -66,7 +66,7 @@ class _PagePeer(Peer):
     def __init__(self, link: DeviceLink, server: PageServer) -> None:
         super().__init__(link)
         self._server = server
-        self._heard = b""
+        self._unanswered = b""
 
     def opened(self) -> None:
         for time_s, act in self._server.plan:
@@ -77,10 +77,10 @@ class _PagePeer(Peer):
 
     def received(self, data: bytes) -> None:
         self._server.received += data
-        self._heard += data
+        self._unanswered += data
         for question, answer in self._server.answers:
-            while question in self._heard:
-                self._heard = self._heard.partition(question)[2]
+            while question in self._unanswered:
+                self._unanswered = self._unanswered.partition(question)[2]
                 self.link.send(answer)
 
 

@@ -1,4 +1,4 @@
-"""Cases that a served robot takes: texts for its script port, talks with interpreter mode and with the query port."""
+"""Runs cases through ports: texts for the script port, conversations with interpreter mode and the query port."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from elitescript.testing.spec_events import note_event
 
 CLIENT: Final = "primary#1"
 WATCHED_S: Final = 5.0
-"""Virtual time for which a robot is watched after the last text."""
+"""Virtual time of a case after the last text."""
 
 HOST: Final = """def host():
   global g
@@ -42,7 +42,7 @@ end
 
 
 def run_session(case: Case, expectation: Expectation) -> CaseOutcome:
-    """Run a case; return what was seen."""
+    """Run a case; return its outcome."""
     session = _Session(expectation.words.get("firmware", DEFAULT_FIRMWARE))
     text = case.texts[0]
     if "port" in text.words:
@@ -59,7 +59,7 @@ def run_session(case: Case, expectation: Expectation) -> CaseOutcome:
 
 
 class _Session:
-    """A kernel, and what was seen of it."""
+    """A kernel and the outcome of its case."""
 
     def __init__(self, firmware: str) -> None:
         self.kernel = Kernel(RobotOptions(firmware=firmware, power_on=True))
@@ -68,46 +68,43 @@ class _Session:
         self._last = self._tick()
 
     def stream(self, text: str) -> None:
-        """A text arrives on the script port, and its client closes the connection."""
+        """Send a text to the script port and close the connection."""
         for problem in check_source(SourceFile("<page>", text), self._profile, strict=False):
             word = "finding" if problem.is_error else "warn"
             self.outcome.findings.append(f"{word}: {problem.code} line {problem.line}")
         splitter = UnitSplitter()
         for part in [*splitter.receive(text.encode()), *splitter.close()]:
             if isinstance(part, DiscardedText):
-                self._note_refusal(part)
+                self.outcome.lists["error"] += [f"{problem.code} line {problem.line}" for problem in part.problems]
             else:
                 self._tick(RunUnit(CLIENT, part.kind, part.text, part.first_line))
 
-    def _note_refusal(self, refusal: DiscardedText) -> None:
-        self.outcome.lists["error"] += [f"{problem.code} line {problem.line}" for problem in refusal.problems]
-
     def converse(self, text: str, connection: Connection) -> None:
-        """Lines with `>` are sent, those with `<` must be heard next; `...` in them stands for any text."""
-        heard = b""
+        """Send lines with `>` and expect those with `<` next; `...` in them stands for any text."""
+        received = b""
         for line in text.splitlines():
             mark, _, words = line.partition(" ")
             if mark == ">":
                 self._tick(*connection.receive(words.encode() + b"\n", self._last))
             ticks = ticks_for(WATCHED_S)
-            while mark == "<" and b"\n" not in heard and ticks:
-                heard += b"".join(connection.take())
-                if b"\n" not in heard:
+            while mark == "<" and b"\n" not in received and ticks:
+                received += b"".join(connection.take())
+                if b"\n" not in received:
                     self._tick()
                     ticks -= 1
                     connection.publish(self._last)
             if mark == ">":
                 connection.publish(self._last)
-                heard += b"".join(connection.take())
+                received += b"".join(connection.take())
             else:
-                reply, _, heard = heard.partition(b"\n")
+                reply, _, received = received.partition(b"\n")
                 if not _is_like(reply.decode(), words):
-                    self.outcome.wrong_replies.append(f"heard {reply.decode()!r}, expected {words!r}")
-        if heard:
-            self.outcome.wrong_replies.append(f"heard {heard.decode()!r} besides")
+                    self.outcome.wrong_replies.append(f"received {reply.decode()!r}, expected {words!r}")
+        if received:
+            self.outcome.wrong_replies.append(f"received {received.decode()!r} besides")
 
     def wait(self, duration_s: float) -> None:
-        """Watch until the program is over or that time has passed."""
+        """Run until the program ends or that time has passed."""
         for _ in range(ticks_for(duration_s)):
             if self._last.snapshot.robot.task_state is TaskState.STOPPED:
                 break

@@ -26,7 +26,7 @@ from elitescript.world_file import load_world_file
 
 
 def load_world(path: str | Path) -> World:
-    """Return the world that a file declares, to add devices to it before a robot gets it.
+    """Return the world that a file declares, to which devices can be added before a robot gets it.
 
     Raises:
         UsageError: a mistake in the file, or nothing in it that is beside the robot; the text names file and line.

@@ -56,4 +56,4 @@ def test_two_programs_of_one_name_in_one_text():
 
 def test_the_message_says_where_the_first_one_is():
     job = "def job():\n  sync()\nend\n"
-    assert only(job + job + "job()\n").text == ("`job` is defined already in line 1: nobody can call that one any more")
+    assert only(job + job + "job()\n").text == ("`job` is defined already in line 1: that one can no longer be called")

@@ -1,1 +1,1 @@
-"""What a command is: its registration, arguments, units, texts, and what its body may use."""
+"""Defines what a command is: registration, arguments, units, texts, and the interfaces that its body may use."""

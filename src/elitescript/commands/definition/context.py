@@ -1,8 +1,8 @@
-"""All that a command's body may use.
+"""Interfaces that a command's body may use.
 
-`Machine` is the controller as it stands in this tick; `Robot` is the machine together with the
-running program, as one script thread sees them. The controller implements the first and the
-runtime the second; a test needs neither.
+`Machine` is the controller in this tick; `Robot` is the machine together with the running program,
+as one script thread sees them. The controller implements the first and the runtime the second; a
+test needs neither.
 """
 
 from __future__ import annotations
@@ -70,14 +70,14 @@ class Machine(Protocol):
         """Return torques of this tick without those that the arm needs to carry and to move itself, N m."""
 
     def tcp_wrench(self, is_compensated: bool) -> Six:
-        """Return what the surroundings exert on the TCP in this tick, in its frame: N, N m.
+        """Return the external wrench at the TCP in this tick, in its frame: N, N m.
 
         Args:
             is_compensated: without the payload and less the zero of the sensor.
         """
 
     def path_offset_along(self, frame: OffsetFrame) -> Six:
-        """Return the path offset that the arm has in this tick, along and about the axes of a frame: m, rad."""
+        """Return the path offset of this tick, along and about the axes of a frame: m, rad."""
 
     def tcp_pose_along_path(self) -> Six:
         """Return the target pose of the TCP in this tick without the path offset."""
@@ -111,7 +111,7 @@ class Machine(Protocol):
         """Return a coil of the controller's own Modbus server, 0 to 127."""
 
     def encoder_count(self, index: int) -> float:
-        """Return what the counter of a conveyor encoder shows."""
+        """Return the count of a conveyor encoder."""
 
     def encoder_unwound(self, index: int, delta: float) -> float:
         """Return a difference of two counts of an encoder, without the overflow of its counter."""
@@ -146,13 +146,13 @@ class Machine(Protocol):
         """
 
     def emit(self, event: Event) -> None:
-        """Record what happened."""
+        """Record an event."""
 
 
 Rule = Callable[[bytearray, bool], tuple[Any, int]]
-"""Finds something at the begin of what a connection has received; see `socket_rules`.
+"""Reads from the begin of what a connection has received; see `socket_rules`.
 
-Its second argument says that no more will come; then there must be a result. It returns the result, or None if more
+The second argument is True if no more bytes will come; then there must be a result. Returns the result, or None if more
 is needed, and how many bytes are used up.
 """
 
@@ -161,26 +161,26 @@ class SocketAccess(Protocol):
     """The TCP connections of a program, by name."""
 
     def open(self, address: str, port: int, name: str) -> bool:
-        """Connect to a server, within 2 s; whether the connection stands."""
+        """Connect to a server within 2 s; return whether the connection is open."""
 
     def close(self, name: str) -> None:
         """Close a connection; no effect on an unknown one."""
 
     def is_connected(self, name: str) -> bool:
-        """Return whether a connection stands."""
+        """Return whether a connection is open."""
 
     def send(self, name: str, data: bytes) -> bool:
-        """Send bytes; whether the connection stands."""
+        """Send bytes; return whether the connection is open."""
 
     def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
-        """Read what a rule finds, waiting at most that long for it; 0 and less wait for ever."""
+        """Return what a rule finds, waiting at most `timeout_s`; 0 and less wait for ever."""
 
 
 class SerialLineAccess(Protocol):
     """Give access to the serial ports, `tool` or that of the control box (`runtime.connections.serial_lines`)."""
 
     def enable(self, device: str, settings: LineSettings, *, is_modbus: bool, is_daemons: bool = False) -> bool:
-        """Open a port, or open it anew; whether it is open now."""
+        """Open a port, or open it anew; return whether it is open."""
 
     def disable(self, device: str) -> None:
         """Close a port; no effect on a closed one."""
@@ -189,40 +189,40 @@ class SerialLineAccess(Protocol):
         """Return whether a port is enabled."""
 
     def open_devices(self) -> list[str]:
-        """Return devices of the ports that are enabled, sorted."""
+        """Return the devices of the enabled ports, sorted."""
 
     def mode(self, device: str) -> str:
-        """`RS485`, `MODBUS-RTU` or `CLOSE`."""
+        """Return `RS485`, `MODBUS-RTU` or `CLOSE`."""
 
     def read(self, device: str, count: int, timeout_s: float) -> bytes:
-        """Read bytes, fewer if time is up; 0 s and less wait for ever.
+        """Read bytes, fewer after the timeout; 0 s and less wait for ever.
 
         Raises:
             ScriptPermissionError: the port belongs to a daemon; so for all that follow.
         """
 
     def write(self, device: str, data: bytes) -> int | None:
-        """Send bytes; how many were sent, None if the port is not open in plain mode."""
+        """Send bytes; return how many were sent, None if the port is not open in plain mode."""
 
     def flush(self, device: str) -> None:
-        """Drop what has arrived and is not read."""
+        """Drop received bytes that are not read."""
 
     def read_slave(
         self, device: str, slave: int, function: int, address: int, count: int, timeout_s: float
     ) -> tuple[int, ...] | None:
-        """Ask a slave for values by function 1 to 4; None if that fails."""
+        """Read values of a slave with function 1 to 4; return None if that fails."""
 
     def write_slave(
         self, device: str, slave: int, function: int, address: int, values: tuple[int, ...], timeout_s: float
     ) -> bool:
-        """Have a slave take values over by function 5, 6, 15 or 16; whether it has."""
+        """Write values to a slave with function 5, 6, 15 or 16; return whether it accepted them."""
 
 
 class ModbusSignalAccess(Protocol):
     """The MODBUS TCP signals of the controller, by name.
 
-    Whoever names a signal that there is not gets an `InvalidValueError`; a signal that is used while it does not work
-    for longer than its watchdog allows is a `ScriptStateError`, code R134.
+    The name of an unknown signal raises `InvalidValueError`; the use of one that has not worked for longer than its
+    watchdog allows raises `ScriptStateError`, code R134.
     """
 
     def add(
@@ -255,7 +255,7 @@ class ModbusSignalAccess(Protocol):
         """Remove a signal."""
 
     def status(self, name: str) -> bool | int | tuple[bool, ...] | tuple[int, ...]:
-        """Return what a signal stands at: a tuple if it has several coils or registers."""
+        """Return the value of a signal: a tuple if it has several coils or registers."""
 
     def set(self, name: str, values: tuple[int, ...], *, is_digital: bool) -> None:
         """Set an output.
@@ -272,22 +272,22 @@ class ModbusSignalAccess(Protocol):
         """
 
     def retime(self, name: str, frequency_hz: int) -> None:
-        """Change how often a signal is asked for."""
+        """Change how often a signal is requested."""
 
     def set_watchdog(self, name: str, timeout_s: float) -> None:
-        """Change how long it may be faulty before using it is an alarm."""
+        """Change how long a signal may be faulty before its use is an alarm."""
 
     def errors(self, name: str) -> tuple[int, int]:
-        """Return the error code of the device, error number of the connection."""
+        """Return the error code of the device and the error number of the connection."""
 
     def invalid_s(self, name: str) -> float:
         """Return the time since a faulty signal worked; 0 for one that does."""
 
     def request(self, address: str, port: int, slave: int, function: int, data: bytes, *, is_once: bool) -> None:
-        """Send a request once, or again and again.
+        """Send a request once, or repeatedly.
 
         Raises:
-            ScriptStateError: too many wait, or there are too many signals.
+            ScriptStateError: too many requests are queued, or there are too many signals.
         """
 
     def reset(self, address: str, port: int, *, waits: bool) -> None:
@@ -323,7 +323,7 @@ class Robot(Protocol):
         """Return an object whose methods are the procedures of an XML-RPC server.
 
         Raises:
-            InvalidValueError: the URL makes no sense.
+            InvalidValueError: the URL is not valid.
         """
 
     @property
@@ -347,22 +347,22 @@ class Robot(Protocol):
         """
 
     def move(self, request: MoveRequest | DriveRequest | YieldRequest) -> None:
-        """Ask for a move and wait for its end, or for anything else and wait until its call is over."""
+        """Request a motion and wait until its call is over; for a move, until it ends."""
 
     def track(self, request: TrackRequest) -> None:
-        """Begin to go along with a conveyor, or ask for the end of that and wait for standstill."""
+        """Begin to track a conveyor, or end that and wait for standstill."""
 
     def shift(self, request: PathOffsetRequest) -> None:
         """Shift the motion by an offset, or set how that is done; returns at once."""
 
     def stop_motion(self, request: MotionRequest | YieldRequest) -> None:
-        """Ask for a stop and wait for standstill."""
+        """Request a stop and wait for standstill."""
 
     def request(self, request: MachineRequest) -> None:
         """Change the machine without moving it."""
 
     def wait_ticks(self, count: int) -> None:
-        """Let `count` ticks go by; 0 returns at once."""
+        """Wait `count` ticks; 0 returns at once."""
 
     def start_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> int:
         """Start a script thread in this tick, after the threads that run already; return its handle (never 0).
@@ -382,36 +382,36 @@ class Robot(Protocol):
         """End a thread where it stands; no effect on 0, an unknown or a finished one."""
 
     def message(self, text: str) -> None:
-        """One entry in the robot's log."""
+        """Write one entry in the robot's log."""
 
     def popup(self, text: str, title: str, level: str, *, is_blocking: bool) -> None:
         """Show a message window; wait for its confirmation when it blocks."""
 
     def warn_once(self, key: str, text: str, *, code: str = "", hint: str = "") -> None:
-        """Record a warning, the first time in this program that `key` comes by."""
+        """Record a warning, once in a program for each `key`."""
 
     def mistaken(self, meaning: str, value: Six) -> Doubt | None:
-        """Return the doubt about joint positions where a pose belongs, or the reverse: a command returned them.
+        """Return the doubt about joint positions where a pose belongs, or the reverse, if a command returned them.
 
         Args:
             meaning: of the parameter.
-            value: what it gets.
+            value: of the argument.
         """
 
     def remember(self, kind: str, value: Six) -> None:
-        """Keep what a command returns, `joints` or a `pose`, so that `mistaken` knows it again."""
+        """Keep what a command returns, `joints` or a `pose`, for `mistaken`."""
 
     def hold_doubts(self, doubts: Sequence[Doubt]) -> None:
-        """Keep doubts about the call that is made now until it is accepted; none of them when it is refused."""
+        """Keep doubts about the present call until it is accepted; replaces those before."""
 
     def tell_doubts(self) -> None:
-        """Record the doubts that are held as warnings, each once for a line."""
+        """Record the held doubts as warnings, each once for a line."""
 
     def random(self) -> float:
         """Return the next number in [0, 1) of the program's seeded generator."""
 
     def pause(self) -> None:
-        """Pause the task until somebody resumes it."""
+        """Pause the task until it is resumed."""
 
     def halt(self) -> None:
         """Stop the task; does not return."""
@@ -427,7 +427,7 @@ class Robot(Protocol):
         """End the session of interpreter mode, if one runs."""
 
     def clear_interpreter(self) -> None:
-        """Throw away the statements that wait, and forget what statements have defined."""
+        """Drop the queued statements and the definitions of earlier ones."""
 
     def watch(self, variable: str, frequency_hz: float, action: str) -> None:
         """Watch an RTSI input until the program ends.
@@ -437,4 +437,4 @@ class Robot(Protocol):
         """
 
     def mark(self, number: int, label: str) -> None:
-        """Note the node of the program tree that was reached."""
+        """Record the node of the program tree that was reached."""

@@ -1,4 +1,4 @@
-"""Reading the parts of a command's docstring: summary, behaviour, arguments, result, errors."""
+"""Splits a command's docstring: summary, behaviour, arguments, result, errors."""
 
 from __future__ import annotations
 

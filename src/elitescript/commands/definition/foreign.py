@@ -1,4 +1,4 @@
-"""What commands are called in other robots' languages."""
+"""Maps command names of other robots' languages to commands."""
 
 from __future__ import annotations
 

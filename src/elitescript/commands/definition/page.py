@@ -1,4 +1,4 @@
-"""Commands as text for people: one of them in full, or all of them as a list."""
+"""Describes commands as text: one in full, or all as a list."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def kind_of(quantity: Quantity) -> str:
 
 
 def source_of(command: Command) -> str:
-    """Since when there is the command, and how we know of it."""
+    """Return the release that brought the command, and the evidence for it."""
     text = f"since {command.since}, {command.evidence}"
     if not command.manual or command.alias_of:
         return text
@@ -89,7 +89,7 @@ def index(catalogue: Catalogue) -> str:
 
 
 def matches(catalogue: Catalogue, word: str) -> list[Command]:
-    """Return commands that a word finds: by name first, then by parameters, then by what is said about them.
+    """Return commands that a word finds: by name first, then by parameters, then by their texts.
 
     Args:
         catalogue: all commands.

@@ -1,7 +1,7 @@
-"""What a command would accept, but nobody can mean: degrees for radians, millimetres for metres, and their like.
+"""Detects values that are legal but hardly meant: degrees for radians, millimetres for metres, and their like.
 
-`JUDGES` has a row for each `meaning` of a quantity: a pure function from a value to doubts. The checker asks it for
-values that are certain before the run, `Command.call` for the values of the run, so that both say the same.
+`JUDGES` has a row for each `meaning` of a quantity: a pure function from a value to doubts. The checker applies it to
+values that are certain before the run, `Command.call` to the values of the run, so both report the same.
 
 The bounds lie so far above what any arm does that no legal value meets them (*assumed*: a bound is a factor above
 the largest number that an arm of this family has, and below what the same quantity usually is in the other unit).
@@ -49,7 +49,7 @@ BLEND_MOST_M: Final = 2.0
 """A radius beyond it holds the whole workspace of the largest arm."""
 
 PAYLOAD_MOST_KG: Final = 25.0
-"""What the strongest arm carries."""
+"""Payload of the strongest arm."""
 
 QUARTER_ROOM: Final = 2e-3
 """Joint positions are often quarters of a turn, written as 1.57 or 3.14, rad."""
@@ -58,13 +58,13 @@ _POSE: Final = ("x", "y", "z", "Rx", "Ry", "Rz")
 
 
 class Doubt(NamedTuple):
-    """Something that is hardly meant.
+    """A doubt about a value.
 
     Attributes:
         code: row of `errors.CODES`.
         text: what it is, with value and unit; follows command and parameter.
         hint: what to do about it.
-        element: index of the element that is meant; None for the whole value.
+        element: index of the doubtful element; None for the whole value.
     """
 
     code: str
@@ -74,7 +74,7 @@ class Doubt(NamedTuple):
 
 
 class ArmFacts(Protocol):
-    """What is known of the arm."""
+    """Facts of the arm on which doubts depend."""
 
     @property
     def arm(self) -> Arm: ...
@@ -98,7 +98,7 @@ def _numbers(value: Any) -> Iterator[tuple[int, float]]:
 
 
 def _is_within(value: Any, most: float) -> bool:
-    """Return whether all elements are certain and below any doubt, as most values of streams are."""
+    """Return whether all elements are certain and beyond doubt; the fast path for streams."""
     try:
         return bool(-most <= min(value) and max(value) <= most)
     except (TypeError, ValueError):
@@ -163,19 +163,15 @@ def _centre_of_gravity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
         return
     distance = hypot(*numbers.values())
     index = max(numbers, key=lambda place: abs(numbers[place]))
-    if arm is None:
-        if distance > COG_MOST_M:
-            text = f" is {distance:g} m from the flange, and no arm reaches further than {COG_MOST_M:g} m"
-            yield Doubt("W231", text, _millimetres(numbers[index]), index)
-        return
-    reach = abs(arm.arm.a2) + abs(arm.arm.a3) + arm.arm.d5
+    reach = COG_MOST_M if arm is None else abs(arm.arm.a2) + abs(arm.arm.a3) + arm.arm.d5
     if distance > reach:
-        text = f" is {distance:g} m from the flange, the arm reaches {reach:.3g} m"
+        limit = f"and no arm reaches further than {reach:g} m" if arm is None else f"the arm reaches {reach:.3g} m"
+        text = f" is {distance:g} m from the flange, {limit}"
         yield Doubt("W231", text, _millimetres(numbers[index]), index)
 
 
 def _scalar(limit: float, unit: str, in_degrees: bool) -> Judge:
-    """Return a speed or an acceleration."""
+    """Return the judge of a speed or an acceleration."""
 
     def judge(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
         if isinstance(value, (int, float)) and value > limit:
@@ -195,23 +191,19 @@ def _too_fast(place: str, value: float, unit: str, in_degrees: bool, index: int 
     return Doubt("W232", text, hint, index)
 
 
-def _joint_speeds(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
-    if _is_within(value, JOINT_SPEED_MOST):
-        return
-    for index, number in _numbers(value):
-        if abs(number) > JOINT_SPEED_MOST:
-            yield _too_fast(f"[{index}]", number, "rad/s", True, index)
-            return
+def _speeds(first_turn: int) -> Judge:
+    """Return the judge of a list of speeds: m/s up to an element, rad/s from it on."""
 
-
-def _tool_velocity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
-    if _is_within(value, TOOL_SPEED_MOST):
-        return
-    for index, number in _numbers(value):
-        is_turn = index >= 3
-        if abs(number) > (JOINT_SPEED_MOST if is_turn else TOOL_SPEED_MOST):
-            yield _too_fast(f"[{index}]", number, "rad/s" if is_turn else "m/s", is_turn, index)
+    def judge(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+        if _is_within(value, TOOL_SPEED_MOST if first_turn else JOINT_SPEED_MOST):
             return
+        for index, number in _numbers(value):
+            is_turn = index >= first_turn
+            if abs(number) > (JOINT_SPEED_MOST if is_turn else TOOL_SPEED_MOST):
+                yield _too_fast(f"[{index}]", number, "rad/s" if is_turn else "m/s", is_turn, index)
+                return
+
+    return judge
 
 
 def _blend_radius(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -222,11 +214,11 @@ def _blend_radius(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
 def _payload(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     most = PAYLOAD_MOST_KG if arm is None else arm.payload_max_kg
     if isinstance(value, (int, float)) and value > most:
-        whose = "any arm carries" if arm is None else "this arm carries"
+        carrier = "any arm carries" if arm is None else "this arm carries"
         hint = "the mass of gripper and part together, in kg"
         if value >= 2.0 * PAYLOAD_MOST_KG:
             hint = f"{value:g} looks like grams: {value:g} g are {value / 1000.0:g} kg"
-        yield Doubt("W233", f" is {value:g} kg; {whose} at most {most:g} kg", hint)
+        yield Doubt("W233", f" is {value:g} kg; {carrier} at most {most:g} kg", hint)
 
 
 def _fraction(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -243,16 +235,16 @@ JUDGES: Final[dict[str, Judge]] = {
     "tcp": _tcp,
     "centre of gravity": _centre_of_gravity,
     "joint speed": _scalar(JOINT_SPEED_MOST, "rad/s", True),
-    "joint speeds": _joint_speeds,
+    "joint speeds": _speeds(0),
     "joint acceleration": _scalar(JOINT_ACCELERATION_MOST, "rad/s^2", True),
     "tool speed": _scalar(TOOL_SPEED_MOST, "m/s", False),
-    "tool velocity": _tool_velocity,
+    "tool velocity": _speeds(3),
     "tool acceleration": _scalar(TOOL_ACCELERATION_MOST, "m/s^2", False),
     "blend radius": _blend_radius,
     "payload": _payload,
     "fraction": _fraction,
 }
-"""Meaning of a quantity, and who judges its values."""
+"""Functions that judge values, by meaning of the quantity."""
 
 KINDS: Final = ("joints", "pose")
 """Meanings that are lists of six numbers, and taken for each other."""
@@ -263,7 +255,7 @@ def mistaken(meaning: str, kind: str) -> Doubt | None:
 
     Args:
         meaning: of the parameter.
-        kind: what is known of the value: `joints`, `pose` or nothing.
+        kind: of the value: `joints`, `pose`, or empty if unknown.
     """
     if meaning == kind or meaning not in KINDS or kind not in KINDS:
         return None

@@ -1,4 +1,4 @@
-"""What a command takes: type, shape, unit and range, in one object for each kind of value.
+"""Quantities: type, shape, unit and range of a value, in one object for each kind.
 
 A command's parameter is annotated with one of these. The same object coerces the value at run time,
 checks literals before the run, and prints the reference page, so that every message has one form:
@@ -36,7 +36,7 @@ class Quantity:
     Attributes:
         type_name: as signatures print it.
         unit: its unit; empty for a plain number.
-        meaning: row of `plausibility.JUDGES`, which says what is legal but hardly meant; empty if nothing is known.
+        meaning: row of `plausibility.JUDGES`, which finds values that are legal but hardly meant; empty for none.
     """
 
     __slots__ = ("meaning", "type_name", "unit")
@@ -331,7 +331,7 @@ TCP: Final = Vector(Number(), 6, "m, rad", _POSE_NAMES, meaning="tcp")
 JointPositions = Annotated[Six, JOINTS]
 JointSpeeds = Annotated[Six, Vector(Number(), 6, "rad/s", _JOINT_NAMES, meaning="joint speeds")]
 Pose = Annotated[Six, POSE]
-"""A pose of the arm, in metres: what it is told to take, or takes."""
+"""A pose of the arm, m and rad: a target or a reading."""
 Frame = Annotated[Six, Vector(Number(), 6, "m, rad", _POSE_NAMES)]
 """Any transform; programs also compute with such lists in other units, or with other lists of six numbers."""
 TcpOffset = Annotated[Six, TCP]

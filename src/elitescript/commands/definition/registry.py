@@ -1,16 +1,17 @@
 """A command is one decorated function; everything else about it is derived from that function.
 
 The signature gives names, order and defaults; the annotations give type, shape, unit and range; the
-docstring gives the words. Nothing of it is worked out before somebody asks, because most programs
-use few commands and all of them start often.
+docstring gives the texts. All of it is evaluated on first use, because most programs use few
+commands and start-up time counts.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar, get_args
 
-from elitescript.commands.definition.quantities import Anything, Optionally, Quantity
+from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, Vector
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
 from elitescript.messages.profile import release_of
 
@@ -98,7 +99,7 @@ SPELLINGS: Final = {
     "timeout": ("time_out",),
     "update_frequency": ("update_freqency",),
 }
-"""How the manuals spell one parameter from command to command, misprints included: every command takes all of them."""
+"""Spellings of a parameter in the manuals, misprints included: every command accepts all of them."""
 
 
 class Command:
@@ -138,15 +139,13 @@ class Command:
         works_in_sec: bool,
         is_simulated: bool,
         manual: str = "",
-        name: str = "",
-        alias_of: str = "",
         arguments: Mapping[str, str] = NO_ARGUMENTS,
     ) -> None:
-        self.name = name or function.__name__
+        self.name = function.__name__
         if evidence not in EVIDENCE:
             raise InternalError(f"{self.name}: evidence {evidence!r} is not one of {EVIDENCE}")
         release_of(since)
-        self.alias_of = alias_of
+        self.alias_of = ""
         """Name of the command that this is another name of; empty for the command itself."""
         self.function = function
         self.family = family
@@ -166,27 +165,16 @@ class Command:
         """Whether arguments beyond the signature are passed on as they are."""
         self._details: _Details | None = None
 
-    def renamed(self, name: str, since: str = "", evidence: str = "", *, is_simulated: bool | None = None) -> Command:
+    def renamed(self, name: str, since: str = "", evidence: str = "") -> Command:
         """Return the same command under another name."""
-        return Command(
-            self.function,
-            self.family,
-            since or self.since,
-            (),
-            self.spellings,
-            evidence or self.evidence,
-            self.waits,
-            self.works_in_sec,
-            self.is_simulated if is_simulated is None else is_simulated,
-            self.manual,
-            name,
-            self.name,
-            self.arguments,
-        )
+        other = copy(self)
+        other.name, other.alias_of, other.aliases = name, self.name, ()
+        other.since, other.evidence = since or self.since, evidence or self.evidence
+        return other
 
     @property
     def details(self) -> _Details:
-        """Signature, annotations and docstring, worked out once."""
+        """Signature, annotations and docstring, evaluated once."""
         if self._details is None:
             self._details = _Details(self)
         return self._details
@@ -197,46 +185,15 @@ class Command:
         return self.details.params
 
     @property
-    def summary(self) -> str:
-        """First line of the docstring."""
-        return self.details.summary
-
-    @property
     def signature(self) -> str:
         """The call as the manual prints it."""
-        parts = []
-        for param in self.params:
-            parts.append(param.name if param.is_required else f"{param.name}={param.default_text}")
+        parts = (param.name if param.is_required else f"{param.name}={param.default_text}" for param in self.params)
         return f"{self.name}({', '.join(parts)})"
-
-    # What is wrong with a call, in the words of both the checker and the run.
 
     @property
     def call_hint(self) -> str:
         """What to do about a wrong call."""
         return f"it is called as {self.signature}"
-
-    def surplus_text(self, given: int) -> str:
-        """Too many arguments."""
-        most = len(self.params)
-        if not most:
-            return f"{self.name} takes no arguments, got {given}"
-        at_most = "" if all(param.is_required for param in self.params) else "at most "
-        return f"{self.name} takes {at_most}{most} argument{'' if most == 1 else 's'}, got {given}"
-
-    def unknown_argument_text(self, keyword: str) -> str:
-        """Return an argument of a name that the command does not have."""
-        names = ", ".join(param.name for param in self.params) or "none"
-        return f"{self.name} has no argument `{keyword}`; its arguments: {names}"
-
-    def twice_text(self, name: str) -> str:
-        """Return one argument by place and by name, or under two names."""
-        return f"{self.name} gets the argument `{name}` twice"
-
-    def missing_text(self, names: list[str]) -> str:
-        """Return arguments that the call must pass."""
-        listed = ", ".join(f"`{name}`" for name in names)
-        return f"{self.name} misses the argument{'' if len(names) == 1 else 's'} {listed}"
 
     def bind(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Put arguments in order, fill in defaults, coerce and check.
@@ -285,7 +242,7 @@ class Command:
                 error.command = self.name
                 error.args = (f"{self.name}: {error.args[0]}",)
             if doubts:
-                # One finding about one argument: the refusal, with what the doubt knows to do.
+                # One finding about one argument: the refusal, with the hint of the doubt.
                 robot.hold_doubts(())
                 if error.code in _TARGET_REFUSALS:
                     error.hint = next((doubt.hint for doubt in doubts if doubt.code in _TARGET_DOUBTS), error.hint)
@@ -297,45 +254,47 @@ class Command:
         return _as_script_value(result)
 
     def _doubts(self, robot: Any, values: list[Any]) -> list[Doubt]:
-        """Return what is legal in these values, but hardly meant; with command and parameter in the text."""
+        """Return the doubts about values that are legal but hardly meant, with command and parameter in the text."""
         found = []
         for index, param, judge, is_kind in self.details.judged:
             value = values[index]
             if value is None or value is param.default_value:
                 continue
-            for doubt in judge(value, robot.machine):
-                found.append(doubt._replace(text=f"{self.name}: {param.name}{doubt.text}"))
-            if is_kind:
-                other = robot.mistaken(param.quantity.meaning, value)
-                if other is not None:
-                    found.append(other._replace(text=f"{self.name}: {param.name}{other.text}"))
+            doubts = list(judge(value, robot.machine))
+            if is_kind and (other := robot.mistaken(param.quantity.meaning, value)) is not None:
+                doubts.append(other)
+            found += [doubt._replace(text=f"{self.name}: {param.name}{doubt.text}") for doubt in doubts]
         return found
 
     def place(self, positional: int, keywords: Sequence[str], *, is_complete: bool = True) -> Placement:
-        """Find out which argument of a call goes to which parameter: for values at run time, for expressions before.
+        """Match the arguments of a call with the parameters, for the run and for the checker.
 
         Args:
             positional: number of arguments without a keyword.
             keywords: keywords of the others, in the order of the call.
-            is_complete: False if the call may have more arguments than these, such as `*list`; none is missed then.
+            is_complete: False if the call may have more arguments than these, such as `*list`; none is missing then.
         """
         params, indices, required = self.details.params, self.details.indices, self.details.required
         slots: list[int | str | None] = [*range(min(positional, len(params))), *[None] * (len(params) - positional)]
         misfits: list[Misfit] = []
         if positional > len(params) and not self.takes_more:
-            misfits.append(Misfit(len(params), self.surplus_text(positional)))
+            at_most = "" if required == len(params) else "at most "
+            allowed = f"{at_most}{len(params)} argument{'' if len(params) == 1 else 's'}" if params else "no arguments"
+            misfits.append(Misfit(len(params), f"{self.name} takes {allowed}, got {positional}"))
         for keyword in keywords:
             index = indices.get(keyword)
             if index is None:
-                misfits.append(Misfit(keyword, self.unknown_argument_text(keyword)))
+                names = ", ".join(param.name for param in params) or "none"
+                misfits.append(Misfit(keyword, f"{self.name} has no argument `{keyword}`; its arguments: {names}"))
             elif slots[index] is not None:
-                misfits.append(Misfit(keyword, self.twice_text(params[index].name)))
+                misfits.append(Misfit(keyword, f"{self.name} gets the argument `{params[index].name}` twice"))
             else:
                 slots[index] = keyword
         # A misspelt keyword is reported; that its parameter is missing then follows.
         if is_complete and not misfits and None in slots[:required]:
-            missing = [params[index].name for index in range(required) if slots[index] is None]
-            misfits.append(Misfit(None, self.missing_text(missing)))
+            missing = [f"`{params[index].name}`" for index in range(required) if slots[index] is None]
+            plural = "" if len(missing) == 1 else "s"
+            misfits.append(Misfit(None, f"{self.name} misses the argument{plural} {', '.join(missing)}"))
         return Placement(tuple(slots), tuple(misfits))
 
     def _arrange(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
@@ -355,7 +314,7 @@ def _as_script_value(result: Any) -> Any:
 
 
 class _Details:
-    """What the function's own text says about a command."""
+    """Signature, annotations and docstring of a command, evaluated."""
 
     __slots__ = (
         "behaviour",
@@ -377,7 +336,6 @@ class _Details:
         doc = read_docstring(function.__doc__ or "")
         self.summary = doc.summary
         self.behaviour = doc.behaviour
-        self.returns_text = doc.returns
         self.raises = doc.raises
         texts = {**command.arguments, **doc.args}
         names = function.__code__.co_varnames[: function.__code__.co_argcount]
@@ -400,10 +358,12 @@ class _Details:
         self.indices = {name: index for index, param in enumerate(params) for name in (param.name, *param.spellings)}
         """Index of the parameter that a keyword means."""
         self.returns = _quantity(function, "return") or Anything("None")
+        elements = self.returns.names if isinstance(self.returns, Vector) else ""
+        self.returns_text = doc.returns or (f"{elements}." if elements else "")
         self.judged = _judged(self.params)
-        """Index, parameter, judge, and whether joints and poses are taken for each other there; see `plausibility`."""
+        """Index, parameter, judge, and whether it is joints or a pose; see `plausibility`."""
         self.kind = self.returns.meaning if self.returns.meaning in ("joints", "pose") else ""
-        """What a returned list is: `joints`, `pose` or nothing that is followed."""
+        """Kind of a returned list: `joints` or `pose`; empty for others."""
 
 
 def _judged(params: tuple[Param, ...]) -> tuple[tuple[int, Param, Judge, bool], ...]:
@@ -488,7 +448,7 @@ def command(
     manual: str = "",
     arguments: Mapping[str, str] = NO_ARGUMENTS,
 ) -> Callable[[Function], Function]:
-    """Make the function below a robot command.
+    """Register the decorated function as a robot command.
 
     A first parameter called `robot` receives the `Robot` context and is not part of the script's signature;
     `*more` receives what a call passes beyond the signature.
@@ -498,7 +458,7 @@ def command(
         since: firmware release that brought it, such as `"2.14"`.
         aliases: other names of the same command, as old and as well known as the command (else: `alias`).
         spellings: other keyword spellings, each with the parameter it stands for.
-        evidence: how we know: `documented` (manual), `observed` (real programs, clients) or `assumed`.
+        evidence: `documented` (manual), `observed` (real programs, clients) or `assumed`.
         waits: whether a call can take time.
         works_in_sec: whether a secondary program may call it.
         is_simulated: False for a command whose body checks what it can and then raises `NotSimulatedError`.
@@ -519,7 +479,7 @@ def command(
                 works_in_sec,
                 is_simulated,
                 manual,
-                arguments=arguments,
+                arguments,
             )
         )
         return function
@@ -528,5 +488,5 @@ def command(
 
 
 def alias(name: str, *, of: str, since: str = "", evidence: str = "") -> None:
-    """Give a command another name, with the release that brought it and how we know, where they differ."""
+    """Give a command another name, with its own release and evidence where they differ."""
     REGISTRY.add_alias(name, of, since, evidence)

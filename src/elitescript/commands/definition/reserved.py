@@ -1,4 +1,4 @@
-"""Names that are no commands but that programs should not define: the checker warns about them.
+"""Lists names that are not commands but that programs should not define: the checker warns about them.
 
 *Observed*: the vendor's tools and an offline-programming post-processor refuse them as identifiers. Most may be
 commands that were never released or that come from another maker's language.

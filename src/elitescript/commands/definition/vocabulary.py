@@ -1,4 +1,4 @@
-"""The names that a firmware gives to programs, and those of other languages, to advise on an unknown name."""
+"""Collects the names that a firmware has, and those of other languages, for advice on unknown names."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ def vocabulary_of(profile: Profile) -> Vocabulary:
 
 
 def newer_firmware_text(name: str, since: str, profile: Profile) -> str:
-    """Return what is said about a command that the firmware does not have yet, before and during the run."""
+    """Return the message about a command that the firmware does not have yet, before and during the run."""
     return f"{name} needs firmware {since} or newer; the chosen one is {profile.name}"
 
 
 def newer_firmware_hint(since: str) -> str:
-    """Return what to do about it."""
+    """Return the hint for a command that the firmware does not have yet."""
     newest = max(PROFILES.values(), key=lambda profile: profile.release)
     if release_of(since) > newest.release:
         return f"the newest firmware that is simulated is {newest.name}"

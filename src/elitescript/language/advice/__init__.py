@@ -1,1 +1,1 @@
-"""Mistakes that texts of other languages and older Pythons bring, in plain words."""
+"""Detects mistakes from other languages and older Pythons, and explains them."""

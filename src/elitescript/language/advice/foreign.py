@@ -1,7 +1,7 @@
-"""What is not the robot's Python: C, URScript, syntax of newer Pythons, and characters of word processors.
+"""Detects C, URScript, syntax of newer Pythons, and characters of word processors.
 
-Python's own message for most of them is "invalid syntax"; here each gets its name and, where the
-meaning is clear, a repair.
+Python's own message for most of them is "invalid syntax"; here each is named and, where the
+meaning is clear, gets a repair.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _LOOK_ALIKES = {
 
 
 def read_foreign(draft: Draft) -> None:
-    """Report and replace what is not Python. The headers must be known."""
+    """Report and replace what is not Python. Needs `draft.headers`."""
     masked = draft.lexed.masked
     for line in draft.lexed.lines:
         if line.word in _STATEMENT_RULES or line in draft.headers or ";" in masked[line.start : line.end]:
@@ -73,14 +73,9 @@ def _global(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
     separator = f"\n{indentation}" if alone else "; "
     at = start + found.start("gap")
     edit = draft.edit(at, start + found.end() - 1, f"{separator}{names} ")
-    draft.report(
-        "E108",
-        start,
-        end,
-        "`global` cannot assign: it only says that the name is shared",
-        f"write `global {names}` and below it the assignment",
-        Fix("assign in a statement of its own", (edit,), safe="," not in names),
-    )
+    text = "`global` cannot assign: it only says that the name is shared"
+    fix = Fix("assign in a statement of its own", (edit,), safe="," not in names)
+    draft.report("E108", start, end, text, f"write `global {names}` and below it the assignment", fix)
     draft.hide(line, at, end)
 
 
@@ -116,9 +111,8 @@ def _steps(draft: Draft) -> None:
         if (not rest or rest[0] == ";") and compiled(r"[\w.]+").fullmatch(target):
             begin = line.start + len(target)
             fix = Fix(f"write {sign}= 1", (draft.edit(begin, end, f" {sign}= 1"),), safe=True)
-        draft.report(
-            "E113", start, end, f"`{found.group()}` is an operator of C", f"write `x {sign}= 1` as a statement", fix
-        )
+        text = f"`{found.group()}` is an operator of C"
+        draft.report("E113", start, end, text, f"write `x {sign}= 1` as a statement", fix)
         draft.blank(start, end)
 
 
@@ -146,7 +140,7 @@ def _question(draft: Draft) -> None:
 
 
 def _conditional_parts(masked: str, line: LogicalLine, at: int) -> tuple[int, int, int]:
-    """Start of the condition, offset of the colon (0 if there is none), end of the whole."""
+    """Return start of the condition, offset of the colon (0 if there is none), end of the whole."""
     depth = 0
     begin = line.start
     for index in range(at - 1, line.start - 1, -1):
@@ -192,13 +186,7 @@ def _dollar(draft: Draft) -> None:
         start = found.start()
         if draft.place(start) in draft.marks:
             continue
-        draft.report(
-            "E001",
-            start,
-            start + 1,
-            "`$` only begins a line mark",
-            'the form is: $ LINE: (12, "label")',
-        )
+        draft.report("E001", start, start + 1, "`$` only begins a line mark", 'the form is: $ LINE: (12, "label")')
         draft.broken.add(line)
 
 
@@ -248,9 +236,8 @@ def _xor(draft: Draft) -> None:
         if masked[start - 1 : start] == "." or not operand_before(masked[line.start : start]):
             continue
         fix = Fix("write !=", (draft.edit(start, end, "!="),), safe=False)
-        draft.report(
-            "E114", start, end, "`xor` is URScript", "write != between truth values, ^ between bit patterns", fix
-        )
+        hint = "write != between truth values, ^ between bit patterns"
+        draft.report("E114", start, end, "`xor` is URScript", hint, fix)
         draft.replace(start, end, " ^ ")
 
 
@@ -262,8 +249,7 @@ def _type_parameters(draft: Draft, line: LogicalLine, start: int, end: int) -> N
     found = compiled(rf"\w+[ \t]+{NAME}[ \t]*\[").match(code)
     if not found:
         return
-    depth = 1
-    at = found.end()
+    depth, at = 1, found.end()
     while depth and at < len(code):
         depth += (code[at] in "([{") - (code[at] in ")]}")
         at += 1
@@ -281,7 +267,7 @@ def _type_statement(draft: Draft, line: LogicalLine, start: int, end: int) -> No
 
 
 def _too_new(draft: Draft, start: int, end: int, what: str, hint: str) -> None:
-    # Python 3.11 calls this invalid and newer ones take it: the pre-pass makes them agree.
+    # Python 3.11 refuses this and newer ones accept it; reported here, the result is the same.
     draft.report("E001", start, end, f"{what} syntax of Python 3.12, which the robot does not have", hint)
 
 
@@ -297,18 +283,14 @@ def _look_alikes(draft: Draft) -> None:
         reported.add(line)
         draft.broken.add(line)
         character = found.group()
-        edits = []
-        for other in compiled(pattern).finditer(draft.lexed.masked, line.start, line.end):
-            edits.append(draft.edit(other.start(), other.end(), _LOOK_ALIKES[other.group()]))
-        plain = _LOOK_ALIKES[character]
-        draft.report(
-            "E001",
-            found.start(),
-            found.end(),
-            f"the character U+{ord(character):04X} only looks like {'a blank' if plain == ' ' else plain}",
-            "type it on the keyboard; text copied from documents often has such characters",
-            Fix("write plain characters", tuple(edits), safe=True),
+        edits = tuple(
+            draft.edit(other.start(), other.end(), _LOOK_ALIKES[other.group()])
+            for other in compiled(pattern).finditer(draft.lexed.masked, line.start, line.end)
         )
+        plain = _LOOK_ALIKES[character]
+        text = f"the character U+{ord(character):04X} only looks like {'a blank' if plain == ' ' else plain}"
+        hint = "type it on the keyboard; text copied from documents often has such characters"
+        draft.report("E001", *found.span(), text, hint, Fix("write plain characters", edits, safe=True))
 
 
 _STATEMENT_RULES: dict[str, Callable[[Draft, LogicalLine, int, int], None]] = {

@@ -1,7 +1,7 @@
-"""Remains of Python 2.
+"""Detects remains of Python 2.
 
-People bring them from older manuals, which were written from a Python 2 text. What those manuals
-taught is accepted with a warning and rewritten; the rest gets its name and a repair.
+Older manuals were written from a Python 2 text. What they teach is accepted with a warning and
+rewritten; the rest is named and gets a repair.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _KNOWN_IN_TEXT = _KNOWN_ESCAPES | frozenset("NuU")
 
 
 def read_escapes(draft: Draft) -> None:
-    """Escapes in strings that Python does not have."""
+    """Report escapes in strings that Python does not have, and rewrite those of Python 2."""
     for string in draft.lexed.strings:
         _escapes(draft, string)
 
@@ -34,22 +34,11 @@ def _print(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
         return
     comma = rest.endswith(",")
     closing = ' end=" ")' if comma else ")"
-    if gap:
-        opening = (start + 5, start + 6)
-        repaired_opening = draft.edit(start + 5, start + 5 + gap, "(")
-    else:
-        opening = (start + 5, start + 5)
-        repaired_opening = draft.edit(start + 5, start + 5, "(")
-    draft.report(
-        "E106",
-        start,
-        start + 5,
-        "this is the print statement of Python 2; a Python 3 controller refuses it",
-        "write print(...)",
-        Fix("write print(...)", (repaired_opening, draft.edit(end, end, closing)), safe=True),
-        draft.tolerated(),
-    )
-    draft.replace(*opening, "(")
+    opening = draft.edit(start + 5, start + 5 + gap, "(")
+    text = "this is the print statement of Python 2; a Python 3 controller refuses it"
+    fix = Fix("write print(...)", (opening, draft.edit(end, end, closing)), safe=True)
+    draft.report("E106", start, start + 5, text, "write print(...)", fix, draft.tolerated())
+    draft.replace(start + 5, start + 5 + min(gap, 1), "(")
     draft.replace(end, end, closing)
 
 
@@ -84,9 +73,8 @@ def _raise(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
         at = start + commas[0]
         value = at + 1 + len(code[commas[0] + 1 :]) - len(code[commas[0] + 1 :].lstrip())
         fix = Fix("call the class", (draft.edit(at, value, "("), draft.edit(end, end, ")")), safe=True)
-    draft.report(
-        "E112", start, end, "this form of `raise` is Python 2", "write raise ValueError(text), without a comma", fix
-    )
+    hint = "write raise ValueError(text), without a comma"
+    draft.report("E112", start, end, "this form of `raise` is Python 2", hint, fix)
     draft.hide(line, start + commas[0], end)
 
 
@@ -102,14 +90,8 @@ def _except(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
         blank_before = len(code[:at]) - len(code[:at].rstrip())
         edit = draft.edit(start + at - blank_before, start + at + 1, " as" if name[:1] in " \t" else " as ")
         fix = Fix("write `as`", (edit,), safe=True)
-    draft.report(
-        "E112",
-        start,
-        end,
-        "this form of `except` is Python 2",
-        "write `except ValueError as e:`; several classes go into brackets: `except (A, B) as e:`",
-        fix,
-    )
+    hint = "write `except ValueError as e:`; several classes go into brackets: `except (A, B) as e:`"
+    draft.report("E112", start, end, "this form of `except` is Python 2", hint, fix)
     draft.hide(line, start + at, end)
 
 
@@ -118,9 +100,8 @@ def _exec(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
     found = compiled(rf'exec(?:[ \t]+(?P<word>{NAME})|[ \t]*")').match(code)
     if not found or found["word"] in OPERATOR_WORDS:
         return
-    draft.report(
-        "E112", start, end, "`exec` as a statement is Python 2", "it is a function: write exec(text), with brackets"
-    )
+    hint = "it is a function: write exec(text), with brackets"
+    draft.report("E112", start, end, "`exec` as a statement is Python 2", hint)
     draft.broken.add(line)
 
 
@@ -130,7 +111,7 @@ STATEMENT_RULES: dict[str, Callable[[Draft, LogicalLine, int, int], None]] = {
     "except": _except,
     "exec": _exec,
 }
-"""By the first word of a statement, what to do with it."""
+"""The reader of a statement, by its first word."""
 
 
 # Operators
@@ -156,14 +137,8 @@ def _backquotes(draft: Draft) -> None:
         begin = opened[1]
         opened = None
         edits = (draft.edit(begin, begin + 1, "repr("), draft.edit(at, at + 1, ")"))
-        draft.report(
-            "E111",
-            begin,
-            at + 1,
-            "backquotes are Python 2",
-            "write repr(x), or to_str(x)",
-            Fix("write repr(...)", edits, True),
-        )
+        fix = Fix("write repr(...)", edits, safe=True)
+        draft.report("E111", begin, at + 1, "backquotes are Python 2", "write repr(x), or to_str(x)", fix)
         draft.replace(begin, begin + 1, "(")
         draft.replace(at, at + 1, ")")
     if opened is not None:
@@ -191,15 +166,9 @@ def read_numbers(draft: Draft) -> None:
     for _, found in draft.find(pattern):
         start, end = found.span()
         blank = " " if draft.lexed.masked[end : end + 1] == "." else ""
-        draft.report(
-            "E110",
-            start,
-            end,
-            "the suffix L is Python 2; a Python 3 controller refuses it",
-            "leave it out: integers have no limit",
-            Fix("leave the L out", (draft.edit(end - 1, end, blank),), safe=True),
-            draft.tolerated(),
-        )
+        text = "the suffix L is Python 2; a Python 3 controller refuses it"
+        fix = Fix("leave the L out", (draft.edit(end - 1, end, blank),), safe=True)
+        draft.report("E110", start, end, text, "leave it out: integers have no limit", fix, draft.tolerated())
         draft.blank(end - 1, end)
 
 
@@ -222,24 +191,13 @@ def _escapes(draft: Draft, string: StringToken) -> None:
                 end += 1
             new, meaning = "\\0" + text[start + 2 : end], "an octal number"
         else:
-            draft.report(
-                "W210",
-                start,
-                end,
-                f"Python has no escape \\{letter}: the backslash stays in the string",
-                "write \\\\ for a backslash",
-                Fix("double the backslash", (draft.edit(start, start, "\\"),), safe=True),
-            )
+            problem = f"Python has no escape \\{letter}: the backslash stays in the string"
+            fix = Fix("double the backslash", (draft.edit(start, start, "\\"),), safe=True)
+            draft.report("W210", start, end, problem, "write \\\\ for a backslash", fix)
             continue
-        draft.report(
-            "W210",
-            start,
-            end,
-            f"{text[start:end]} is read as {meaning}; a Python 3 controller keeps the backslash",
-            f"write {new}",
-            Fix(f"write {new}", (draft.edit(start, end, new),), safe=True),
-            draft.tolerated(),
-        )
+        problem = f"{text[start:end]} is read as {meaning}; a Python 3 controller keeps the backslash"
+        fix = Fix(f"write {new}", (draft.edit(start, end, new),), safe=True)
+        draft.report("W210", start, end, problem, f"write {new}", fix, draft.tolerated())
         draft.replace(start, end, new)
 
 
@@ -247,4 +205,4 @@ MARK_RULES: tuple[tuple[tuple[str, ...], Callable[[Draft], None]], ...] = (
     (("<>",), _diamond),
     (("`",), _backquotes),
 )
-"""What to do with a text that contains one of these marks."""
+"""The readers of a text that contains one of the marks."""

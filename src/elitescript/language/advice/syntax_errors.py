@@ -1,7 +1,6 @@
-"""Python's own syntax messages in plain words.
+"""Rewords Python's syntax messages.
 
-The wording of Python's messages differs between versions; a program's author should not notice
-which one runs underneath.
+Their wording differs between versions of Python; the texts here do not.
 """
 
 from __future__ import annotations
@@ -147,7 +146,7 @@ _AT_PLACE: Final = (
 
 
 def explain(message: str, row: str) -> tuple[str, str]:
-    """(text, hint) for one of Python's messages about the line `row`."""
+    """Return (text, hint) for one of Python's messages about the line `row`."""
     if message.startswith("f-string: "):
         text, hint = explain(message.removeprefix("f-string: "), "")
         return f"in the f-string: {text}", hint or "check the braces { } and what stands between them"
@@ -172,7 +171,7 @@ def explain(message: str, row: str) -> tuple[str, str]:
 
 
 def broken_escape(message: str, code: str) -> tuple[int, int, int] | None:
-    """Return where the escape stands that Python's message means, as it names only the string, or the end of it.
+    """Locate the broken escape of a message, which itself locates only the string, or its end.
 
     Args:
         message: Python's message.

@@ -1,4 +1,4 @@
-"""What a name that nothing defines was meant to be: one answer for the checker and for the alarm at run time."""
+"""Suggests what an undefined name was meant to be, for the checker and for the alarm at run time."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Collection, Container, Iterable, Mapping
 from typing import Final, Protocol
 
 from elitescript.language.hooks import HOOKS
-from elitescript.language.kinds import SECONDARY
 from elitescript.language.modules import AVAILABLE
+from elitescript.language.options import SECONDARY
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
 
@@ -17,7 +17,7 @@ PRELOADED: Final = frozenset(("copy", "elicopy", "exit", "long", "quit", "unichr
 """Names that programs find besides commands and Python's own built-ins."""
 
 KNOWN: Final = frozenset(dir(builtins)) | PRELOADED | frozenset(HOOKS)
-"""Every name that is there without a definition, but for the commands."""
+"""Every name that needs no definition, except the commands."""
 
 WORDS: Final = {
     "true": "True",
@@ -64,7 +64,7 @@ def advice(
         scope: where it stands.
         symbols: the names of the program.
         names: those of the firmware.
-        is_searched: look for a name that is written alike, which takes time.
+        is_searched: also search for a similar name, which takes time.
     """
     name = node.id
     parent = symbols.parent(node)
@@ -91,7 +91,7 @@ def advice(
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:
-    """Return the candidate that a name is most probably a slip of; empty if none is near enough."""
+    """Return the candidate of which a name is probably a misspelling; empty if none is near enough."""
     if len(name) < _SHORTEST:
         return ""
     folded = name.lower()
@@ -121,6 +121,6 @@ def _visible(name: str, scope: Scope, symbols: Symbols, names: Names) -> set[str
 
 
 def _owner(name: str, symbols: Symbols) -> Scope | None:
-    """Return a function that has a local variable of that name, where its users cannot see it."""
+    """Return a function that has a local variable of that name."""
     functions = (scope for scope in symbols.scopes if scope.kind == "function")
     return next((scope for scope in functions if scope.has_local(name) and name not in scope.parameters), None)

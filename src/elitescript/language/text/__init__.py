@@ -1,1 +1,1 @@
-"""The text of a program: lines, tokens, blocks, and its rewriting into Python with positions kept."""
+"""Splits the text of a program into lines, tokens and blocks, and rewrites it as Python."""

@@ -1,6 +1,6 @@
-"""The block structure of a text: indentation, clauses, `end`, `sec`.
+"""Reads the block structure of a text: indentation, clauses, `end`, `sec`.
 
-Python's own tokenizer knows nothing of `end`, and what it says about indentation depends on its
+Python's own tokenizer does not know `end`, and its messages about indentation depend on its
 version, so the structure is read here, from the logical lines alone. Afterwards no `end` is
 left, and Python sees blocks that are complete, even where the author's were not.
 """
@@ -8,13 +8,12 @@ left, and Python sees blocks that are complete, even where the author's were not
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 from functools import cache
 from typing import Final
 
 from elitescript.language.diagnostics import Fix
 from elitescript.language.options import LINE
-from elitescript.language.text.flat import restore_indentation
+from elitescript.language.text.flat import CLAUSES, restore_indentation
 from elitescript.language.text.lexer import LogicalLine
 from elitescript.language.text.masked import WIDE_COLON, header_colon
 from elitescript.language.text.rewriting import BlockEnd, Draft
@@ -26,8 +25,7 @@ _CLAUSES_OF = {
     "async": ("else",),
     "try": ("except", "else", "finally"),
 }
-_CLAUSES = frozenset(("elif", "else", "except", "finally"))
-_COMPOUND = _CLAUSES.union(("if", "for", "while", "try", "with", "def", "class"))
+_COMPOUND = CLAUSES.union(("if", "for", "while", "try", "with", "def", "class"))
 _SOFT_COMPOUND = frozenset(("async", "case", "match", "sec", "thread"))
 
 
@@ -95,7 +93,7 @@ class _BlockReader:
                 continue
             if line.word == "end" and _end().fullmatch(self.draft.code(line)):
                 following = lines[index + 1] if index < last else line
-                self._end(line, following.word in _CLAUSES and following.column == line.column)
+                self._end(line, following.word in CLAUSES and following.column == line.column)
             elif self._indent(line, deeper_follows):
                 self._line(line, deeper_follows)
             self.last = line
@@ -107,10 +105,8 @@ class _BlockReader:
     def _skipped(self, line: LogicalLine, deeper_follows: bool) -> bool:
         if self.skip_above < 0:
             return False
-        if line.column > self.skip_above and line.column not in self.indents:
-            self.draft.dropped.add(line)
-            return True
-        if line.column == self.skipping_at and line.column not in self.indents:
+        is_inside = line.column > self.skip_above or line.column == self.skipping_at
+        if is_inside and line.column not in self.indents:
             self.draft.dropped.add(line)
             return True
         self.skip_above = self.skipping_at = -1
@@ -126,13 +122,9 @@ class _BlockReader:
             self._unexpected(line)
             return False
         if column not in indents:
-            self.draft.report(
-                "E001",
-                line.start,
-                line.start + 1,
-                f"the indentation of {column} goes back to no earlier line",
-                _TAB_HINT if self._has_tab(line) else f"use one of the indentations above it: {_listed(indents)}",
-            )
+            text = f"the indentation of {column} goes back to no earlier line"
+            hint = f"use one of the indentations above it: {', '.join(map(str, indents))}"
+            self.draft.report("E001", line.start, line.start + 1, text, _TAB_HINT if self._has_tab(line) else hint)
             self._skip(line, line.column)
             return False
         while indents[-1] > column:
@@ -173,7 +165,7 @@ class _BlockReader:
             waiting.waits = False
         while self.blocks and self.blocks[-1].column > line.column:
             self._leave(line)
-        if word in _CLAUSES:
+        if word in CLAUSES:
             self._clause(line, closed, deeper_follows)
             return
         if self.blocks and self.blocks[-1].column == line.column:
@@ -223,14 +215,8 @@ class _BlockReader:
             fix = Fix("write a colon", (draft.edit(line.start + len(text), end, ":"),), safe=True)
             draft.report("E001", start, end, "`then` does not exist here", "end the line with `:`", fix)
             return
-        draft.report(
-            "E001",
-            end,
-            end + 1,
-            f"the colon behind `{line.word}` is missing",
-            "end the line with `:`",
-            Fix("put the colon", (draft.edit(end, end, ":"),), safe=True),
-        )
+        fix = Fix("put the colon", (draft.edit(end, end, ":"),), safe=True)
+        draft.report("E001", end, end + 1, f"the colon behind `{line.word}` is missing", "end the line with `:`", fix)
 
     def _open(self, block: _Block, line: LogicalLine, colon: int, code: str) -> None:
         self.draft.headers[line] = colon
@@ -245,18 +231,14 @@ class _BlockReader:
     def _secondary(self, line: LogicalLine) -> None:
         if self.blocks:
             block = self.blocks[-1]
-            self.draft.report(
-                "E105",
-                line.start,
-                line.start + 3,
-                f"a secondary program cannot stand inside the {block.label} of line {block.header.line}",
-                "move it out and send it by itself, or write `def`",
-            )
+            text = f"a secondary program cannot stand inside the {block.label} of line {block.header.line}"
+            hint = "move it out and send it by itself, or write `def`"
+            self.draft.report("E105", line.start, line.start + 3, text, hint)
         self.draft.secondaries.add(line.line)
         self.draft.replace(line.start, line.start + 3, "def")
 
     def _clause(self, line: LogicalLine, closed: tuple[_Block, LogicalLine] | None, deeper_follows: bool) -> None:
-        """Go on with the open statement in this column."""
+        """Continue the open statement in this column."""
         draft, word = self.draft, line.word
         code = draft.code(line)
         block = self.blocks[-1] if self.blocks else None
@@ -266,13 +248,9 @@ class _BlockReader:
             self._repair(block, empty=block.waits)
         elif closed and closed[0].column == line.column and word in _CLAUSES_OF.get(closed[0].word, ()):
             block, end = closed
-            draft.report(
-                "E103",
-                line.start,
-                line.start + len(word),
-                f"`{word}` comes after the `end` of its `{block.word}` in line {end.line}",
-                "one `end` closes the whole statement; put it behind the last clause",
-            )
+            text = f"`{word}` comes after the `end` of its `{block.word}` in line {end.line}"
+            hint = "one `end` closes the whole statement; put it behind the last clause"
+            draft.report("E103", line.start, line.start + len(word), text, hint)
             self.blocks.append(block)
         else:
             if block and block.column == line.column:
@@ -294,13 +272,8 @@ class _BlockReader:
         else:
             hint = "check the indentation of the lines above"
         names = ", ".join(f"`{word}`" for word in takers)
-        self.draft.report(
-            "E001",
-            line.start,
-            line.start + len(line.word),
-            f"`{line.word}` belongs to no {names} in this column",
-            hint,
-        )
+        text = f"`{line.word}` belongs to no {names} in this column"
+        self.draft.report("E001", line.start, line.start + len(line.word), text, hint)
         label = f"`{line.word}`"
         line.word = ""
         self.draft.broken.add(line)
@@ -353,18 +326,14 @@ class _BlockReader:
     # Ends of blocks
 
     def _leave(self, line: LogicalLine) -> None:
-        """The indentation left the innermost block."""
+        """Close the innermost block, which the indentation left."""
         block = self.blocks.pop()
         self.left[block.column] = (block, line)
         if block.waits and line.column == block.column:
             self.lost[block.column] = self.lost.get(block.column, 0) + 1
-            self.draft.report(
-                "E001",
-                line.start,
-                line.start + max(1, len(line.word)),
-                f"the body of the {block.label} of line {block.header.line} should be indented here",
-                "indent the lines that belong to it, or write `pass`",
-            )
+            text = f"the body of the {block.label} of line {block.header.line} should be indented here"
+            hint = "indent the lines that belong to it, or write `pass`"
+            self.draft.report("E001", line.start, line.start + max(1, len(line.word)), text, hint)
             self._repair(block, empty=True)
             return
         self._close(block, line)
@@ -381,15 +350,10 @@ class _BlockReader:
                 self._empty(block)
         self._repair(block, empty=block.waits)
         if block.word == "try" and not block.clauses and not block.opener.broken:
-            opener = block.opener
-            self.draft.report(
-                "E001",
-                opener.start,
-                opener.start + 3,
-                "this `try` has neither `except` nor `finally`",
-                "say behind its body what to do with an error: `except Exception as e:`",
-            )
-            self.draft.replace(opener.start, opener.start + 3, "if 1")
+            start = block.opener.start
+            hint = "say behind its body what to do with an error: `except Exception as e:`"
+            self.draft.report("E001", start, start + 3, "this `try` has neither `except` nor `finally`", hint)
+            self.draft.replace(start, start + 3, "if 1")
 
     def _repair(self, block: _Block, empty: bool) -> None:
         header = block.header
@@ -403,29 +367,14 @@ class _BlockReader:
             self.draft.replace(at, at, text)
 
     def _empty(self, block: _Block) -> None:
-        header = block.header
-        colon = self.draft.headers[header]
-        self.draft.report(
-            "E104",
-            header.start,
-            header.start + colon + 1,
-            f"the body of this {block.label} is empty",
-            "write `pass` where nothing is to be done",
-        )
+        start, colon = block.header.start, self.draft.headers[block.header]
+        text = f"the body of this {block.label} is empty"
+        self.draft.report("E104", start, start + colon + 1, text, "write `pass` where nothing is to be done")
 
     def _single_line(self, block: _Block) -> None:
-        header = block.header
-        self.draft.report(
-            "E001",
-            header.start,
-            header.end,
-            f"a block cannot begin in a single line: the body of this {block.label} is missing",
-            "send several lines as `def name():` ... `end`",
-        )
-
-
-def _listed(numbers: Iterable[int]) -> str:
-    return ", ".join(map(str, numbers))
+        text = f"a block cannot begin in a single line: the body of this {block.label} is missing"
+        hint = "send several lines as `def name():` ... `end`"
+        self.draft.report("E001", block.header.start, block.header.end, text, hint)
 
 
 _TAB_HINT: Final = "this line is indented with a tab, which counts up to the next multiple of eight; use blanks"

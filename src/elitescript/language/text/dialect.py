@@ -1,10 +1,9 @@
-"""From EliteScript to Python text, line by line.
+"""Translates EliteScript to Python text, line by line.
 
 EliteScript is Python with three additions: `end` on a line of its own closes a block, `sec` in
 place of `def` makes a secondary program, and `$ LINE: (n, "label")` marks a node of the pendant's
-program tree. `translate` replaces them, and what older manuals and other languages brought in,
-without adding or removing a line. Where a replacement changes columns, `Translation.positions`
-leads back.
+program tree. `translate` replaces them, and remains of Python 2 and other languages, without
+adding or removing a line. Where a replacement changes columns, `Translation.positions` maps back.
 """
 
 from __future__ import annotations
@@ -18,11 +17,10 @@ from elitescript.language.advice.python2 import read_escapes
 from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.text.blocks import read_blocks
+from elitescript.language.text.flat import CLAUSES, INDENT
 from elitescript.language.text.lexer import Lexed, LogicalLine, lex
 from elitescript.language.text.rewriting import BlockEnd, Draft, PositionMap, Unfolding
 from elitescript.language.text.source import SourceFile
-
-_INDENT = "  "
 
 
 class Translation(NamedTuple):
@@ -30,12 +28,12 @@ class Translation(NamedTuple):
 
     Attributes:
         text: Python text with the same number of lines (an unfolded single line has more).
-        positions: back to the author's places.
+        positions: the author's positions.
         diagnostics: what was found.
         lines: the logical lines; offsets are those of the author's text.
         headers: the lines that open a block or a clause.
         ends: where blocks end.
-        broken: lines with mistakes that Python's parser should not meet.
+        broken: lines with mistakes, which Python's parser must not read.
         dropped: lines that stand outside every block.
         marks: (line, column) of the line marks.
         secondaries: lines of the `sec` headers.
@@ -92,7 +90,7 @@ def _mark() -> re.Pattern[str]:
 
 
 def _marks(draft: Draft) -> None:
-    """Make calls of the line marks; the name is a filler that the parser replaces."""
+    """Rewrite line marks as calls; the name is a filler that the parser replaces."""
     for line in draft.lexed.lines:
         code = draft.code(line)
         if "$" not in code or line.broken or line in draft.dropped:
@@ -119,9 +117,8 @@ def _unfold(source: SourceFile, lexed: Lexed, problems: list[Diagnostic]) -> tup
     for start, end in pieces:
         code = masked[start:end]
         closes = code == "end"
-        clause = code.partition(" ")[0].rstrip(":") in ("elif", "else", "except", "finally")
-        level = len(open_headers) - (1 if closes or clause else 0)
-        indentation = _INDENT * max(0, level)
+        clause = code.partition(" ")[0].rstrip(":") in CLAUSES
+        indentation = INDENT * max(0, len(open_headers) - (closes or clause))
         rows.append(indentation + source.text[start:end])
         offsets.append(start - first - len(indentation))
         if closes and open_headers:
@@ -130,21 +127,14 @@ def _unfold(source: SourceFile, lexed: Lexed, problems: list[Diagnostic]) -> tup
             open_headers.append((start, end))
     for start, end in open_headers:
         row, column = lexed.place(start)
-        problems.append(
-            diagnostic(
-                "E102",
-                row,
-                column,
-                f"this `{masked[start:end].partition(' ')[0].rstrip(':')}` has no `end`",
-                end_column=column + end - start,
-                hint="in a single line every block needs its `end`",
-            )
-        )
+        text = f"this `{masked[start:end].partition(' ')[0].rstrip(':')}` has no `end`"
+        hint = "in a single line every block needs its `end`"
+        problems.append(diagnostic("E102", row, column, text, end_column=column + end - start, hint=hint))
     return "\n".join(rows), Unfolding(line.line, tuple(offsets))
 
 
 def _pieces(masked: str, line: LogicalLine) -> list[tuple[int, int]]:
-    """(start, end) of what stands between the semicolons of a line, without blanks around it."""
+    """Return (start, end) of what stands between the semicolons of a line, without blanks around it."""
     pieces = []
     depth = 0
     begin = line.start

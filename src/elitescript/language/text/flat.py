@@ -1,7 +1,7 @@
-"""Texts whose indentation is lost, as PDF viewers and chat windows hand them out.
+"""Restores lost indentation, as of texts copied from PDF viewers and chat windows.
 
-Such a text begins every line in column 1. What `end` closes still says which lines belong together, so the
-columns are restored for whoever reads the blocks, and the loss is reported once instead of at every header.
+Such a text begins every line in column 1. Its `end`s still show which lines belong together, so the columns are
+restored before the blocks are read, and the loss is reported once instead of at every header.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from elitescript.language.text.rewriting import Draft
 INDENT: Final = "  "
 
 _DEEPEST: Final = 50
-"""Blocks inside each other that are restored; a text with more is no program that lost its blanks."""
+"""Deepest nesting that is restored; a text with more is not a program that lost its blanks."""
 
-_CLAUSES: Final = frozenset(("elif", "else", "except", "finally"))
+CLAUSES: Final = frozenset(("elif", "else", "except", "finally"))
 _HEADERS: Final = frozenset(("if", "for", "while", "try", "with", "def", "class", "sec", "thread"))
 
 
@@ -45,15 +45,11 @@ def restore_indentation(draft: Draft) -> None:
         ]
         fix = Fix("indent the lines as their `end`s say", tuple(edits), safe=True)
         hint = "indent the lines between each header and its `end` by two or four blanks"
-    draft.report(
-        "E001",
-        first.start,
-        first.start + max(1, len(first.word)),
+    text = (
         f"the indentation is lost: every line begins in column 1, so nothing is inside the `{header.word}` "
-        f"of line {header.line}",
-        hint,
-        fix,
+        f"of line {header.line}"
     )
+    draft.report("E001", first.start, first.start + max(1, len(first.word)), text, hint, fix)
     for line, depth in zip(lines, depths, strict=True):
         if depth:
             line.column = len(INDENT) * depth
@@ -62,7 +58,7 @@ def restore_indentation(draft: Draft) -> None:
 
 def _opens(draft: Draft, line: LogicalLine) -> bool:
     """Return whether the body of a line has to stand on the lines below it."""
-    if line.word not in _HEADERS and line.word not in _CLAUSES:
+    if line.word not in _HEADERS and line.word not in CLAUSES:
         return False
     code = draft.code(line)
     return header_colon(code) == len(code) - 1
@@ -73,11 +69,11 @@ def _is_end(draft: Draft, line: LogicalLine) -> bool:
 
 
 def _closes(draft: Draft, line: LogicalLine) -> bool:
-    return line.word in _CLAUSES or _is_end(draft, line)
+    return line.word in CLAUSES or _is_end(draft, line)
 
 
 def _depths(draft: Draft, lines: list[LogicalLine]) -> tuple[list[int], bool]:
-    """Return how deep each line stands, and whether every block has its `end`, so that no other reading is possible."""
+    """Return the depth of each line, and whether every block has its `end`, which leaves no other reading."""
     depths = []
     depth = 0
     is_certain = True
@@ -86,7 +82,7 @@ def _depths(draft: Draft, lines: list[LogicalLine]) -> tuple[list[int], bool]:
             is_certain = is_certain and depth > 0
             depth = max(0, depth - 1)
             depths.append(depth)
-        elif line.word in _CLAUSES:
+        elif line.word in CLAUSES:
             is_certain = is_certain and depth > 0 and _opens(draft, line)
             depths.append(max(0, depth - 1))
         else:

@@ -1,10 +1,10 @@
-"""Strings, comments, brackets and logical lines of a text.
+"""Finds strings, comments, brackets and logical lines of a text.
 
 A *logical line* is Python's: physical lines joined by brackets, backslashes and triple quotes,
 without the comment behind it. `lex` finds them all and makes a *masked* copy of the text with
 the same length, in which strings are runs of `"`, and comments, line ends inside a logical line
-and backslashes that continue one are blanks. Rules about the text look at the masked copy and
-so never see what is only quoted.
+and backslashes that continue one are blanks. Rules about the text read the masked copy, so quoted
+text never matches.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ STRING_FILL = '"'
 CLOSER_OF = {"(": ")", "[": "]", "{": "}"}
 
 # Reading again behind an open bracket or inside a formatted string costs time in proportion to
-# the text; beyond this number of times the rest is taken as it comes.
+# the text; after this number of times nothing is read again.
 _MAX_RESCANS = 20
 
 # No expression can contain one of these words at the start of a line, so they prove that a
@@ -63,11 +63,11 @@ class LogicalLine:
         self.word = ""
         """The identifier or keyword at its start; empty if it starts with something else."""
         self.broken = False
-        """It has a flaw, so Python's parser should not see it."""
+        """Whether it has a flaw, so that Python's parser must not read it."""
 
 
 class Lexed:
-    """What `lex` found."""
+    """Result of `lex`."""
 
     __slots__ = ("flaws", "lines", "masked", "starts", "strings", "text")
 
@@ -81,7 +81,7 @@ class Lexed:
         """Offset of each physical line."""
 
     def place(self, offset: int) -> tuple[int, int]:
-        """(line, column) of an offset, both from 1."""
+        """Return (line, column) of an offset, both from 1."""
         line = bisect_right(self.starts, offset)
         return line, offset - self.starts[line - 1] + 1
 
@@ -236,7 +236,6 @@ class _TextScanner:
         body = at + len(quote)
         end = self._string_end(body, quote, "f" in prefix)
         if end < 0:
-            self.broken = True
             hint = f"close it with {quote}"
             if len(quote) == 3:
                 self._flaw(start, body, "this triple-quoted string is never closed", hint)
@@ -271,12 +270,10 @@ class _TextScanner:
 
     def _close(self, mark: str, at: int) -> None:
         if not self.stack:
-            self.broken = True
             self._flaw(at, at + 1, f"this '{mark}' closes nothing", "remove it, or open the bracket before it")
             return
         opener, opened_at = self.stack.pop()
         if CLOSER_OF[opener] != mark:
-            self.broken = True
             line, column = self.lexed.place(opened_at)
             text = f"'{mark}' cannot close the '{opener}' of line {line}, column {column}"
             self._flaw(at, at + 1, text, f"close it with '{CLOSER_OF[opener]}'")
@@ -291,7 +288,6 @@ class _TextScanner:
         if opener == "{" and self.text[at + 1 : at + 2] in ("", "\n"):
             hint += ", or `:` if a block begins here"
         self._flaw(at, at + 1, f"this '{opener}' is never closed", hint)
-        self.broken = True
         self.rescans += 1
         starts, text = self.lexed.starts, self.text
         line = self._line_behind(logical, at) if self.rescans < _MAX_RESCANS else len(starts)
@@ -331,6 +327,7 @@ class _TextScanner:
         return named is not None and named.group() in _STATEMENT_WORDS
 
     def _flaw(self, start: int, end: int, text: str, hint: str) -> None:
+        self.broken = True
         self.lexed.flaws.append(Flaw(start, end, text, hint))
 
     def _fill(self, start: int, end: int, character: str) -> None:

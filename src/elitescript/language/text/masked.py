@@ -1,4 +1,4 @@
-"""Finding one's way in masked code, where strings and comments cannot mislead."""
+"""Searches masked code, in which strings and comments cannot match."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ NAME = r"[^\W\d]\w*"
 """Pattern of an identifier."""
 
 WIDE_COLON = "\uff1a"
-"""The colon of Chinese keyboards, which is reported as what it is."""
+"""The colon of Chinese keyboards, reported by its own rule."""
 
 OPERATOR_WORDS = frozenset(("and", "as", "else", "for", "from", "if", "import", "in", "is", "not", "or"))
 """Keywords that may follow a value."""

@@ -1,7 +1,7 @@
-"""Rewriting a text without losing the author's places.
+"""Rewrites a text and keeps the author's positions.
 
 A `Draft` collects findings and replacements while the text is examined. It never adds or
-removes a line. `PositionMap` leads from a place in the rewritten text back to the author's.
+removes a line. `PositionMap` maps a position in the rewritten text to the author's.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from elitescript.language.text.masked import NAME, compiled, top_level
 from elitescript.language.text.source import SourceFile
 
 _MAX_MATCHES = 50
-"""Findings of one rule in one text; more would not help anybody."""
+"""Limit of findings of one rule in one text."""
 _MAX_FINDINGS = 300
-"""Errors, and warnings, of one text before it reaches Python's parser."""
+"""Limit of errors, and of warnings, of one text before it reaches Python's parser."""
 
 
 class Replacement(NamedTuple):
@@ -54,7 +54,7 @@ class _Shift(NamedTuple):
 
 
 class PositionMap:
-    """From places in the rewritten text to places in the author's text.
+    """Maps positions in the rewritten text to positions in the author's text.
 
     Args:
         shifts: by line, the replacements that changed its length, from left to right.
@@ -95,7 +95,7 @@ class PositionMap:
 
 
 class BlockEnd(NamedTuple):
-    """Where a block ends, and whether an `end` says so.
+    """Where a block ends, and whether an `end` closes it.
 
     Attributes:
         word: the keyword of its header; empty for a line that only looks like one.
@@ -123,7 +123,7 @@ class Draft:
         broken: logical lines that Python's parser must not see; they become placeholders.
         dropped: logical lines that become blank.
         ends: where blocks end whose body has lines of its own, in the order of their ends.
-        headers: for each logical line that opens a block or goes on with the next clause of one,
+        headers: for each logical line that opens a block or a further clause of one,
             the index of its colon in `code(line)`; the length of the code if the colon is missing.
         marks: (line, column) of each `$ LINE`, as the author wrote it.
         secondaries: lines of `sec` headers.
@@ -181,7 +181,7 @@ class Draft:
         fix: Fix | None = None,
         severity: Severity | None = None,
     ) -> None:
-        """Add a finding about the characters from `start` up to `end`; very many are only counted."""
+        """Add a finding about the characters from `start` up to `end`, within `_MAX_FINDINGS`."""
         line, column = self.place(start)
         end_line, end_column = self.place(end)
         found = diagnostic(
@@ -200,26 +200,26 @@ class Draft:
         return Edit(*self.place(start), *self.place(end), text)
 
     def replace(self, start: int, end: int, text: str) -> None:
-        """Hand `text` to Python in place of the characters from `start` up to `end`."""
+        """Replace the characters from `start` up to `end` in the text for Python."""
         self._replacements.append(Replacement(start, end, text))
 
     def blank(self, start: int, end: int) -> None:
-        """Hide characters of one line from Python."""
+        """Replace characters of one line by blanks in the text for Python."""
         self.replace(start, end, " " * (end - start))
 
     def hide(self, line: LogicalLine, start: int, end: int) -> None:
-        """Keep characters from Python; if they reach over a line end, the whole logical line."""
+        """Hide characters from Python; if they span a line end, the whole logical line."""
         if "\n" in self.lexed.text[start:end]:
             self.broken.add(line)
         else:
             self.blank(start, end)
 
     def is_visible(self, line: LogicalLine) -> bool:
-        """Return whether Python is to see the line as it is."""
+        """Return whether Python reads the line as it is."""
         return not line.broken and line not in self.broken and line not in self.dropped
 
     def statements(self, line: LogicalLine) -> Iterator[tuple[int, int, str]]:
-        """(start, end, first word) of the header and of each simple statement of a visible line."""
+        """Yield (start, end, first word) of the header and of each simple statement of a visible line."""
         code = self.code(line)
         pieces = []
         begin = 0
@@ -239,7 +239,7 @@ class Draft:
                 yield start, start + len(stripped), word.group() if word else ""
 
     def find(self, pattern: str) -> Iterator[tuple[LogicalLine, re.Match[str]]]:
-        """Matches of a pattern in the code of visible lines; a bounded number of them."""
+        """Yield at most `_MAX_MATCHES` matches of a pattern in the code of visible lines."""
         lines = self.lexed.lines
         left = _MAX_MATCHES
         for found in compiled(pattern).finditer(self.lexed.masked):
@@ -251,7 +251,7 @@ class Draft:
                     return
 
     def finish(self) -> tuple[str, PositionMap]:
-        """Return the rewritten text and the way back from it. Replacements must not overlap."""
+        """Return the rewritten text and its position map. Replacements must not overlap."""
         text = self.lexed.text
         if not self._replacements:
             return text, PositionMap({}, self.unfolding)

@@ -68,12 +68,6 @@ def apply_fixes(text: str, fixes: Iterable[Fix]) -> str:
 
 
 def _bad_byte(data: bytes, position: int) -> Diagnostic:
-    before = SourceFile("", data[:position].decode("utf-8"))
-    line = len(before.lines)
-    return diagnostic(
-        "E002",
-        line,
-        len(before.lines[-1]) + 1,
-        f"byte 0x{data[position]:02X} is not UTF-8 text",
-        hint="save the file as UTF-8",
-    )
+    lines = SourceFile("", data[:position].decode("utf-8")).lines
+    text = f"byte 0x{data[position]:02X} is not UTF-8 text"
+    return diagnostic("E002", len(lines), len(lines[-1]) + 1, text, hint="save the file as UTF-8")

@@ -1,4 +1,4 @@
-"""Where string literals begin and end."""
+"""Finds where string literals begin and end."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from functools import cache
 
 _MAX_NESTING = 8
-"""Formatted strings inside formatted strings; more are read as they come."""
+"""Deepest nesting of formatted strings that is followed."""
 
 
 @cache
@@ -30,7 +30,7 @@ def prefix_start(text: str, quote_at: int) -> int:
 
 
 def formatted_end(text: str, position: int, quote: str, nesting: int = 0, in_spec: bool = False) -> int:
-    """End of the literal part of a formatted string: behind `quote`, or at the `}` of a field."""
+    """Return the end of the literal part of a formatted string: behind `quote`, or at the `}` of a field."""
     while position < len(text):
         character = text[position]
         if character == "\\":
@@ -53,7 +53,7 @@ def formatted_end(text: str, position: int, quote: str, nesting: int = 0, in_spe
 
 
 def _field_end(text: str, position: int, quote: str, nesting: int) -> int:
-    """End of a replacement field, behind its `}`."""
+    """Return the end of a replacement field, behind its `}`; -1 if it is not closed."""
     if nesting > _MAX_NESTING:
         return -1
     depth = 0

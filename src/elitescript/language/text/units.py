@@ -1,6 +1,6 @@
-"""Units: which kind of program a text is, and where programs begin and end in a stream.
+"""Splits a stream of bytes into units, and determines the kind of each.
 
-Port 30001 takes text as it comes, without lengths or separators. A unit begins with `def name`
+Port 30001 takes text without lengths or separators. A unit begins with `def name`
 or `sec name(` at the start of a line and ends with the next `end` at the start of a line; outside
 units each statement is a unit of its own, a *line unit*.
 """
@@ -14,19 +14,16 @@ from functools import cache
 from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, diagnostic
-from elitescript.language.kinds import kind_of, outer_definition
 from elitescript.language.options import LINE, PROGRAM, SECONDARY
 from elitescript.language.text.lexer import structure_pattern
 from elitescript.language.text.strings import string_end_pattern
-
-__all__ = ["MAX_UNIT_BYTES", "SILENCE_S", "DiscardedText", "Unit", "UnitSplitter", "kind_of", "outer_definition"]
 
 MAX_UNIT_BYTES: Final = 4 * 1024 * 1024
 SILENCE_S: Final = 0.1
 """After this long without a byte, an `end` counts although no line feed follows it. *Assumed.*"""
 SILENT_LINE_MAX: Final = 8 * 1024
-"""Bytes of a line that silence ends; a longer one needs its line feed. *Assumed*: else each byte of a client that sends
-one now and then would have all of them looked at again."""
+"""Bytes of a line that silence ends; a longer one needs its line feed. *Assumed*: otherwise each
+byte of a slow client would cause a new scan of the whole line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,10 +45,10 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class DiscardedText:
-    """Text that was thrown away.
+    """Text that was discarded.
 
     Attributes:
-        problems: why; lines count from the first line of the refused text.
+        problems: the reasons; lines count from the first line of the refused text.
         first_line: number of that line in the stream, from 1.
     """
 
@@ -97,17 +94,14 @@ class UnitSplitter:
         self._after_cr = False
         self._line_number = 1
         self._tracker = _LineTracker()
-        self._lines: list[str] = []
-        self._kind = ""
         self._first_line = 1
-        self._size = 0
-        self._damaged = False
         self._overflow = False
         self._skip_line = False
+        self._reset()
 
     @property
     def pending(self) -> bool:
-        """Something waits for more bytes, for silence or for the end of the stream."""
+        """Whether text waits for more bytes, for silence or for the end of the stream."""
         return bool(self._partial or self._kind)
 
     def receive(self, data: bytes) -> list[Unit | DiscardedText]:
@@ -131,14 +125,13 @@ class UnitSplitter:
         return found
 
     def silence(self) -> list[Unit | DiscardedText]:
-        """`SILENCE_S` have passed: what looks complete counts as complete."""
+        """Return what looks complete, after `SILENCE_S` without a byte."""
         found: list[Unit | DiscardedText] = []
         if len(self._partial) > SILENT_LINE_MAX:
             return found
         line = self._decode(bytes(self._partial), peek=True)
         if self._kind in (PROGRAM, SECONDARY):
-            # Also when a bracket or a string is still open: then the text is faulty, and the
-            # author should hear of it now rather than never.
+            # Also when a bracket or a string is still open: the text is faulty, and is reported now.
             last = line if self._partial else self._lines[-1]
             if _closer().fullmatch(last):
                 self._take_partial(found)
@@ -157,7 +150,7 @@ class UnitSplitter:
         return found
 
     def drop_line(self) -> str:
-        """Throw away a line unit that is not complete, and return its text; a program is kept."""
+        """Discard a line unit that is not complete, and return its text; a program is kept."""
         if self._kind in (PROGRAM, SECONDARY):
             return ""
         text = "\n".join([*self._lines, self._decode(bytes(self._partial), peek=True)])
@@ -166,7 +159,7 @@ class UnitSplitter:
         return text
 
     def close(self) -> list[Unit | DiscardedText]:
-        """Return the peer closed: deliver what is complete, refuse what is not."""
+        """Return what is complete and refuse the rest, as the peer has closed its side."""
         found: list[Unit | DiscardedText] = []
         self._take_partial(found)
         if self._kind == LINE:
@@ -226,11 +219,10 @@ class UnitSplitter:
             if closes:
                 self._deliver(found)
         else:
-            code = line.strip(" \t\f")
-            if not self._kind and (not code or code[0] == "#"):
-                self._damaged = False
-                return
             if not self._kind:
+                if line.strip(" \t\f")[:1] in ("", "#"):
+                    self._damaged = False
+                    return
                 self._begin(LINE)
             self._add(line, size)
             if not self._tracker.inside:
@@ -254,26 +246,15 @@ class UnitSplitter:
 
     def _refuse(self, found: list[Unit | DiscardedText], reason: str) -> None:
         last = len(self._lines)
-        header = self._lines[0]
-        problem = diagnostic(
-            "E102",
-            1,
-            1,
-            f"this program has no `end`: {reason} after {last} {'line' if last == 1 else 'lines'}",
-            end_column=len(header) + 1,
-            hint="close it with `end` at the start of a line, and a line feed behind it",
-        )
+        text = f"this program has no `end`: {reason} after {last} {'line' if last == 1 else 'lines'}"
+        hint = "close it with `end` at the start of a line, and a line feed behind it"
+        problem = diagnostic("E102", 1, 1, text, end_column=len(self._lines[0]) + 1, hint=hint)
         found.append(DiscardedText((problem,), self._first_line))
         self._reset()
 
     def _overflowed(self, found: list[Unit | DiscardedText]) -> None:
-        problem = diagnostic(
-            "E102",
-            1,
-            1,
-            f"the text is longer than {self._max_bytes} bytes without an end",
-            hint="close programs with `end` at the start of a line",
-        )
+        text = f"the text is longer than {self._max_bytes} bytes without an end"
+        problem = diagnostic("E102", 1, 1, text, hint="close programs with `end` at the start of a line")
         first = self._first_line if self._kind else self._line_number
         found.append(DiscardedText((problem,), first))
         self._overflow = self._kind in (PROGRAM, SECONDARY)
@@ -282,14 +263,14 @@ class UnitSplitter:
 
     def _reset(self) -> None:
         self._kind = ""
-        self._lines = []
+        self._lines: list[str] = []
         self._size = 0
         self._damaged = False
         self._tracker.reset()
 
 
 class _LineTracker:
-    """Follows physical lines one by one; `inside` tells whether the next one goes on."""
+    """Follows physical lines one by one."""
 
     __slots__ = ("continued", "depth", "quote")
 
@@ -303,7 +284,7 @@ class _LineTracker:
 
     @property
     def inside(self) -> bool:
-        """The next physical line belongs to the same logical line."""
+        """Whether the next physical line belongs to the same logical line."""
         return bool(self.depth or self.quote or self.continued)
 
     def advance(self, line: str) -> None:

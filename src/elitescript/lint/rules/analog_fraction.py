@@ -1,6 +1,6 @@
 """An analog level outside 0 to 1: it is a fraction of the range of the output, neither volts nor amperes.
 
-The controller limits it to the range without a word.
+The controller limits it to the range without a message.
 
     def job():
       set_standard_analog_out(0, 24)              # W234: 1 is 10 V

@@ -1,7 +1,7 @@
 """An angle that looks like degrees: all angles are in radians.
 
 An angle counts from 10 rad on, and from a full turn on, 6.283 rad, if it is a round number. In between it may be a sum
-of turns in a pose; for joint positions W236 speaks, because no joint turns further than that.
+of turns in a pose; for joint positions W236 reports it, because no joint turns further than that.
 
     def job():
       movej([0, -90, 90, 0, 90, 0])               # W230: d2r(-90) is -1.5708

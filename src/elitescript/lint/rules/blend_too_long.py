@@ -25,7 +25,7 @@ from elitescript.messages.motion import BLEND_SHARE, RADIUS_HINT, RADIUS_SHORTEN
 
 _MOVES: Final = ("movel", "movej", "movec", "movep")
 _ROOM: Final = 1e-3
-"""Radii that are longer by a smaller share come from rounded numbers."""
+"""Relative tolerance of the radius, for rounded numbers."""
 
 
 @rule(code="W235", since="0.2")
@@ -64,9 +64,7 @@ def _block_findings(
         place = calls.get(call) if isinstance(call, ast.Call) else None
         if place is None:
             # A plain assignment moves nothing.
-            if not (
-                isinstance(statement, ast.Assign) and not any(isinstance(n, ast.Call) for n in ast.walk(statement))
-            ):
+            if not isinstance(statement, ast.Assign) or any(isinstance(n, ast.Call) for n in ast.walk(statement)):
                 start = None
             continue
         if _name(program, place) in _MOVES:
@@ -85,8 +83,7 @@ def _judged(program: AnalysedProgram, places: TargetPlaces, start: int, place: i
         return
     most = _most(places, program, start, place)
     if most is not None and most > 0.0 and most < r * (1.0 - _ROOM):
-        text = RADIUS_SHORTENED.format(r=float(r), most=most)
-        yield Finding(node, text, RADIUS_HINT.format(most=most))
+        yield Finding(node, RADIUS_SHORTENED.format(r=float(r), most=most), RADIUS_HINT.format(most=most))
 
 
 def _most(places: TargetPlaces, program: AnalysedProgram, start: int, place: int) -> float | None:

@@ -1,7 +1,7 @@
 """A function that is defined twice in the same block.
 
-The second `def` takes the place of the first one, which then nobody can call any more; usually a piece of the text
-was pasted twice, or two functions got the same name by mistake. A first one that is used before the second comes,
+The second `def` replaces the first one, which then cannot be called any more; usually a piece of the text was
+pasted twice, or two functions got the same name by mistake. A first one that is used before the second comes,
 and definitions in different branches of an `if` or `try`, are left alone; so is what the pendant's plug-ins repeat
 word by word for each of their nodes, in texts with line marks.
 
@@ -40,7 +40,7 @@ def duplicate_function(program: AnalysedProgram) -> Iterator[Finding]:
                     name = statement.name
                     yield Finding(
                         program.name_span(statement, name),
-                        f"`{name}` is defined already in line {before.lineno}: nobody can call that one any more",
+                        f"`{name}` is defined already in line {before.lineno}: that one can no longer be called",
                         "remove one of the two, or give it another name",
                     )
                 if statement.decorator_list:
@@ -71,7 +71,7 @@ def _blocks(statements: list[ast.stmt]) -> Iterator[list[ast.stmt]]:
 
 
 def _forget_used(latest: dict[str, ast.FunctionDef], statement: ast.stmt) -> None:
-    """A statement between two definitions may use the first one, itself or through what it calls."""
+    """Remove from `latest` the functions that a statement may use, itself or through what it calls."""
     for node in ast.walk(statement):
         if isinstance(node, ast.Call):
             latest.clear()

@@ -22,14 +22,13 @@ from elitescript.lint.registry import Finding, rule
 @rule(code="W205", since="0.1")
 def forbidden_in_secondary(program: AnalysedProgram) -> Iterator[Finding]:
     """Report such calls inside `sec`."""
-    inside = [(node.lineno, node.end_lineno or node.lineno) for node in program.secondaries]
-    if not inside:
+    if not program.secondaries:
         return
     forbidden = [(call, command.name) for command, call, _ in program.command_calls if not command.works_in_sec]
     forbidden += [(call, _PYTHON_SLEEP) for call in _python_sleeps(program)]
     forbidden += _remote_calls(program)
     for call, name in forbidden:
-        if any(first <= call.lineno <= last for first, last in inside):
+        if program.is_in_secondary(call):
             yield Finding(
                 call.func,
                 f"a secondary program (sec) may not call {name}: it cannot move the arm, wait or start threads",
@@ -47,8 +46,7 @@ def _remote_calls(program: AnalysedProgram) -> Iterator[tuple[ast.Call, str]]:
         for call in scope.calls:
             base = call.func.value if isinstance(call.func, ast.Attribute) else None
             if isinstance(base, ast.Name):
-                home = scope.home(base.id)
-                bindings = home.bindings[base.id] if home else program.symbols.global_bindings(base.id)
+                bindings = program.symbols.bindings(base.id, scope)
                 sources = [getattr(program.symbols.parent(binding.node), "value", None) for binding in bindings]
             else:
                 sources = [base]
@@ -68,9 +66,9 @@ def _python_sleeps(program: AnalysedProgram) -> Iterator[ast.Call]:
         for call in scope.calls:
             function = call.func
             if isinstance(function, ast.Name):
-                is_sleep = program.imported(function.id, scope) == _PYTHON_SLEEP
+                is_sleep = program.symbols.imported(function.id, scope) == _PYTHON_SLEEP
             elif isinstance(function, ast.Attribute) and isinstance(function.value, ast.Name):
-                is_sleep = function.attr == name and program.imported(function.value.id, scope) == module
+                is_sleep = function.attr == name and program.symbols.imported(function.value.id, scope) == module
             else:
                 is_sleep = False
             if is_sleep:

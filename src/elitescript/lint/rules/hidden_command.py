@@ -62,7 +62,7 @@ _PLAIN_WORDS: Final = frozenset(("end", "join", "kill", "local", "run", "thread"
 
 
 def _is_private(binding: Binding, scope: Scope) -> bool:
-    """It is a variable of one function alone."""
+    """Return whether it is a variable of one function alone."""
     return scope.kind == "function" and scope.has_local(binding.name) and binding.kind not in ("def", "class")
 
 

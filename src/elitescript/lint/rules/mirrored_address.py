@@ -37,8 +37,7 @@ def mirrored_address(program: AnalysedProgram) -> Iterator[Finding]:
             try:
                 check(int(address), 1)
             except MirroredAddressError as error:
-                yield Finding(
-                    node, f"{name}: {error}; nothing changes", "docs/reference/modbus.md lists what can be set"
-                )
+                hint = "docs/reference/modbus.md lists what can be set"
+                yield Finding(node, f"{name}: {error}; nothing changes", hint)
             except ArgumentRangeError:
                 continue  # the range of the parameter says so

@@ -1,10 +1,10 @@
 """An assignment that makes a local variable where a global is meant.
 
-In a function an assignment makes a new local variable, whatever the rest of the program calls global; the
-global keeps its value, and nobody says so. Found are names that the program's body declares `global` and a
-function assigns without declaring them; names that a function assigns for nobody while another one declares
-them; and names that the body assigns for itself while a function declares them. The variable of a `for` counts
-where only others look at it: what the function itself uses is meant to be its own.
+In a function an assignment makes a new local variable, whatever the rest of the program declares global; the
+global keeps its value, without a message. Found are names that the program's body declares `global` and a
+function assigns without declaring them; names that a function assigns without using them while another one
+declares them; and names that the body assigns for itself while a function declares them. The variable of a `for`
+counts where only other functions read it: what the function itself uses is meant to be its own.
 
     def job():
       global level
@@ -52,7 +52,7 @@ def missing_global(program: AnalysedProgram) -> Iterator[Finding]:
 
 _ASSIGNMENTS: Final = ("assign", "augmented", "annotated", "walrus")
 _LONGEST_COUNTER: Final = 2
-"""Characters of a name (`i`, `n2`) under which a loop only counts, whoever else has such a variable."""
+"""Most characters of a name (`i`, `n2`) that counts as that of a loop counter."""
 
 
 def _is_used(name: str, scope: Scope) -> bool:
@@ -79,7 +79,7 @@ def _declaring_scope(name: str, scope: Scope, program: AnalysedProgram) -> Scope
         return None
     if body in others:
         return body
-    # Two functions may use the same name for different things, but nobody assigns a variable for nothing.
+    # Two functions may use the same name for different things, but an assigned variable has a use.
     return None if _is_used(name, scope) else others[0]
 
 

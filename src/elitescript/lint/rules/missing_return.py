@@ -1,8 +1,7 @@
 """A function whose value is used, and that returns none on one of its paths.
 
-Who comes to the end of such a function gets `None`, and the alarm, or the wrong number, comes up elsewhere. A
-caller that asks for `None`, or only whether the value is true, gets along with it; so does a function that says
-`return None` itself.
+At its end such a function returns `None`, and the alarm, or the wrong number, comes up elsewhere. Callers that
+test for `None`, or only whether the value is true, are left alone, and so are functions with a `return None`.
 
     def job():
       def speed_of(part):        # W220: nothing is returned if part is neither 1 nor 2
@@ -20,7 +19,7 @@ import ast
 from collections.abc import Iterator
 
 from elitescript.language.symbols import Scope
-from elitescript.lint.flow import Flow, own_nodes
+from elitescript.lint.flow import Flow, is_generator, own_nodes
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -35,7 +34,7 @@ def missing_return(program: AnalysedProgram) -> Iterator[Finding]:
         if not isinstance(function, ast.FunctionDef) or scope.kind != "function" or function.decorator_list:
             continue
         returns = [node for node in own_nodes(function, ast.Return) if isinstance(node, ast.Return) and node.value]
-        if not returns or any(_is_none(node.value) for node in returns) or _is_generator(function):
+        if not returns or any(_is_none(node.value) for node in returns) or is_generator(function):
             continue
         if not flow.reaches_end(function.body):
             continue
@@ -48,10 +47,6 @@ def missing_return(program: AnalysedProgram) -> Iterator[Finding]:
                 f"and line {used} uses it",
                 "return a value on every path, also behind the last `if` or loop",
             )
-
-
-def _is_generator(function: ast.FunctionDef) -> bool:
-    return bool(own_nodes(function, ast.Yield) or own_nodes(function, ast.YieldFrom))
 
 
 def _is_none(node: ast.AST | None) -> bool:
@@ -105,7 +100,7 @@ def _asks_for_none(use: ast.expr, program: AnalysedProgram) -> bool:
 
 
 def _takes_none(use: ast.expr, program: AnalysedProgram) -> bool:
-    """Return whether a value is only asked whether it is true or equal to something, handed on, or never looked at."""
+    """Return whether a value is only tested for truth or equality, passed on, or ignored."""
     above = program.symbols.parent(use)
     if isinstance(above, ast.Compare):
         return all(isinstance(operator, (ast.Eq, ast.NotEq, ast.Is, ast.IsNot)) for operator in above.ops)

@@ -66,7 +66,7 @@ def _is_python_name(node: ast.Name, program: AnalysedProgram) -> bool:
 
 
 def _is_never_computed(node: ast.expr, program: AnalysedProgram) -> bool:
-    """Return whether it is the type of a variable of a function, which Python reads and forgets."""
+    """Return whether it is the type of a variable of a function, which Python does not evaluate."""
     child: ast.AST = node
     for above in program.symbols.ancestors(node):
         if isinstance(above, ast.stmt):
@@ -96,7 +96,7 @@ def _is_plain_decorator(node: ast.expr) -> bool:
 
 
 def _is_bracketed(block: ast.With, program: AnalysedProgram) -> bool:
-    """Return one pair of brackets holds all items, and these are more than an expression."""
+    """Return whether one pair of brackets holds all items, and these are more than an expression."""
     if len(block.items) == 1 and block.items[0].optional_vars is None:
         return False
     line, column = program.symbols.place(block)

@@ -20,15 +20,12 @@ from elitescript.lint.registry import Finding, rule
 @rule(code="W221", since="0.2")
 def poll_in_secondary(program: AnalysedProgram) -> Iterator[Finding]:
     """Report such calls inside `sec`."""
-    inside = [(node.lineno, node.end_lineno or node.lineno) for node in program.secondaries]
-    if not inside:
+    if not program.secondaries:
         return
     for command, call, _ in program.command_calls:
         if not command.waits or not command.works_in_sec:
             continue
-        if not any(param.name in _TIME_OUTS for param in command.params):
-            continue
-        if any(first <= call.lineno <= last for first, last in inside):
+        if any(param.name in _TIME_OUTS for param in command.params) and program.is_in_secondary(call):
             yield Finding(
                 call.func,
                 f"a secondary program (sec) does not wait: {command.name} looks once, whatever its time-out",

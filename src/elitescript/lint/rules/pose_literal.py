@@ -28,6 +28,5 @@ def pose_literal(program: AnalysedProgram) -> Iterator[Finding]:
         has_six = isinstance(node.slice, ast.Tuple) and len(node.slice.elts) == 6
         is_nothing = program.symbols.scope_of(name).resolve("p") is Resolution.BUILTIN
         if has_six or (is_nothing and isinstance(node.slice, ast.Tuple)):
-            line, column, end_line, end_column = program.span(name)
-            fix = Fix("leave the `p` out", (Edit(line, column, end_line, end_column, ""),), safe=True)
+            fix = Fix("leave the `p` out", (Edit(*program.span(name), ""),), safe=True)
             yield Finding(node, "`p[...]` is a pose of URScript; here a pose is a list", "leave the `p` out", fix)

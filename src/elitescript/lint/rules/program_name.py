@@ -15,7 +15,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from elitescript.language.kinds import SCRIPT
+from elitescript.language.options import SCRIPT
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -28,9 +28,8 @@ def program_name(program: AnalysedProgram) -> Iterator[Finding]:
         for use in program.unknown:
             if use.name == parsed.name:
                 text = f"`{use.name}` is the name of this program, not of a function: it is not defined here"
-                yield Finding(
-                    use.node, text, "for a loop write `while True:`; for a function, `def` inside the program"
-                )
+                hint = "for a loop write `while True:`; for a function, `def` inside the program"
+                yield Finding(use.node, text, hint)
     if parsed.kind == SCRIPT:
         yield from _trailing_calls(parsed.tree.body)
 

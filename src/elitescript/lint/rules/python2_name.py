@@ -48,7 +48,7 @@ _NAMES: Final = {
     "unicode": ("str", ""),
     "xrange": ("range", ""),
 }
-"""Each name with what takes its place, if that is a name, and the hint."""
+"""Each name with its replacement, if that is a name, and the hint."""
 
 _ITERATORS: Final = {"iteritems": "items", "iterkeys": "keys", "itervalues": "values"}
 
@@ -83,9 +83,7 @@ def _is_module(node: ast.expr, program: AnalysedProgram) -> bool:
     scope = program.symbols.scope_of(node)
     if scope.resolve(node.id) is Resolution.BUILTIN:
         return True
-    home = scope.home(node.id)
-    bindings = home.bindings[node.id] if home else program.symbols.global_bindings(node.id)
-    return any(binding.kind == "import" for binding in bindings)
+    return any(binding.kind == "import" for binding in program.symbols.bindings(node.id, scope))
 
 
 def _attribute_span(node: ast.Attribute, program: AnalysedProgram) -> Span:
@@ -98,10 +96,10 @@ def _replacement(span: Span, new: str) -> Fix:
 
 
 def _membership(call: ast.Call, function: ast.Attribute, program: AnalysedProgram) -> Fix | None:
-    line, column, end_line, end_column = program.span(call)
-    if line != end_line:
+    span = program.span(call)
+    if span.line != span.end_line:
         return None
-    row = program.source.line(line)
+    row = program.source.line(span.line)
     key, owner = (program.span(node) for node in (call.args[0], function.value))
     new = f"({row[key.column - 1 : key.end_column - 1]} in {row[owner.column - 1 : owner.end_column - 1]})"
-    return Fix("write `in`", (Edit(line, column, end_line, end_column, new),), safe=False)
+    return Fix("write `in`", (Edit(*span, new),), safe=False)

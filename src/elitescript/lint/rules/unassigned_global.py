@@ -17,7 +17,7 @@ import re
 from collections.abc import Iterator
 
 from elitescript.language.advice.unknown_names import nearest
-from elitescript.language.kinds import SCRIPT
+from elitescript.language.options import SCRIPT
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
 
@@ -44,10 +44,10 @@ def unassigned_global(program: AnalysedProgram) -> Iterator[Finding]:
 
 def _name_in(statement: ast.Global, name: str, program: AnalysedProgram) -> Span:
     """Return the place of the name in its declaration."""
-    line, column, end_line, end_column = program.span(statement)
-    for number in range(line, end_line + 1):
-        start = column if number == line else 1
+    span = program.span(statement)
+    for number in range(span.line, span.end_line + 1):
+        start = span.column if number == span.line else 1
         found = re.search(rf"(?<!\w){re.escape(name)}(?!\w)", program.source.line(number)[start - 1 :])
         if found:
             return Span(number, start + found.start(), number, start + found.end())
-    return Span(line, column, end_line, end_column)
+    return span

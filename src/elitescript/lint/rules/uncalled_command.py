@@ -80,8 +80,7 @@ def _is_condition(node: ast.Name, parent: ast.AST | None) -> bool:
 
 def _only_functions(name: str, scope: Scope, program: AnalysedProgram) -> list[ast.FunctionDef]:
     """Return the functions that a name stands for; none if it may be something else."""
-    home = scope.home(name)
-    bindings = home.bindings[name] if home else program.symbols.global_bindings(name)
+    bindings = program.symbols.bindings(name, scope)
     functions = [binding.node for binding in bindings if isinstance(binding.node, ast.FunctionDef)]
     return functions if len(functions) == len(bindings) else []
 
@@ -96,7 +95,7 @@ def _wants_the_result(program: AnalysedProgram, use: Use) -> bool:
     if isinstance(parent, ast.Expr):
         return True
     if isinstance(parent, _OPERATIONS):
-        # `f == sync` and `f is sync` ask which function f is.
+        # `f == sync` and `f is sync` test which function f is.
         return not isinstance(parent, ast.Compare) or not all(
             isinstance(operator, (ast.Eq, ast.NotEq, ast.Is, ast.IsNot)) for operator in parent.ops
         )
@@ -107,11 +106,10 @@ def _wants_the_result(program: AnalysedProgram, use: Use) -> bool:
 
 
 def _is_used_as_function(program: AnalysedProgram, name: str) -> bool:
-    """Return whether a name is called, or handed on to somebody who may call it."""
-    parent = program.symbols.parent
-    for node in program.nodes(ast.Name):
-        if node.id == name and isinstance(node.ctx, ast.Load):
-            above = parent(node)
-            if not isinstance(above, (ast.Expr, *_OPERATIONS)):
-                return True
-    return False
+    """Return whether a name is called, or passed on to what may call it."""
+    return any(
+        node.id == name
+        and isinstance(node.ctx, ast.Load)
+        and not isinstance(program.symbols.parent(node), (ast.Expr, *_OPERATIONS))
+        for node in program.nodes(ast.Name)
+    )

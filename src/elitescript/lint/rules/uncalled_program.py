@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.language.idle import idle_problem
-from elitescript.language.kinds import SCRIPT
+from elitescript.language.options import SCRIPT
 from elitescript.lint.effects import has_effect
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule

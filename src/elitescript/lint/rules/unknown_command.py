@@ -13,31 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.language.diagnostics import Edit, Fix
-from elitescript.language.kinds import SCRIPT
-from elitescript.lint.program import MOST_SUGGESTIONS, AnalysedProgram
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
 @rule(code="E301", since="0.1")
 def unknown_command(program: AnalysedProgram) -> Iterator[Finding]:
     """Report calls of unknown functions."""
-    hints: dict[tuple[str, int], tuple[str, str]] = {}
-    for use in program.unknown:
-        name = use.name
-        if not use.is_call or program.expects_missing_names(use.node):
-            continue
-        if program.parsed.kind == SCRIPT and name.startswith(GENERATED_PREFIXES):
-            continue
-        key = (name, id(use.scope))
-        if key not in hints:
-            hints[key] = program.meant_by(use, is_searched=len(hints) < MOST_SUGGESTIONS)
-        meant, hint = hints[key]
+    for use, meant, hint in program.undefined(is_call=True):
         if program.shares_globals and not hint:
             continue
-        fix = None
-        if meant:
-            line, column, end_line, end_column = program.span(use.node)
-            fix = Fix(f"write {meant}", (Edit(line, column, end_line, end_column, meant),), safe=False)
-        yield Finding(use.node, f"there is no command or function called `{name}`", hint, fix)
+        fix = Fix(f"write {meant}", (Edit(*program.span(use.node), meant),), safe=False) if meant else None
+        yield Finding(use.node, f"there is no command or function called `{use.name}`", hint, fix)

@@ -1,7 +1,7 @@
 """Code that is never reached, because the line above always leaves.
 
 Behind `return`, `raise`, `break`, `continue` and `halt()` nothing of the same block runs, nor behind an `if`
-of which every branch leaves. Lines that nobody misses (`pass`, a line mark, one more `return`, the `sync()` that
+of which every branch leaves. Lines without an effect (`pass`, a line mark, one more `return`, the `sync()` that
 generators put at the end of each loop) do not count.
 
     def job():
@@ -33,7 +33,7 @@ def unreachable_code(program: AnalysedProgram) -> Iterator[Finding]:
             if not _leaves(statement, program):
                 continue
             rest = block[index + 1 :]
-            first = next((other for other in rest if not _is_missed_by_nobody(other)), None)
+            first = next((other for other in rest if not _is_filler(other)), None)
             if first is None or _makes_generator(rest):
                 break
             if not any(start <= first.lineno <= end for start, end in reported):
@@ -98,7 +98,7 @@ def _leaves(statement: ast.stmt, program: AnalysedProgram, depth: int = 0) -> bo
     return command is None or program.is_available(command)
 
 
-def _is_missed_by_nobody(statement: ast.stmt) -> bool:
+def _is_filler(statement: ast.stmt) -> bool:
     if isinstance(statement, (ast.Pass, ast.Global, ast.Nonlocal, ast.Break, ast.Continue)):
         return True
     if isinstance(statement, ast.Return):
@@ -110,5 +110,5 @@ def _is_missed_by_nobody(statement: ast.stmt) -> bool:
 
 
 def _makes_generator(statements: list[ast.stmt]) -> bool:
-    """`return` and a `yield` behind it: a generator without elements."""
+    """Return whether a `yield` is among them: behind a `return` it makes a generator without elements."""
     return any(isinstance(node, (ast.Yield, ast.YieldFrom)) for top in statements for node in ast.walk(top))

@@ -57,9 +57,9 @@ def unreachable_target(program: AnalysedProgram) -> Iterator[Finding]:
             for index, number in enumerate(items):
                 low, high = ranges[index]
                 if isinstance(number, (int, float)) and not low <= number <= high:
-                    whose = "of every arm" if program.arm is None else f"of joint {_JOINT_NAMES[index]}"
+                    owner = "of every arm" if program.arm is None else f"of joint {_JOINT_NAMES[index]}"
                     bounds = f"{low:.4g} to {high:.4g} rad"
-                    text = f"{what}[{index}] is {number:.6g} rad, outside the range {whose}, {bounds}"
+                    text = f"{what}[{index}] is {number:.6g} rad, outside the range {owner}, {bounds}"
                     hint = "choose a target inside the range; a full turn less is the same direction"
                     yield Finding(element(node, index), text, hint)
                     break

@@ -17,7 +17,7 @@ import ast
 from collections.abc import Iterator
 
 from elitescript.language.options import LINE
-from elitescript.lint.effects import has_effect, is_tried
+from elitescript.lint.effects import has_effect
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -30,7 +30,7 @@ def unused_result(program: AnalysedProgram) -> Iterator[Finding]:
     has_classes = bool(program.nodes(ast.ClassDef))
     for statement in program.nodes(ast.Expr):
         value = statement.value
-        if is_tried(statement, program):
+        if program.is_tried(statement):
             continue
         if isinstance(value, ast.Call) and not has_effect(value, program):
             name = ast.unparse(value.func)

@@ -2,7 +2,7 @@
 
 Python works out the value and throws it away. Mostly something is missing: `==` stands where `=` was meant, the
 parentheses of a method, or the line belongs to the one above it. Texts in quotes serve as comments, and in a
-`try` a program may only ask whether something is there; both are left alone.
+`try` a program may only test whether something exists; both are left alone.
 
     def job():
       parts == 0                 # W218: is `parts = 0` meant?
@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.options import LINE
 from elitescript.language.symbols import Resolution
-from elitescript.lint.effects import has_effect, is_tried
+from elitescript.lint.effects import has_effect
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -32,7 +32,7 @@ def useless_statement(program: AnalysedProgram) -> Iterator[Finding]:
     properties = {function.name for function in program.nodes(ast.FunctionDef) if function.decorator_list}
     for statement in program.nodes(ast.Expr):
         value = statement.value
-        if is_tried(statement, program):
+        if program.is_tried(statement):
             continue
         if isinstance(value, ast.Compare) and not has_operators:
             yield _comparison(value, program)
@@ -69,7 +69,7 @@ _OPERATOR_FREE = frozenset(("__init__", "__str__", "__repr__", "__call__", "__en
 
 
 def _is_text(value: ast.expr) -> bool:
-    """Return a comment in quotes, or the three dots of a body that is still to be written."""
+    """Return whether it is a comment in quotes, or the three dots of a body still to be written."""
     return isinstance(value, ast.Constant) and (isinstance(value.value, (str, bytes)) or value.value in (..., None))
 
 
