@@ -167,7 +167,7 @@ def test_a_misspelt_keyword_is_refused_as_by_any_function():
 def test_the_signature_names_every_option_with_its_default():
     shown = inspect.signature(VirtualRobot).parameters
     assert not [name for name, row in shown.items() if row.kind is row.VAR_KEYWORD]
-    in_virtual_time = {**BY_HAND, "power_on": True, "confirms_popups": True}
+    in_virtual_time = {**BY_HAND, "model": None, "power_on": True, "confirms_popups": True}
     assert {name: row.default for name, row in shown.items() if name in BY_HAND} == in_virtual_time
     assert shown["task_dir"].default is None
     assert (str(shown["joints"].annotation), shown["joints"].kind.name) == ("Six | None", "KEYWORD_ONLY")
